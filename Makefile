@@ -1,0 +1,20 @@
+# Two commands do everything: `make map` and `make test`. The plain pip lines stand beside them in README.md.
+PYTHON ?= python3
+VENV := .venv
+READY := $(VENV)/.ready
+
+.PHONY: map test clean
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install --quiet --constraint constraints.txt --editable '.[test]'
+	touch $@
+
+map: $(READY)
+	$(VENV)/bin/python -m pipeline plane=omega_fe
+
+test: $(READY)
+	$(VENV)/bin/python -m pytest
+
+clean:
+	rm -rf $(VENV)

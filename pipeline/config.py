@@ -1,0 +1,160 @@
+"""From overrides to a checked configuration: composition by Hydra, types by the schema, one line for every mistake."""
+
+import itertools
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from pipeline.errors import ConfigurationError
+from pipeline.schema import Configuration
+
+__all__ = ["Settings", "compose", "conf_folder", "expand"]
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]*")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """One composed, typed and resolved configuration.
+
+    Parameters
+    ----------
+    config : Configuration
+    overrides : tuple of str
+        As the user typed them.
+    choices : dict
+        Which file each group took, e.g. {"gear": "published"}.
+    """
+
+    config: Configuration
+    overrides: tuple[str, ...]
+    choices: dict[str, str]
+
+    @property
+    def store_name(self) -> str:
+        """`store.name`, or the plane's name with -<gear> unless published and -<quality> unless paper."""
+        if self.config.store.name is not None:
+            return self.config.store.name
+        extras = [(self.choices["gear"], "published"), (self.choices["quality"], "paper")]
+        return "-".join([self.choices["plane"], *(name for name, usual in extras if name != usual)])
+
+    @property
+    def store_path(self) -> Path:
+        """Where the store is."""
+        return Path(self.config.store.root) / f"{self.store_name}.zarr"
+
+    @property
+    def output_root(self) -> Path:
+        """Where everything that is not a store goes."""
+        return Path(self.config.output.root)
+
+    def overridden(self, key: str) -> bool:
+        """Whether the user gave this key, or one above or below it, a value."""
+        names = [re.split("[=@]", override.lstrip("+~"))[0] for override in self.overrides]
+        return any(name == key or name.startswith(f"{key}.") for name in names)
+
+    def yaml(self) -> str:
+        """The resolved configuration."""
+        return OmegaConf.to_yaml(OmegaConf.structured(self.config))
+
+
+def conf_folder() -> Path:
+    """The configuration folder: inside the installed package where it exists, else the repository's."""
+    package = Path(__file__).resolve().parent
+    for folder in (package / "conf", package.parent / "conf"):
+        if (folder / "config.yaml").is_file():
+            return folder
+    raise ConfigurationError(f"no configuration found at {package / 'conf'} or {package.parent / 'conf'}")
+
+
+def expand(overrides: Sequence[str]) -> list[list[str]]:
+    """All combinations of comma-separated values, in the order in which Hydra's multirun takes them."""
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+    from hydra.errors import HydraException
+
+    try:
+        parsed = OverridesParser.create().parse_overrides(list(overrides))
+    except HydraException as error:
+        raise ConfigurationError(_one_line(error)) from None
+    choices = []
+    for override in parsed:
+        if override.is_sweep_override():
+            key = override.get_key_element()
+            choices.append([f"{key}={value}" for value in override.sweep_string_iterator()])
+        else:
+            choices.append([override.input_line])
+    return [list(combination) for combination in itertools.product(*choices)]
+
+
+def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings:
+    """Compose, type and resolve one configuration.
+
+    Parameters
+    ----------
+    overrides : sequence of str
+        As typed, `gear.b=0.5`.
+    config_dir : str, optional
+        A folder with the user's own gear, plane, ... files.
+
+    Returns
+    -------
+    Settings
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the key.
+    """
+    import hydra
+    from hydra.errors import HydraException
+
+    extra = []
+    if config_dir is not None:
+        folder = Path(config_dir)
+        if not folder.is_dir():
+            raise ConfigurationError(f"--config-dir = {config_dir!r} is not allowed: it must be an existing folder")
+        extra = [f"hydra.searchpath=['file://{folder.resolve()}']"]
+    for override in overrides:
+        if override.lstrip("+~").startswith("hydra"):
+            raise ConfigurationError(f"{override}: Hydra's own settings are fixed here, so that it writes nothing")
+    try:
+        with hydra.initialize_config_dir(version_base="1.3", config_dir=str(conf_folder())):
+            composed = hydra.compose("config", [*overrides, *extra], return_hydra_config=True)
+        choices = dict(composed.hydra.runtime.choices)
+        plain = OmegaConf.masked_copy(composed, [key for key in composed if key != "hydra"])
+        typed = OmegaConf.merge(OmegaConf.structured(Configuration), plain)
+        OmegaConf.resolve(typed)
+        missing = OmegaConf.missing_keys(typed)
+        if missing:
+            raise ConfigurationError(f"{min(missing)} has no value")
+        config = OmegaConf.to_object(typed)
+    except (HydraException, OmegaConfBaseException) as error:
+        raise ConfigurationError(_one_line(error)) from None
+    groups = {key: str(value) for key, value in choices.items() if not key.startswith("hydra/")}
+    settings = Settings(config, tuple(overrides), groups)
+    if not _NAME.fullmatch(settings.store_name):
+        raise ConfigurationError(
+            f"store.name = {settings.store_name!r} is not allowed: "
+            "it must be a plain name of letters, digits and _ . + = -, without a folder"
+        )
+    return settings
+
+
+def _one_line(error: Exception) -> str:
+    """What Hydra or OmegaConf says, on one line that names the key."""
+    cause = error.__cause__ if isinstance(error.__cause__, OmegaConfBaseException) else None
+    text = " ".join(str(error).split())
+    if isinstance(error, OmegaConfBaseException) or cause is not None:
+        detail = cause or error
+        key = getattr(detail, "full_key", None)
+        said = str(detail.msg if getattr(detail, "msg", None) else detail).splitlines()[0]
+        if key and key not in said:
+            said = f"{key}: {said}"
+        # What Hydra adds in front names the override as typed.
+        first = text.split(". ")[0] if cause is not None and text != said else ""
+        return f"{first}. {said}" if first and first not in said else said
+    return text

@@ -1,0 +1,248 @@
+"""What a run will compute: the two axes, the gear of every row, and the blocks of rows that are chunks and tasks."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.config import Settings
+from pipeline.errors import ConfigurationError
+
+__all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan"]
+
+#: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
+SCHEMA_VERSION = 1
+
+_BLOCK_BYTES = 2**20
+_BLOCKS_AT_LEAST = 16
+
+
+@dataclass(frozen=True)
+class Axis:
+    """`num` values of one parameter from `low` to `high`, both included."""
+
+    name: str
+    low: float
+    high: float
+    num: int
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """The grid, (num,)."""
+        return np.linspace(self.low, self.high, self.num)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Rows start ... stop - 1: one chunk of the store and one task."""
+
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A plane to be computed, independent of files and executors.
+
+    Parameters
+    ----------
+    gear : dict
+        Keyword arguments of `solver.Model`, without what the axes replace.
+    sweep, parameter : Axis
+        Along a row, and from row to row.
+    omega : float or None
+        The frequency, where it is not an axis.
+    solver : dict
+        Continuation settings.
+    max_solutions, max_branches, max_points : int
+        Room per row.
+    """
+
+    gear: dict
+    sweep: Axis
+    parameter: Axis
+    omega: float | None
+    solver: dict
+    max_solutions: int
+    max_branches: int
+    max_points: int
+
+    @property
+    def numbers(self) -> dict:
+        """Everything that changes numbers, as plain data."""
+        return json.loads(json.dumps(asdict(self)))
+
+    @property
+    def digest(self) -> str:
+        """Digest of `numbers`."""
+        return numbers_digest(self.numbers)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.parameter.num, self.sweep.num
+
+    @property
+    def rows_per_block(self) -> int:
+        """Rows of a chunk: about 1 MB of the largest array, and at least sixteen blocks a plane; no more is needed to
+        keep workers busy, and the number of workers may not matter."""
+        row_bytes = 8 * max(self.sweep.num * self.max_solutions, self.max_points)
+        return max(1, min(_BLOCK_BYTES // row_bytes, -(-self.parameter.num // _BLOCKS_AT_LEAST)))
+
+    @property
+    def blocks(self) -> list[Block]:
+        """All blocks in order."""
+        size = self.rows_per_block
+        return [Block(i, min(i + size, self.parameter.num)) for i in range(0, self.parameter.num, size)]
+
+    @property
+    def bytes(self) -> int:
+        """Upper bound of the store's size, uncompressed."""
+        rows, columns = self.shape
+        return rows * (columns * (26 * self.max_solutions + 8) + 53 * self.max_points)
+
+
+def numbers_digest(numbers: dict) -> str:
+    """Digest of what changes numbers, the same on every machine."""
+    text = json.dumps({"schema": SCHEMA_VERSION, **numbers}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def plan(settings: Settings) -> Plan:
+    """Check a configuration and turn it into a plan.
+
+    Parameters
+    ----------
+    settings : Settings
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the key, its value and what is allowed.
+    """
+    from solver import GEOMETRIC, SCALAR_PARAMETERS
+
+    config = settings.config
+    axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS) for role in ("sweep", "parameter")}
+    sweep, parameter = axes["sweep"], axes["parameter"]
+    if sweep.name == parameter.name:
+        raise ConfigurationError(
+            f"plane.parameter.name = {parameter.name!r} is not allowed: the sweep axis has that name already"
+        )
+    cells = sweep.num * parameter.num
+    if cells > config.plane.max_cells:
+        raise ConfigurationError(
+            f"plane.sweep.num x plane.parameter.num = {cells} is not allowed: "
+            f"it must be at most plane.max_cells = {config.plane.max_cells:g}"
+        )
+    names = {sweep.name, parameter.name}
+    omega = config.plane.omega
+    if "omega" in names and omega is not None:
+        raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
+    if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
+        raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: it must be a finite number above 0")
+    for name in ("max_solutions", "max_branches", "max_points"):
+        low, high = (2, 10**7) if name == "max_points" else (1, 100)
+        value = getattr(config.store, name)
+        if not low <= value <= high:
+            raise ConfigurationError(f"store.{name} = {value} is not allowed: it must be from {low} to {high}")
+
+    gear = asdict(config.gear)
+    variation = gear.pop("variation")
+    gear.update(variation_translation=variation["translation"], variation_rotation=variation["rotation"])
+    for name in names & set(gear):
+        key = f"gear.{name.replace('variation_', 'variation.')}"
+        if settings.overridden(key):
+            raise ConfigurationError(f"{key} is not allowed here: {name} is an axis of this plane")
+        if isinstance(gear[name], list) and len(set(map(str, gear[name]))) > 1:
+            raise ConfigurationError(f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number")
+    # What an axis replaces does not belong to the configuration; its place is held by the axis's lowest value.
+    for axis in axes.values():
+        if axis.name in gear:
+            gear[axis.name] = axis.low
+    result = Plan(
+        {key: value for key, value in gear.items() if key not in names},
+        sweep,
+        parameter,
+        omega,
+        asdict(config.solver),
+        config.store.max_solutions,
+        config.store.max_branches,
+        config.store.max_points,
+    )
+    _check_numbers(result)
+    return result
+
+
+def _axis(role: str, axis, scalars) -> Axis:
+    name = axis.name.replace("gear.", "").replace("variation.", "variation_")
+    allowed = ("omega", *scalars)
+    if name not in allowed:
+        raise ConfigurationError(
+            f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
+        )
+    if not np.isfinite(axis.min) or (name == "omega" and axis.min <= 0.0):
+        extra = " above 0" if name == "omega" else ""
+        raise ConfigurationError(f"plane.{role}.min = {axis.min} is not allowed: it must be a finite number{extra}")
+    if not np.isfinite(axis.max) or axis.max <= axis.min:
+        raise ConfigurationError(
+            f"plane.{role}.max = {axis.max} is not allowed: it must be a finite number above plane.{role}.min = {axis.min}"
+        )
+    if axis.num < 2:
+        raise ConfigurationError(f"plane.{role}.num = {axis.num} is not allowed: it must be at least 2")
+    return Axis(name, float(axis.min), float(axis.max), int(axis.num))
+
+
+def _check_numbers(plan: Plan) -> None:
+    """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
+    from pipeline.sweep import continuation_of, model_at
+    from solver import ParameterError
+
+    gear_axes = {axis.name: role for role, axis in (("sweep", plan.sweep), ("parameter", plan.parameter))}
+    try:
+        continuation_of(plan.solver)
+    except ParameterError as error:
+        raise ConfigurationError(f"solver.{error}") from None
+    for row in (plan.parameter.low, plan.parameter.high):
+        for column in (plan.sweep.low, plan.sweep.high):
+            try:
+                model_at(plan, row, column)
+            except ParameterError as error:
+                base = error.name.split("[")[0]
+                if base in gear_axes:
+                    end = "min" if error.value == getattr(plan, gear_axes[base]).low else "max"
+                    key = f"plane.{gear_axes[base]}.{end}"
+                else:
+                    key = f"gear.{error.name.replace('variation_', 'variation.')}"
+                message = str(error).replace(error.name, key, 1)
+                raise ConfigurationError(message) from None
+
+
+def warnings(plan: Plan) -> list[str]:
+    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics."""
+    from pipeline.sweep import model_at
+
+    lines = []
+    corners = [
+        model_at(plan, row, column)
+        for row in (plan.parameter.low, plan.parameter.high)
+        for column in (plan.sweep.low, plan.sweep.high)
+    ]
+    lowest = min(model.lowest_stiffness() for model in corners)
+    if lowest < 0.0:
+        lines.append(f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical")
+    model = corners[0]
+    ratios = {xi / model.xi_mesh for xi in model.xi_translation} if model.xi_mesh > 0.0 else set()
+    if any(abs(ratio - kappa) > 1e-9 for ratio in ratios for kappa in model.kappa):
+        shown = ", ".join(f"{ratio:g}" for ratio in sorted(ratios))
+        lines.append(
+            f"gear.xi_translation/gear.xi_mesh = {shown} differs from gear.kappa = {model.kappa[0]:g}: "
+            "one mesh force would make them equal"
+        )
+    return lines

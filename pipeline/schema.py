@@ -1,0 +1,139 @@
+"""Types of every configuration key. Values live in conf/; what they may be is checked where they are used."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from omegaconf import MISSING
+
+__all__ = ["Configuration"]
+
+
+@dataclass
+class Variation:
+    """How much of the stiffness variation enters the translation rows and the mesh row."""
+
+    translation: float = MISSING
+    rotation: float = MISSING
+
+
+@dataclass
+class Gear:
+    """Dimensionless gear pair; see `solver.Model`. Keys of type Any take one number or a list."""
+
+    b: float = MISSING
+    alpha: float = MISSING
+    alpha_phase: float = MISSING
+    alpha_harmonics: list[list[float]] = MISSING
+    f_e: float = MISSING
+    f_e_phase: float = MISSING
+    f_e_harmonics: list[list[float]] = MISSING
+    f_pm: float = MISSING
+    f_pv: float = MISSING
+    kappa: Any = MISSING
+    xi_mesh: float = MISSING
+    xi_translation: Any = MISSING
+    xi_support: Any = MISSING
+    k_support: Any = MISSING
+    pitch_cone_angle: float = MISSING
+    pressure_angle: float = MISSING
+    translation_coupling: Any = MISSING
+    rotation_coupling: Any = MISSING
+    variation: Variation = MISSING
+
+
+@dataclass
+class Axis:
+    """One axis of a plane: `num` values from `min` to `max`, both included."""
+
+    name: str = MISSING
+    min: float = MISSING
+    max: float = MISSING
+    num: int = MISSING
+
+
+@dataclass
+class Plane:
+    """Two axes, and the frequency where it is neither of them."""
+
+    sweep: Axis = MISSING
+    parameter: Axis = MISSING
+    omega: float | None = MISSING
+    max_cells: float = MISSING
+
+
+@dataclass
+class Solver:
+    """Continuation settings; see `solver.Continuation`."""
+
+    corrector: str = MISSING
+    tolerance: float = MISSING
+    amplitude_max: float = MISSING
+    first_step: float = MISSING
+    largest_step: float = MISSING
+    smallest_step: float = MISSING
+    largest_angle: float = MISSING
+    largest_distance: float = MISSING
+    parameter_step: float = MISSING
+    growth: float = MISSING
+
+
+@dataclass
+class Cluster:
+    """Where tasks run."""
+
+    kind: str = MISSING
+    workers: int = MISSING
+    dashboard: bool = MISSING
+    address: str | None = MISSING
+    timeout: float = MISSING
+
+
+@dataclass
+class Quality:
+    """Resolution that planes use unless they say otherwise."""
+
+    sweep: int = MISSING
+    parameter: int = MISSING
+
+
+@dataclass
+class Output:
+    """Where everything goes."""
+
+    root: str = MISSING
+
+
+@dataclass
+class Store:
+    """The store of a plane, and how much a row may hold."""
+
+    root: str = MISSING
+    name: str | None = MISSING
+    overwrite: bool = MISSING
+    max_solutions: int = MISSING
+    max_branches: int = MISSING
+    max_points: int = MISSING
+
+
+@dataclass
+class Figures:
+    """What is drawn."""
+
+    curves: list[float] | None = MISSING
+    formats: list[str] = MISSING
+    dpi: int = MISSING
+
+
+@dataclass
+class Configuration:
+    """All of it."""
+
+    stages: list[str] = MISSING
+    gear: Gear = MISSING
+    plane: Plane = MISSING
+    solver: Solver = MISSING
+    cluster: Cluster = MISSING
+    quality: Quality = MISSING
+    output: Output = MISSING
+    store: Store = MISSING
+    figures: Figures = MISSING

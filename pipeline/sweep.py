@@ -1,0 +1,91 @@
+"""One block of rows: continue every row, write the block into the store, return a small receipt.
+
+This is what runs on workers. A row that fails is recorded with its reason and the others go on.
+"""
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from pipeline import store
+from pipeline.plan import Block, Plan
+from solver import Broyden, Continuation, Model, Newton, ParameterError, Row, RowError, sweep_row
+
+__all__ = ["Receipt", "continuation_of", "model_at", "sweep_block"]
+
+CORRECTORS = {"newton": Newton, "broyden": Broyden}
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """What came of one block: its failed rows (index and reason), branch points computed and seconds taken."""
+
+    block: Block
+    failures: tuple[tuple[int, str], ...]
+    points: int
+    seconds: float
+
+    @property
+    def rows(self) -> int:
+        """Number of rows done."""
+        return self.block.stop - self.block.start
+
+
+def continuation_of(settings: dict) -> Continuation:
+    """The continuation that the solver settings describe."""
+    settings = dict(settings)
+    name, tolerance = settings.pop("corrector"), settings.pop("tolerance")
+    if name not in CORRECTORS:
+        raise ParameterError("corrector", name, f"one of {', '.join(CORRECTORS)}")
+    return Continuation(corrector=CORRECTORS[name](tolerance=tolerance), **settings)
+
+
+def model_at(plan: Plan, row: float, column: float) -> Model:
+    """The gear at one point of the plane; omega, if it is an axis, is not the gear's."""
+    values = {plan.parameter.name: row, plan.sweep.name: column}
+    values.pop("omega", None)
+    return Model(**plan.gear, **values)
+
+
+def _sweep(plan: Plan, value: float, continuation: Continuation) -> Row:
+    omega = value if plan.parameter.name == "omega" else plan.omega
+    model = model_at(plan, value, plan.sweep.low)
+    row = sweep_row(model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation)
+    for name, size, room in (
+        ("max_solutions", row.mean.shape[1], plan.max_solutions),
+        ("max_branches", len(row.curves), plan.max_branches),
+        ("max_points", sum(len(curve.points) for curve in row.curves), plan.max_points),
+    ):
+        if size > room:
+            raise RowError(f"it needs room for {size}, more than store.{name} = {room}")
+    return row
+
+
+def sweep_block(path: str, plan: Plan, block: Block) -> Receipt:
+    """Compute one block of rows and write it; a row that raises is stored as failed, with the reason.
+
+    Parameters
+    ----------
+    path : str
+        The store, its template already written.
+    plan : Plan
+    block : Block
+
+    Returns
+    -------
+    Receipt
+    """
+    begin = perf_counter()
+    continuation = continuation_of(plan.solver)
+    rows: list[Row | str] = []
+    for value in plan.parameter.values[block.start : block.stop]:
+        try:
+            rows.append(_sweep(plan, float(value), continuation))
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError, MemoryError) as error:
+            reason = str(error) if isinstance(error, RowError) else f"{type(error).__name__}: {error}"
+            rows.append(reason)
+    store.write_block(path, plan, block, rows)
+    failures = tuple((block.start + i, row) for i, row in enumerate(rows) if isinstance(row, str))
+    points = sum(len(curve.points) for row in rows if isinstance(row, Row) for curve in row.curves)
+    return Receipt(block, failures, points, perf_counter() - begin)

@@ -1,0 +1,279 @@
+"""The compiled loop of pseudo-arc-length continuation; `solver.continuation` says what it does and promises."""
+
+import math
+
+import numpy as np
+from numba import types
+
+from solver.compiled import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.linear import dot
+from solver.landing import SETUP, Setup, land, locate, observe_from, orient, point_size
+
+__all__ = ["pin", "scaled_distance", "trace"]
+
+_I, _F = types.int64, types.float64
+
+# Slots of the settings array.
+FIRST, LARGEST, SMALLEST, ANGLE, DISTANCE, PARAMETER, GROWTH, CEILING, LOW, HIGH = range(10)
+
+# End reasons and events, as numbered by `EndReason` and `Event`.
+RANGE_LEFT, CLOSED, AMPLITUDE_CEILING, STEP_TOO_SMALL, ITERATION_LIMIT = range(1, 6)
+FOLD, BRANCH_POINT = 1, 6
+
+# A sign change of the bordered determinant is taken for a jump until the step is this small, then for a branch point.
+_BRANCH_POINT_STEP = 1e-4
+
+
+@kernel(types.boolean(_F, _F, _F, _F), inline=True)
+def _turns_twice(left, right, leave, arrive):
+    """Does the cubic with these ends and end slopes turn round inside although it leaves and arrives the same way?"""
+    a = 3.0 * (2.0 * (left - right) + leave + arrive)
+    b = 2.0 * (3.0 * (right - left) - 2.0 * leave - arrive)
+    if leave * arrive <= 0.0 or a == 0.0:
+        return False
+    x = -0.5 * b / a
+    return 0.0 < x < 1.0 and ((a * x + b) * x + leave) * leave <= 0.0
+
+
+@kernel(types.boolean(_F, _F, _F, _F), inline=True)
+def _touches_zero(left, right, leave, arrive):
+    """Does the cubic reach zero inside although both its ends lie on the same side of it?"""
+    if left * right <= 0.0 or leave * left >= 0.0 or arrive * right <= 0.0:
+        return False
+    # One extremum towards zero: bisect the derivative, which changes sign once between the ends.
+    a = 3.0 * (2.0 * (left - right) + leave + arrive)
+    b = 2.0 * (3.0 * (right - left) - 2.0 * leave - arrive)
+    low, high = 0.0, 1.0
+    for _ in range(30):
+        x = 0.5 * (low + high)
+        if ((a * x + b) * x + leave) * left < 0.0:
+            low = x
+        else:
+            high = x
+    return (((a * low / 3.0 + b / 2.0) * low + leave) * low + left) * left <= 0.0
+
+
+@kernel(_F(ARRAY, ARRAY, ARRAY), inline=True)
+def scaled_distance(left, right, scale):
+    """Distance of two points' y in scaled unknowns."""
+    total = 0.0
+    for j in range(scale.shape[0]):
+        total += ((left[j] - right[j]) / scale[j]) ** 2
+    return math.sqrt(total)
+
+
+@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F))
+def _hides_a_pair(setup, left, right, arc):
+    """Would the curve between two points fold twice, or reach a grazing and come back?"""
+    n, m = setup.unknowns, setup.monitors
+    p = setup.scale[n]
+    if _turns_twice(left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]):
+        return True
+    values, slopes = 2 * n + 2, 2 * n + 2 + m
+    for i in range(1, m):
+        if _touches_zero(left[values + i], right[values + i], arc * left[slopes + i], arc * right[slopes + i]):
+            return True
+    return False
+
+
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, MATRIX, ARRAY, types.int64[::1]))
+def _find_events(setup, left, right, arc, found, fractions, kinds):
+    """Locate the fold and the grazings between two points, in order of arc; their number, or -1 if one was not found."""
+    n, m = setup.unknowns, setup.monitors
+    count = 0
+    for event in range(FOLD, FOLD + m):
+        slot = 2 * n + 1 if event == FOLD else 2 * n + 2 + event - FOLD
+        if left[slot] == 0.0 or left[slot] * right[slot] > 0.0:
+            continue
+        fraction = locate(setup, left, right, arc, slot, left[: n + 1], 0.0, found[count])
+        if fraction < 0.0:
+            return -1
+        kinds[count], fractions[count] = event, fraction
+        k = count
+        while k > 0 and fractions[k - 1] > fractions[k]:
+            fractions[k - 1], fractions[k] = fractions[k], fractions[k - 1]
+            kinds[k - 1], kinds[k] = kinds[k], kinds[k - 1]
+            swap = found[k].copy()
+            found[k, :] = found[k - 1]
+            found[k - 1, :] = swap
+            k -= 1
+        count += 1
+    return count
+
+
+@kernel(types.void(SETUP, ARRAY, _F))
+def pin(setup, point, level):
+    """Move a point that lies within rounding of p = level onto it, unless fixed p is singular there (a fold)."""
+    n = setup.unknowns
+    normal, pinned = np.zeros(n + 1), point.copy()
+    normal[n] = 1.0
+    pinned[n] = level
+    if land(setup, pinned, normal) > 0 and np.max(np.abs((pinned - point)[: n + 1] / setup.scale)) < 1e-6:
+        sign = 1.0 if dot(pinned[n + 1 : 2 * n + 2], point[n + 1 : 2 * n + 2]) >= 0.0 else -1.0
+        for j in range(n + 1):
+            point[j] = pinned[j]
+            point[n + 1 + j] = sign * pinned[n + 1 + j]
+        point[-1] = sign * pinned[-1]
+        observe_from(setup, point)
+    point[n] = level
+
+
+@kernel(types.Tuple((_I, _F))(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY, types.boolean, ARRAY))
+def _find_end(setup, left, right, arc, settings, home, away, found):
+    """Does the curve end between two points? Reason (0 no, -1 not located) and fraction; `found` is the last point."""
+    n = setup.unknowns
+    reason, fraction = 0, 2.0
+    inside = settings[LOW] <= right[n] <= settings[HIGH] and right[2 * n + 2] <= settings[CEILING]
+    if inside and not (away and scaled_distance(right, home, setup.scale) <= 2.0 * arc):
+        return reason, fraction
+    plane, trial = home[n + 1 : 2 * n + 2] / setup.scale, found.copy()
+    for candidate in range(RANGE_LEFT, AMPLITUDE_CEILING + 1):
+        slot, level = -1, 0.0
+        if candidate == RANGE_LEFT:
+            if settings[LOW] <= right[n] <= settings[HIGH]:
+                continue
+            slot, level = n, settings[HIGH] if right[n] > settings[HIGH] else settings[LOW]
+        elif candidate == AMPLITUDE_CEILING:
+            if right[2 * n + 2] <= settings[CEILING]:
+                continue
+            slot, level = 2 * n + 2, settings[CEILING]
+        else:
+            level = dot(plane, home[: n + 1])
+            before, after = dot(plane, left[: n + 1]) - level, dot(plane, right[: n + 1]) - level
+            if not away or before >= 0.0 or after < 0.0:
+                continue
+        place = locate(setup, left, right, arc, slot, plane, level, trial)
+        if place < 0.0:
+            return -1, 0.0
+        if candidate == CLOSED and np.max(np.abs((trial - home)[: n + 1] / setup.scale)) > 1e-6:
+            continue
+        if place < fraction:
+            reason, fraction = candidate, place
+            found[:] = trial
+            if candidate == RANGE_LEFT:
+                pin(setup, found, level)
+            elif candidate == CLOSED:
+                found[:] = home
+    return reason, fraction
+
+
+@kernel(types.boolean(SETUP, ARRAY, _I, _F, _I, MATRIX, MATRIX, ARRAY, FLAGS, FLAGS))
+def _record(setup, point, event, arc, count, points, tangents, arclength, stable, events):
+    """Write one point of the branch; False if there is no room."""
+    if count >= points.shape[0]:
+        return False
+    n = setup.unknowns
+    points[count, :] = point[: n + 1]
+    tangents[count, :] = point[n + 1 : 2 * n + 2]
+    arclength[count], events[count] = arc, event
+    stable[count] = 1 if event != FOLD and point[2 * n + 1] * point[-1] > 0.0 else 0
+    return True
+
+
+@kernel(_F(SETUP, ARRAY, ARRAY, _F), inline=True)
+def _limited(setup, settings, point, step):
+    """The step within its bounds: absolute, per cent of the unknowns' size, and per move of p."""
+    n = setup.unknowns
+    size = 0.0
+    for j in range(n):
+        size = max(size, abs(point[j] / setup.scale[j]))
+    step = min(step, max(settings[LARGEST], settings[GROWTH] * size))
+    speed = abs(point[2 * n + 1]) * setup.scale[n]
+    return min(step, settings[PARAMETER] / speed) if speed > 0.0 else step
+
+
+@kernel(
+    types.UniTuple(_I, 3)(
+        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, ARRAY, _F, ARRAY,
+        MATRIX, MATRIX, ARRAY, FLAGS, FLAGS,
+    )
+)  # fmt: skip
+def trace(
+    corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, start, heading, settings,
+    points, tangents, arclength, stable, events,
+):  # fmt: skip
+    """Follow the curve from `start` (n + 1,) towards growing (heading 1) or falling (-1) p until it ends.
+
+    Fills points and tangents (capacity, n + 1), arclength, stable and events (capacity,).
+
+    Returns
+    -------
+    count, reason, refused : int
+        Points written, end reason (`EndReason`) and steps refused.
+    """
+    n = start.shape[0] - 1
+    setup = Setup(
+        corrector, tolerance, limit, balance, monitor, theta, direction, scale, n, monitors,
+        np.empty((3 * n + 6, n + 1)), np.empty((monitors, n + 1)),
+    )  # fmt: skip
+    size = point_size(setup)
+    here, there, last, guess = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(n + 1)
+    found, fractions, kinds = np.zeros((monitors, size)), np.empty(monitors), np.empty(monitors, np.int64)
+
+    here[: n + 1] = start
+    border = np.zeros(n + 1)
+    border[n] = heading
+    # The second call makes the determinant that of the tangent's own border, comparable with those that follow.
+    if not orient(setup, here, border) or not orient(setup, here, here[n + 1 : 2 * n + 2].copy()):
+        return 0, STEP_TOO_SMALL, 0
+    observe_from(setup, here)
+    home = here.copy()
+    _record(setup, here, 0, 0.0, 0, points, tangents, arclength, stable, events)
+    count, refused, travelled = 1, 0, 0.0
+    step = settings[FIRST]
+
+    while True:
+        step = _limited(setup, settings, here, step)
+        if step < settings[SMALLEST]:
+            return count, STEP_TOO_SMALL, refused
+        tangent, tangent_there = here[n + 1 : 2 * n + 2], there[n + 1 : 2 * n + 2]
+        for j in range(n + 1):
+            guess[j] = here[j] + step * tangent[j] * scale[j]
+            there[j] = guess[j]
+        iterations = land(setup, there, tangent)
+        if iterations < 0:
+            refused += 1
+            step *= 0.5
+            continue
+
+        error, chord = scaled_distance(there, guess, scale), scaled_distance(there, here, scale)
+        angle = math.acos(min(max(dot(tangent, tangent_there), -1.0), 1.0))
+        arc = chord * (1.0 + angle * angle / 24.0)
+        flips = here[-1] * there[-1] < 0.0
+        if (
+            angle > settings[ANGLE]
+            or error > settings[DISTANCE] * step
+            or (flips and step > _BRANCH_POINT_STEP)
+            or (step > 100.0 * settings[SMALLEST] and _hides_a_pair(setup, here, there, arc))
+        ):
+            refused += 1
+            step *= 0.5
+            continue
+        reason, end = _find_end(setup, here, there, arc, settings, home, count > 3, last)
+        located = _find_events(setup, here, there, arc, found, fractions, kinds) if reason >= 0 else -1
+        if located < 0:
+            refused += 1
+            step *= 0.5
+            continue
+
+        room = True
+        for i in range(located):
+            if fractions[i] < end:
+                place = travelled + fractions[i] * arc
+                room = room and _record(
+                    setup, found[i], kinds[i], place, count, points, tangents, arclength, stable, events
+                )
+                count += 1
+        final, travelled = (last, travelled + end * arc) if reason > 0 else (there, travelled + arc)
+        event = BRANCH_POINT if flips else 0
+        room = room and _record(setup, final, event, travelled, count, points, tangents, arclength, stable, events)
+        count += 1
+        if not room:
+            return min(count, points.shape[0]), ITERATION_LIMIT, refused
+        if reason > 0:
+            return count, reason, refused
+
+        here[:] = there
+        # Aim at a third of the largest angle, and at no more than three corrections.
+        factor = min(max(settings[ANGLE] / (3.0 * max(angle, 1e-9)), 0.5), 2.0)
+        step *= min(factor, 3.0 / iterations) if iterations > 3 else factor

@@ -1,0 +1,1 @@
+"""Harmonic-balance problems: what continuation solves."""

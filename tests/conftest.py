@@ -1,0 +1,47 @@
+"""Parameter sets and reference digits that many tests use."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from solver import Model
+
+REFERENCE = Path(__file__).parent / "reference"
+
+
+def published(**changes) -> Model:
+    """The default parameter set, written out here so that conf/ is checked against it."""
+    values = dict(
+        b=1.0, alpha=0.2, f_e=0.2, f_pm=0.5, kappa=0.5, xi_mesh=0.05, xi_translation=0.0125, xi_support=0.01,
+        k_support=1.0, pitch_cone_angle=45.0, pressure_angle=20.0, translation_coupling=0.3173,
+        rotation_coupling=0.7719, variation_translation=1.0, variation_rotation=0.0,
+    )  # fmt: skip
+    return Model(**{**values, **changes})
+
+
+def consistent(**changes) -> Model:
+    """One mesh force for all rows, geometric couplings."""
+    values = dict(translation_coupling="geometric", rotation_coupling="geometric", variation_rotation=1.0)
+    return published(**{**values, **changes})
+
+
+def antiphase(**changes) -> Model:
+    """As consistent, with the stiffness in antiphase."""
+    return consistent(**{"alpha_phase": np.pi, **changes})
+
+
+MODELS = {"published": published, "consistent": consistent, "antiphase": antiphase}
+
+
+@pytest.fixture(params=sorted(MODELS))
+def gear(request):
+    """Name and model of each of the three parameter sets."""
+    return request.param, MODELS[request.param]()
+
+
+@pytest.fixture(scope="session")
+def reference() -> dict:
+    """Reference digits."""
+    return yaml.safe_load((REFERENCE / "published.yaml").read_text())["gears"]
