@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
-__all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan"]
+__all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan", "plan_of", "warnings"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 1
@@ -108,6 +108,12 @@ def numbers_digest(numbers: dict) -> str:
     """Digest of what changes numbers, the same on every machine."""
     text = json.dumps({"schema": SCHEMA_VERSION, **numbers}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def plan_of(numbers: dict) -> Plan:
+    """The plan that `Plan.numbers` came from; a store keeps it, so that every stage but the sweep needs no configuration."""
+    axes = {role: Axis(**numbers[role]) for role in ("sweep", "parameter")}
+    return Plan(**{**numbers, **axes})
 
 
 def plan(settings: Settings) -> Plan:
