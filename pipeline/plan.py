@@ -135,12 +135,12 @@ def plan(settings: Settings) -> Plan:
     from solver import GEOMETRIC, SCALAR_PARAMETERS
 
     config = settings.config
+    if config.plane.sweep.name == config.plane.parameter.name:
+        raise ConfigurationError(
+            f"plane.parameter.name = {config.plane.parameter.name!r} is not allowed: the sweep axis has that name already"
+        )
     axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS) for role in ("sweep", "parameter")}
     sweep, parameter = axes["sweep"], axes["parameter"]
-    if sweep.name == parameter.name:
-        raise ConfigurationError(
-            f"plane.parameter.name = {parameter.name!r} is not allowed: the sweep axis has that name already"
-        )
     cells = sweep.num * parameter.num
     if cells > config.plane.max_cells:
         raise ConfigurationError(
