@@ -43,6 +43,9 @@ exit status: 0 all well; 1 some rows failed (the store says why); 2 the input is
 """
 
 
+_KEPT = "; what is stored is kept, and the same command goes on from there"
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
@@ -56,10 +59,10 @@ def main(arguments: list[str] | None = None) -> int:
         reporter.error(str(error))
         return 2
     except OSError as error:
-        reporter.error(f"{error}; what is stored is kept, and the same command goes on from there")
+        reporter.error(f"{error}{_KEPT}")
         return 1
     except KeyboardInterrupt:
-        reporter.error("interrupted; what is stored is kept, and the same command goes on from there")
+        reporter.error(f"interrupted{_KEPT}")
         return 130
 
 
@@ -107,6 +110,9 @@ def _run_all(all_settings, reporter) -> int:
             except ConfigurationError as error:
                 reporter.error(str(error))
                 status = 2
+            except OSError as error:
+                reporter.error(f"{error}{_KEPT}")
+                status = max(status, 1)
     # Tables need several planes: once, after all of them.
     return max(status, run_shared_stages(jobs[-1], reporter))
 

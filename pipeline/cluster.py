@@ -4,6 +4,7 @@ Tasks are independent and write their own results; only small receipts come back
 """
 
 import contextlib
+import importlib.util
 import logging
 import signal
 import threading
@@ -32,6 +33,8 @@ def check_cluster(config: Cluster) -> None:
         raise ConfigurationError(
             f"cluster.address = {config.address!r} is not allowed: it must be a scheduler's, such as tcp://host:8786"
         )
+    if config.dashboard and importlib.util.find_spec("bokeh") is None:
+        raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
     if not 0.0 < config.timeout <= 3600.0:
         raise ConfigurationError(f"cluster.timeout = {config.timeout} is not allowed: it must be from 0 to 3600 seconds")
 

@@ -168,10 +168,7 @@ def plan(settings: Settings) -> Plan:
             raise ConfigurationError(f"{key} is not allowed here: {name} is an axis of this plane")
         if isinstance(gear[name], list) and len(set(map(str, gear[name]))) > 1:
             raise ConfigurationError(f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number")
-    # What an axis replaces does not belong to the configuration; its place is held by the axis's lowest value.
-    for axis in axes.values():
-        if axis.name in gear:
-            gear[axis.name] = axis.low
+    # What an axis replaces does not belong to the configuration.
     result = Plan(
         {key: value for key, value in gear.items() if key not in names},
         sweep,
