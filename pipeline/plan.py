@@ -132,7 +132,7 @@ def plan(settings: Settings) -> Plan:
     ConfigurationError
         Naming the key, its value and what is allowed.
     """
-    from solver import GEOMETRIC, SCALAR_PARAMETERS
+    from solver import SCALAR_PARAMETERS
 
     config = settings.config
     if config.plane.sweep.name == config.plane.parameter.name:
