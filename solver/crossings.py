@@ -135,7 +135,7 @@ def curve_crossings(problem: Problem, curve: Curve, grid: np.ndarray, continuati
     ArithmeticError
         If the corrector cannot reach a grid value that the curve passes.
     """
-    n, grid = problem.unknowns, np.ascontiguousarray(grid, dtype=float)
+    n, grid = problem.unknowns, np.array(grid, dtype=float)
     capacity = 4 * grid.size + 16
     while True:
         columns, unknowns = np.empty(capacity, np.int64), np.empty((capacity, n))

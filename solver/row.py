@@ -126,7 +126,7 @@ def sweep_row(
     RowError
         If a branch ends for want of step size or room, or a grid value cannot be solved.
     """
-    grid = np.asarray(grid, dtype=float)
+    grid = np.array(grid, dtype=float)
     continuation = continuation or Continuation()
     if grid.ndim != 1 or grid.size < 2 or not np.all(np.isfinite(grid)) or not np.all(np.diff(grid) > 0.0):
         raise ParameterError("grid", f"array of shape {grid.shape}", "at least two finite ascending values")

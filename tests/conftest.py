@@ -5,8 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from hypothesis import settings
 
 from solver import Model
+
+# The same examples in every run: a test that fails once fails again, and no folder of examples is left behind.
+settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)
+settings.load_profile("bevelmap")
 
 REFERENCE = Path(__file__).parent / "reference"
 

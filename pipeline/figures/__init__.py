@@ -1,1 +1,59 @@
-"""Figures drawn from a stored plane."""
+"""Figures drawn from a stored plane; nothing is solved again."""
+
+from pathlib import Path
+
+from pipeline.figures.options import check_options
+
+__all__ = ["check_options", "draw"]
+
+_STYLE = Path(__file__).with_name("bevelmap.mplstyle")
+
+
+def draw(store_path: Path, folder: Path, curves: list[float] | None, formats: list[str], dpi: int) -> list[Path]:
+    """Draw the map, the amplitude-frequency curves and the backbone of a stored plane.
+
+    Parameters
+    ----------
+    store_path : Path
+        A store of this program.
+    folder : Path
+        Where the files go; made if need be.
+    curves : list of float or None
+        Parameter values whose curves are drawn, each from the nearest row; None: a quarter, half and three quarters of
+        the way.
+    formats : list of str
+        Of "png", "pdf" and "svg".
+    dpi : int
+        Pixels per inch of the PNG.
+
+    Returns
+    -------
+    list of Path
+        map, curves and backbone, each in all formats. The backbone is left out where the plane's rows do not run over the
+        mesh frequency, or without mean load.
+
+    Raises
+    ------
+    ConfigurationError
+        If the options are not allowed for this plane, or there is no store of ours.
+    """
+    # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
+    from matplotlib import style
+
+    from pipeline.figures.backbone import draw_backbone, has_backbone
+    from pipeline.figures.curves import draw_curves
+    from pipeline.figures.map import draw_map
+    from pipeline.figures.output import write_figure
+    from pipeline.figures.stored import read_stored
+
+    plane = read_stored(store_path)
+    check_options(plane.plan, curves, formats, dpi)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    # A user's own matplotlibrc must not change our figures.
+    with style.context(_STYLE, after_reset=True):
+        paths += write_figure(draw_map(plane), plane, folder, "map", formats, dpi)
+        paths += write_figure(draw_curves(plane, curves), plane, folder, "curves", formats, dpi)
+        if has_backbone(plane):
+            paths += write_figure(draw_backbone(plane), plane, folder, "backbone", formats, dpi)
+    return paths
