@@ -1,0 +1,105 @@
+"""Legend of the map, and the line and hatch styles that it explains."""
+
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from matplotlib.patheffects import withStroke
+
+from pipeline.figures.naming import STATE_NAMES
+from pipeline.figures.palette import hex_colour, label_colour
+from pipeline.figures.stored import StoredPlane
+from pipeline.store import FAILED
+from solver import ImpactState
+
+__all__ = [
+    "FAILED_ROWS", "FOLD", "GRAZING", "MODES", "OPEN_CELLS", "Entry", "draw_legend", "legend_entries", "legend_height",
+]  # fmt: skip
+
+FOLD = {"color": "black", "linewidth": 0.75, "linestyle": "solid", "zorder": 3}
+GRAZING = {"color": "0.2", "linewidth": 0.55, "linestyle": (0, (3.0, 1.6)), "zorder": 2}
+FAILED_ROWS = {"facecolor": "white", "edgecolor": "0.45", "linewidth": 0.0, "hatch": "//////", "zorder": 1}
+OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "....", "zorder": 1}
+_MODE = {
+    "color": "#8b0a50", "linewidth": 1.0, "zorder": 4,
+    "path_effects": [withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
+}  # fmt: skip
+#: Lower and upper mode: mesh-frequency and shaft-frequency resonance.
+MODES = ({**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5))}, {**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5, 1, 1.5))})
+
+#: Inches: from line to line, width and height of a key, from key to text, right end of the shares.
+_PITCH, _KEY, _KEY_HEIGHT, _TEXT, _SHARE = 0.15, 0.24, 0.095, 0.32, 1.32
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of the legend: its text, a number at the right, and the style of its key, an area or a line."""
+
+    text: str = ""
+    share: str = ""
+    area: dict | None = None
+    line: dict | None = None
+
+
+def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: bool) -> list[Entry]:
+    """Everything that the map shows, and nothing else.
+
+    Parameters
+    ----------
+    plane : StoredPlane
+    codes : list of int
+        Codes of the labels that the panels show.
+    folds, grazings : bool
+        Whether they show such edges.
+    """
+    entries = []
+    if codes:
+        computed = plane.domain[plane.domain != 0]
+        symbols = {part for code in codes for part in plane.labels[code].split("/")[1].split("-")}
+        entries = [
+            Entry("$n/I$", "share"),
+            *(_label_entry(plane.labels[code], float((computed == code).mean())) for code in sorted(codes)),
+            Entry(),
+            Entry("$n$  stable motions"),
+            *(Entry(f"$I$ = {s.symbol}  {STATE_NAMES[s]}") for s in ImpactState if s.symbol in symbols),
+            Entry(),
+        ]
+    if folds:
+        entries.append(Entry("fold: $n$ changes", line=FOLD))
+    if grazings:
+        entries.append(Entry("grazing: only $I$ changes", line=GRAZING))
+    for name, kind, present in zip(("mesh", "shaft"), MODES, plane.resonances, strict=True):
+        if present:
+            entries.append(Entry(f"natural frequency, {name}", line=kind))
+    if (plane.open == 1).any():
+        entries += [Entry("not excluded: motions", area=OPEN_CELLS), Entry("above the ceiling of $λ_a$")]
+    if (plane.status == FAILED).any():
+        entries.append(Entry("row failed", area=FAILED_ROWS))
+    return entries
+
+
+def _label_entry(label: str, share: float) -> Entry:
+    colour = hex_colour(label_colour(label))
+    percent = "< 0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
+    return Entry(label, percent, area={"facecolor": colour, "edgecolor": "0.3", "linewidth": 0.4})
+
+
+def legend_height(entries: list[Entry]) -> float:
+    """Inches."""
+    return _PITCH * len(entries)
+
+
+def draw_legend(figure: Figure, entries: list[Entry], left: float, top: float) -> None:
+    """Draw the legend with its upper left corner `left` inches from the left and `top` from the bottom."""
+    width, height = figure.get_size_inches()
+    sheet = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height), zorder=-1)
+    sheet.set_axis_off()
+    for number, entry in enumerate(entries):
+        y = top - _PITCH * (number + 0.5)
+        if entry.area is not None:
+            sheet.add_patch(Rectangle((left, y - 0.5 * _KEY_HEIGHT), _KEY, _KEY_HEIGHT, **entry.area))
+        if entry.line is not None:
+            sheet.add_line(Line2D([left, left + _KEY], [y, y], **entry.line))
+        sheet.text(left + _TEXT, y, entry.text, va="center_baseline", fontsize=8)
+        sheet.text(left + _SHARE, y, entry.share, va="center_baseline", ha="right", fontsize=8)

@@ -1,0 +1,50 @@
+"""What may be asked of the figures, checked before anything is computed or drawn."""
+
+import math
+
+from pipeline.errors import ConfigurationError
+from pipeline.plan import Plan
+
+__all__ = ["FORMATS", "check_options"]
+
+FORMATS = ("png", "pdf", "svg")
+_LEAST_DPI, _MOST_DPI = 30, 1200
+
+
+def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dpi: int) -> None:
+    """Raise unless these figures can be drawn of this plane.
+
+    Parameters
+    ----------
+    plan : Plan
+    curves : list of float or None
+        Parameter values whose amplitude-frequency curves are drawn; None leaves the choice to us.
+    formats : list of str
+        Of "png", "pdf" and "svg".
+    dpi : int
+        Pixels per inch of the PNG.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the key, its value and what is allowed.
+    """
+    row = plan.parameter
+    if curves is not None and not curves:
+        raise ConfigurationError("figures.curves = [] is not allowed: it must be null or hold at least one value")
+    for value in curves or []:
+        if not (math.isfinite(value) and row.low <= value <= row.high):
+            raise ConfigurationError(
+                f"figures.curves = {value} is not allowed: it must lie within {row.name} = {row.low:g} ... {row.high:g}"
+            )
+    if not formats:
+        raise ConfigurationError(f"figures.formats = [] is not allowed: it must be a list of {', '.join(FORMATS)}")
+    for name in formats:
+        if name not in FORMATS:
+            raise ConfigurationError(
+                f"figures.formats = {name!r} is not allowed: it must be a list of {', '.join(FORMATS)}"
+            )
+    if not _LEAST_DPI <= dpi <= _MOST_DPI:
+        raise ConfigurationError(
+            f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}"
+        )

@@ -1,0 +1,27 @@
+"""Figures into files, the same bytes every time."""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from pipeline.figures.stored import StoredPlane
+
+__all__ = ["write_figure"]
+
+
+def write_figure(figure: Figure, plane: StoredPlane, folder: Path, name: str, formats: list[str], dpi: int) -> list[Path]:
+    """Write a figure in every format; the paths in that order."""
+    title = f"{name}: {plane.title}"
+    source = f"bevelmap configuration {plane.digest}"
+    # Dates and the library's version, which are there unless taken out, would make equal figures differ.
+    metadata = {
+        "png": {"Software": None, "Title": title, "Source": source},
+        "pdf": {"CreationDate": None, "Title": title, "Subject": source},
+        "svg": {"Date": None, "Title": title, "Source": source},
+    }
+    paths = []
+    for kind in formats:
+        path = folder / f"{name}.{kind}"
+        figure.savefig(path, format=kind, dpi=dpi, metadata=metadata[kind])
+        paths.append(path)
+    return paths

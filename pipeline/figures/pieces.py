@@ -1,0 +1,113 @@
+"""Branches cut at their events: pieces along which stability and impact state are constant."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver import Event, domain_code, impact_state
+
+__all__ = ["Piece", "labels_at", "pieces_of_row"]
+
+_TURNS = (Event.FOLD, Event.BRANCH_POINT)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Points `start` ... `stop` - 1 of a row; neighbouring pieces share the event point between them.
+
+    Between folds a branch is monotonic in the swept parameter, so that a stable piece is exactly one stable solution at
+    every value from `low` to `high`.
+    """
+
+    start: int
+    stop: int
+    low: float
+    high: float
+    stable: bool
+    impact: int
+
+    @property
+    def slice(self) -> slice:
+        """For the row's point arrays."""
+        return slice(self.start, self.stop)
+
+
+def pieces_of_row(points: dict[str, np.ndarray], backlash: np.ndarray) -> list[Piece]:
+    """Cut the branches of one row.
+
+    Parameters
+    ----------
+    points : dict
+        Name -> (point,) array: position, mean, amplitude, stable, impact, branch, event.
+    backlash : (point,) array
+        b at every point.
+
+    Returns
+    -------
+    list of Piece
+        In the order of the points.
+    """
+    position, event, branch = points["position"], points["event"], points["branch"]
+    first, last = (np.flatnonzero(np.diff(branch, **{side: -1})) for side in ("prepend", "append"))
+    bounds = np.unique(np.concatenate([first, np.flatnonzero(event != Event.NONE), last]))
+    pieces = []
+    for start, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        if branch[start] != branch[end]:
+            continue
+        # The state of an event point is the boundary's; a piece takes its own from a regular point of it.
+        inside = next((i for i in (start + 1, start, end) if i <= end and event[i] == Event.NONE), None)
+        if inside is not None:
+            stable, impact = bool(points["stable"][inside]), int(points["impact"][inside])
+        else:
+            stable, impact = _stable_between(points, start), _impact_between(points, backlash, start)
+        low, high = sorted((float(position[start]), float(position[end])))
+        pieces.append(Piece(start, end + 1, low, high, stable, impact))
+    return pieces
+
+
+def _stable_between(points: dict[str, np.ndarray], start: int) -> bool:
+    """Stability between two neighbouring event points: that of the nearest regular point, turned over at every fold."""
+    event, branch = points["event"], points["branch"]
+    regular = np.flatnonzero((event == Event.NONE) & (branch == branch[start]))
+    if regular.size == 0:
+        return False
+    nearest = regular[np.argmin(np.abs(regular - start - 0.5))]
+    turns = np.cumsum(np.isin(event, _TURNS))
+    return bool(points["stable"][nearest]) != bool((turns[nearest] - turns[start]) % 2)
+
+
+def _impact_between(points: dict[str, np.ndarray], backlash: np.ndarray, start: int) -> int:
+    """Impact state half-way between two neighbouring event points."""
+    mean, amplitude, b = (
+        0.5 * (array[start] + array[start + 1]) for array in (points["mean"], points["amplitude"], backlash)
+    )
+    return int(impact_state(mean - amplitude, mean + amplitude, b))
+
+
+def labels_at(pieces: list[list[Piece]], positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Codes of the n/I labels at any positions on the sweep axis, not only the stored ones.
+
+    Nothing is solved or interpolated: events are located exactly, so that a piece either covers a position or does not.
+
+    Parameters
+    ----------
+    pieces : list of list of Piece
+        Per row.
+    positions : (k,) array
+        Ascending.
+
+    Returns
+    -------
+    code : (P, k) uint16 array
+    n : (P, k) uint8 array
+        Number of stable solutions.
+    """
+    n = np.zeros((len(pieces), positions.size), dtype=np.uint8)
+    states = np.zeros(n.shape, dtype=np.uint8)
+    for row, row_pieces in enumerate(pieces):
+        for piece in row_pieces:
+            if piece.stable:
+                here = slice(*np.searchsorted(positions, (piece.low, piece.high)))
+                n[row, here] += 1
+                states[row, here] |= 1 << piece.impact
+    return domain_code(n, states), n
