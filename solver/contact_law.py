@@ -94,7 +94,7 @@ def _solve(phi, beta, guess):
             step = (force - phi) * math.pi / angles
             moved = min(max(cosine + step, -1.0), top)
             step, cosine = abs(moved - cosine), moved
-            if step < 1e-8:
+            if step < 1e-8 * min(angles * angles, 1.0):
                 return cosine
     return cosine
 

@@ -19,7 +19,7 @@ from solver.errors import ParameterError
 from solver.gain_search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.interval import exact
 from solver.model import Model
-from solver.reduction import ROWS, determinant_over, motion_over, numerators_at, reduce_balance
+from solver.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
 
 __all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row"]
 
@@ -69,21 +69,44 @@ _ABOVE_SENTENCES = {
     Above.OPEN: "Whether a solution lies above the amplitude ceiling is open: the linear system is too close to singular.",
 }
 
-# Columns of what the kernels record about one box: pairs (low, high), then stability.
-_GAIN, _MEAN, _COS, _SIN, _AMPLITUDE, _STABLE, _COLUMNS = 0, 2, 4, 6, 8, 10, 11
+# Columns of what the kernels record about one box: pairs (low, high) of the gains that hold no other root, the unknowns, the
+# amplitude and the gain itself, then stability.
+_GAIN, _MEAN, _COS, _SIN, _AMPLITUDE, _ROOT, _STABLE, _COLUMNS = 0, 2, 4, 6, 8, 10, 12, 13
 _ROOTS, _UNDECIDED, _STACK = 32, 16, 256
 
 
 @kernel(types.void(MATRIX, _F, _F, _F, ARRAY))
 def _describe(reduced, left, right, near, box):
-    """Fill one box with gains and motions."""
+    """Fill one box with the motions of gain between left and right."""
     mean, cosine, sine, amplitude = motion_over(reduced, left, right, near)
-    box[_GAIN], box[_GAIN + 1] = left, right
+    box[_GAIN], box[_GAIN + 1] = 0.0, 1.0
+    box[_ROOT], box[_ROOT + 1] = left, right
     box[_MEAN], box[_MEAN + 1] = mean
     box[_COS], box[_COS + 1] = cosine
     box[_SIN], box[_SIN + 1] = sine
     box[_AMPLITUDE], box[_AMPLITUDE + 1] = amplitude
     box[_STABLE] = 0.0
+
+
+@kernel(types.boolean(ARRAY, _F))
+def _alone(box, b):
+    """Do all motions within the bounds of the unknowns have gains within the bounds of the gain (so that one is a solution)?
+
+    N is 1 where |lambda_m| - b >= lambda_a. Else it changes by at most (2/pi)/lambda_a times the change of lambda_m plus the
+    same times that of lambda_a, as the weights w of `solver.backlash` are at most 2/pi and mu w at most 1/pi.
+    """
+    least = max(max(box[_MEAN], -box[_MEAN + 1]), 0.0)
+    largest = max(abs(box[_COS]), abs(box[_COS + 1])) + max(abs(box[_SIN]), abs(box[_SIN + 1]))
+    if box[_GAIN + 1] == 1.0 and (b == 0.0 or least - b > largest):
+        return True
+    spread = box[_MEAN + 1] - box[_MEAN] + box[_COS + 1] - box[_COS] + box[_SIN + 1] - box[_SIN]
+    smallest = box[_AMPLITUDE] - spread
+    if not smallest > 0.0:
+        return False
+    change = spread / smallest
+    return (box[_GAIN] == 0.0 or box[_ROOT] - change > box[_GAIN]) and (
+        box[_GAIN + 1] == 1.0 or box[_ROOT + 1] + change < box[_GAIN + 1]
+    )
 
 
 @kernel(types.void(MATRIX, _I))
@@ -99,23 +122,34 @@ def _settle(found, last):
 def _enumerate(theta, direction, p, ceiling, found, undecided, work):
     """All solutions at one axis value.
 
-    found (32, 11) and undecided (16, 11) are filled with boxes; work has ROWS + 32 + 16 + 256 rows of 5.
+    found (32, 13) and undecided (48, 13) are filled with boxes; work has ROWS + 32 + 16 + 256 rows of 5.
     Returns the numbers of both, `Proof`, `Above` and the number of intervals looked at.
     """
     reduced = work[:ROWS]
     roots, boxes, stack = work[ROWS : ROWS + _ROOTS], work[ROWS + _ROOTS : ROWS + _ROOTS + _UNDECIDED], work[-_STACK:]
     if not reduce_balance(theta, direction, p, reduced):
         undecided[0, :] = np.nan
-        undecided[0, _GAIN], undecided[0, _GAIN + 1] = 0.0, 1.0
+        undecided[0, _ROOT], undecided[0, _ROOT + 1] = 0.0, 1.0
         return 0, 1, 0, 2, 0
     n_roots, n_boxes, flags, visits = search(reduced, roots, boxes, stack)
     count, n_open, above, degree = 0, 0, 0, 0
     for i in range(n_roots):
-        left, right, sign, near = narrow(reduced, roots[i, 0], roots[i, 1])
-        _describe(reduced, left, right, near, found[count])
+        roots[i, 0], roots[i, 1], roots[i, 2], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1])
+    for i in range(n_roots):
+        left, right, sign = roots[i, 0], roots[i, 1], roots[i, 2]
+        _describe(reduced, left, right, roots[i, 3], found[count])
+        # Every root lies in one of the intervals, so between the neighbours there is no other; a free motion has gain 0.
+        if flags & FREE_MOTION:
+            found[count, _GAIN] = 1e-300
+        for j in range(n_roots + n_boxes):
+            low, high = (roots[j, 0], roots[j, 1]) if j < n_roots else (boxes[j - n_roots, 0], boxes[j - n_roots, 1])
+            if j != i and high <= left:
+                found[count, _GAIN] = max(found[count, _GAIN], high)
+            elif j != i:
+                found[count, _GAIN + 1] = min(found[count, _GAIN + 1], low)
         q = determinant_over(reduced, left, right)
-        if sign == 0.0 or not (q[0] > 0.0 or q[1] < 0.0):
-            # A root whose motion may be infinite.
+        if sign == 0.0 or not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
+            # A root whose motion may be infinite, or whose box is so coarse that it may reach to another solution.
             if found[count, _AMPLITUDE] > ceiling:
                 above = 2
             else:
@@ -211,7 +245,7 @@ class Solutions:
     boxes : (n, 3, 2) array
         Bounds (low, high) of the three unknowns, which are proven to hold exactly one solution.
     gain : (n, 2) array
-        Bounds of N_a: no other motion with a gain between them is a solution.
+        Bounds of N_a: no other motion with a gain between them is a solution. All motions in the box have such gains.
     undecided : (k, 3, 2) array
         Bounds of gain, mean and amplitude of the motions that are neither proven nor excluded.
     proof : Proof
@@ -311,7 +345,7 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     return Solutions(
         float(omega), *np.mean(boxes, axis=2).T, found[:count, _STABLE].astype(np.int8), boxes,
         found[:count, _GAIN:_MEAN].copy(),
-        undecided[:n_open][:, [_GAIN, _GAIN + 1, _MEAN, _MEAN + 1, _AMPLITUDE, _AMPLITUDE + 1]].reshape(n_open, 3, 2),
+        undecided[:n_open][:, [_ROOT, _ROOT + 1, _MEAN, _MEAN + 1, _AMPLITUDE, _AMPLITUDE + 1]].reshape(n_open, 3, 2),
         proof, Above(above), visits,
     )  # fmt: skip
 

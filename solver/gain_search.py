@@ -20,7 +20,7 @@ from numba import types
 
 from solver.compiled import MATRIX, kernel
 from solver.interval import above, below, divide, exact, subtract
-from solver.reduction import GAP, gain_at, numerators_at, slope_over
+from solver.reduction import GAP, LOAD, gain_at, numerators_at, slope_over
 
 __all__ = ["CONTRADICTION", "FREE_MOTION", "narrow", "search"]
 
@@ -109,17 +109,15 @@ def search(reduced, roots, undecided, stack):
     start_sign = 1.0
     if reduced[GAP, 0] == 0.0:
         # Without backlash N is 1 throughout.
-        roots[0, 0], roots[0, 1] = 1.0, 1.0
+        roots[0, 0], roots[0, 1] = 0.0, 1.0
         return 1, 0, 0, 0
     at_zero, _law = gain_at(reduced, 0.0, math.nan)
-    # The row of the mean load is exact; without it n(0) is exactly 0.
-    if reduced[GAP - 1, 0] == 0.0 and not at_zero[0] > 0.0:
+    # Without mean load n(0) is exactly 0.
+    if reduced[LOAD, 0] == 0.0 and not at_zero[0] > 0.0:
         _n, q, length = numerators_at(reduced, exact(0.0))
         start_sign = _UNKNOWN
         if reduced[GAP, 0] * q[0] > above(length[1]):
             start_sign, flags = _ZERO, FREE_MOTION
-    n, _q, length = numerators_at(reduced, exact(1.0))
-    never_lost = max(n[0], -n[1]) >= length[1]
 
     _push(stack, 0, 0.0, 1.0, start_sign, -1.0, math.nan)
     size = 1
@@ -134,7 +132,7 @@ def search(reduced, roots, undecided, stack):
             if sign_left != sign_right and right != 1.0:
                 flags |= CONTRADICTION
             elif right == 1.0 and found < roots.shape[0]:
-                roots[found, 0], roots[found, 1] = 1.0, 1.0
+                roots[found, 0], roots[found, 1] = left, right
                 found += 1
             elif right == 1.0:
                 open_boxes = _append(undecided, open_boxes, left, right)
@@ -161,8 +159,6 @@ def search(reduced, roots, undecided, stack):
                     open_boxes = _append(undecided, open_boxes, left, right)
                     continue
                 roots[found, 0], roots[found, 1] = left, right
-                if right == 1.0 and never_lost:
-                    roots[found, 0] = 1.0
                 found += 1
             continue
 
@@ -201,8 +197,12 @@ def narrow(reduced, left, right):
     near : float
         The near flank's cosine at the root.
     """
+    if right == 1.0:
+        n, _q, length = numerators_at(reduced, exact(1.0))
+        if reduced[GAP, 0] == 0.0 or max(n[0], -n[1]) >= length[1]:
+            return 1.0, 1.0, -1.0, math.nan
     slope, near, sign = (0.0, 0.0), math.nan, 0.0
-    for _ in range(20):
+    for _ in range(80):
         center = min(max(0.5 * (left + right), left), right)
         _phi, _gain, slope_here, regular = slope_over(reduced, left, center, right, near)
         if regular and (slope_here[0] > 0.0 or slope_here[1] < 0.0):
@@ -219,6 +219,6 @@ def narrow(reduced, left, right):
             left = step[0]
         if step[1] < right and step[1] >= left:
             right = step[1]
-        if not right - left < 0.5 * before:
+        if not right - left < 0.75 * before:
             break
     return left, right, sign, near

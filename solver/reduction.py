@@ -54,17 +54,20 @@ from solver.interval import (
     symmetric,
 )
 
-__all__ = ["ROWS", "determinant_over", "gain_at", "motion_over", "numerators_at", "reduce_balance", "slope_over"]
+__all__ = [
+    "GAP", "LOAD", "ROWS", "determinant_over", "gain_at", "motion_over", "numerators_at", "reduce_balance", "slope_over",
+]  # fmt: skip
 
 _F = types.float64
 
 # Rows (low, high) of the array that holds a reduced balance.
 _D, _A, _Q, _L_0, _L_1, _E = 0, 2, 4, 5, 7, 9
-_C, _LOAD, GAP, _Q_1, _Q_2, _N_1, _N_2, _FORCE, _GAP = 11, 12, 13, 14, 15, 16, 17, 18, 22
+_C, LOAD, GAP, _Q_1, _Q_2, _N_1, _N_2, _FORCE, _GAP = 11, 12, 13, 14, 15, 16, 17, 18, 22
 ROWS = 26
 
-# Reduced coefficients must lie below this, so that no product of them overflows; the amplitude's numerator above its inverse.
-_LARGEST = 1e40
+# Reduced coefficients must lie below the first, so that no product of them overflows, and the amplitude's numerator above
+# its inverse; slopes must lie below the second.
+_LARGEST, _STEEPEST = 1e40, 1e100
 
 
 @kernel(INTERVAL(MATRIX, types.int64), inline=True)
@@ -121,7 +124,7 @@ def reduce_balance(theta, direction, p, reduced):
     Q_squared = add(square(Q[0]), square(Q[1]))
     _put(reduced, _Q, Q_squared)
     _put(reduced, _C, per_c)
-    _put(reduced, _LOAD, load)
+    _put(reduced, LOAD, load)
     _put(reduced, GAP, exact(theta[B] + p * direction[B]))
 
     q_0 = add(square(D[0]), square(D[1]))
@@ -165,7 +168,7 @@ def numerators_at(reduced, t):
     q = subtract(q, multiply(square(t), _get(reduced, _Q)))
     l_real, l_imaginary = _l_over(reduced, t)
     work = add(multiply(_get(reduced, _E), l_real), multiply(_get(reduced, _E + 1), l_imaginary))
-    n = multiply(_get(reduced, _C), subtract(multiply(_get(reduced, _LOAD), q), multiply(t, work)))
+    n = multiply(_get(reduced, _C), subtract(multiply(_get(reduced, LOAD), q), multiply(t, work)))
     return n, q, length(l_real, l_imaginary)
 
 
@@ -235,10 +238,17 @@ def _scaled_over(reduced, left, center, right):
     cube = multiply(size, square(size))
     by_force = divide(_cubic_over(reduced, _FORCE, center, radius), cube)
     by_gap = multiply(gap, divide(_cubic_over(reduced, _GAP, center, radius), cube))
+    if not max(absolute(by_force)[1], absolute(by_gap)[1]) < _STEEPEST:
+        return phi, beta, (0.0, 0.0), (0.0, 0.0), False
     # The slopes of |n| and |q| follow the sign of n and q; where that changes they have a kink.
-    if n[1] < 0.0:
+    sign = 1 if n[0] > 0.0 else (-1 if n[1] < 0.0 else 0)
+    if left == 0.0 and reduced[LOAD, 0] == 0.0:
+        # Without mean load n(0) = 0, so that n has the sign of its slope.
+        n_slope = add(_get(reduced, _N_1), multiply(multiply(exact(2.0), t), _get(reduced, _N_2)))
+        sign = 1 if n_slope[0] > 0.0 else (-1 if n_slope[1] < 0.0 else 0)
+    if sign < 0:
         by_force = -by_force[1], -by_force[0]
-    elif not n[0] > 0.0:
+    elif sign == 0:
         by_force = symmetric(absolute(by_force)[1])
     if q[1] < 0.0:
         by_gap = -by_gap[1], -by_gap[0]
