@@ -1,25 +1,26 @@
 """The dead zone as a law between mean force and gain, with proven bounds and without the mean displacement.
 
-For a motion of amplitude 1 let phi = |f_0| be the mean force, beta the half gap and nu >= 0 the mean displacement on the
-side of the force. The motion is in contact with the near flank for 2 theta_+ and with the far flank for 2 theta_- of a
-period, cos theta_+ = beta - nu and cos theta_- = beta + nu (theta = 0 where the cosine exceeds 1, pi where it is below -1),
-and the describing functions (PHYSICS, section 4) become
+For a motion of amplitude 1 let phi = |f_0| be the mean force, beta the half gap and nu >= 0 the mean displacement on
+the side of the force. The motion is in contact with the near flank for 2 theta_+ and with the far flank for 2 theta_-
+of a period of 2 pi, cos theta_+ = beta - nu and cos theta_- = beta + nu (theta = 0 where the cosine exceeds 1, pi where it
+is below -1), and the describing functions (PHYSICS, section 4) become
 
     phi = [(sin theta_+ - theta_+ cos theta_+) - (sin theta_- - theta_- cos theta_-)] / pi
     N   = [(theta_+ - sin theta_+ cos theta_+) + (theta_- - sin theta_- cos theta_-)] / pi
 
-phi grows with nu, at the rate chi = (theta_+ + theta_-)/pi, from 0 at nu = 0 to 1 at nu = 1 + beta, so that nu and N
-follow from (phi, beta); beyond phi = 1 contact is never lost and N = 1. Differentiating,
+phi grows with nu, at the rate chi = (theta_+ + theta_-)/pi, from 0 at nu = 0 to 1 at nu = 1 + beta, so that nu and
+N follow from (phi, beta); beyond phi = 1 contact is never lost and N = 1. Differentiating,
 
-    dN/dphi  = 2 (sin theta_+ - sin theta_-)/(theta_+ + theta_-)                                  in [0, 2]
-    dN/dbeta = -(4/pi) (theta_- sin theta_+ + theta_+ sin theta_-)/(theta_+ + theta_-)            in [-4/pi, 0]
+    dN/dphi  = 2 (sin theta_+ - sin theta_-)/(theta_+ + theta_-)                           in [0, 2]
+    dN/dbeta = -(4/pi) (theta_- sin theta_+ + theta_+ sin theta_-)/(theta_+ + theta_-)     in [-4/pi, 0]
     dtheta_+/dphi >= 0, dtheta_+/dbeta <= 0, dtheta_-/dphi <= 0, dtheta_-/dbeta <= 0
 
-hence over a rectangle in (phi, beta) every bound sits at a corner. N depends on beta only while both flanks are touched.
+hence over a rectangle in (phi, beta) every bound sits at a corner. N depends on beta only while both flanks are
+touched.
 
-Rounding: C library acos errs by less than one unit in the last place, so phi and N are off by less than
-16 u (theta_+ + theta_-)/pi + 1e-22 with u = 2^-53; a test measures that. The inverse is not trusted to any iteration: its
-result is moved outwards and then checked against phi with that margin.
+Rounding: acos and sin of the C library err by less than one unit in the last place, so that phi and N are off by less
+than 16 u (theta_+ + theta_-)/pi + 1e-22 with u = 2^-53; a test measures that. The inverse is not trusted to any
+iteration: its result is moved outwards and then checked against phi with that margin.
 """
 
 import math
@@ -50,7 +51,7 @@ def _arc(cosine):
 
 @kernel(types.UniTuple(_F, 4)(_F, _F), inline=True)
 def contact_law(cosine, beta):
-    """Mean force, gain, their error bound and theta_+ + theta_- where the near flank's cosine is `cosine` in [-1, beta]."""
+    """Mean force, gain, their error bound and theta_+ + theta_- where the near flank's cosine is `cosine`."""
     near, near_sine = _arc(cosine)
     far_cosine = 2.0 * beta - cosine
     far, far_sine = _arc(far_cosine)
@@ -67,7 +68,7 @@ def contact_law(cosine, beta):
 def _first_guess(phi, beta):
     """Starting value of `_solve` for 0 < phi < 1."""
     if beta < 1.0:
-        # Where the far flank is about to be touched, cos theta_- = 1; there the sum over both flanks is the near one alone.
+        # Where the far flank is about to be touched, cos theta_- = 1, the near flank alone carries the force.
         touching = 2.0 * beta - 1.0
         near, near_sine = _arc(touching)
         if phi * math.pi < near_sine - near * touching:

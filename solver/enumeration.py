@@ -11,19 +11,23 @@ import enum
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
-from solver.compiled import ARRAY, FLAGS, MATRIX, kernel
+from solver.certificates import (
+    AMPLITUDE,
+    GAIN_BOUNDS,
+    MEAN,
+    MOST,
+    ROOT,
+    STABLE,
+    enumerate_point,
+    enumerate_points,
+    workspace,
+)
 from solver.condensation import axis_vectors
 from solver.errors import ParameterError
-from solver.gain_search import CONTRADICTION, FREE_MOTION, narrow, search
-from solver.interval import exact
 from solver.model import Model
-from solver.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
 
 __all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row"]
-
-_I, _F = types.int64, types.float64
 
 
 class Proof(enum.IntEnum):
@@ -66,170 +70,8 @@ class Above(enum.IntEnum):
 _ABOVE_SENTENCES = {
     Above.EMPTY: "It is proven that no solution lies above the amplitude ceiling, at any amplitude.",
     Above.OCCUPIED: "Solutions above the amplitude ceiling are proven to exist.",
-    Above.OPEN: "Whether a solution lies above the amplitude ceiling is open: the linear system is too close to singular.",
+    Above.OPEN: "Whether a solution lies above the amplitude ceiling is open: the linear system is nearly singular.",
 }
-
-# Columns of what the kernels record about one box: pairs (low, high) of the gains that hold no other root, the unknowns, the
-# amplitude and the gain itself, then stability.
-_GAIN, _MEAN, _COS, _SIN, _AMPLITUDE, _ROOT, _STABLE, _COLUMNS = 0, 2, 4, 6, 8, 10, 12, 13
-_ROOTS, _UNDECIDED, _STACK = 32, 16, 256
-
-
-@kernel(types.void(MATRIX, _F, _F, _F, ARRAY))
-def _describe(reduced, left, right, near, box):
-    """Fill one box with the motions of gain between left and right."""
-    mean, cosine, sine, amplitude = motion_over(reduced, left, right, near)
-    box[_GAIN], box[_GAIN + 1] = 0.0, 1.0
-    box[_ROOT], box[_ROOT + 1] = left, right
-    box[_MEAN], box[_MEAN + 1] = mean
-    box[_COS], box[_COS + 1] = cosine
-    box[_SIN], box[_SIN + 1] = sine
-    box[_AMPLITUDE], box[_AMPLITUDE + 1] = amplitude
-    box[_STABLE] = 0.0
-
-
-@kernel(types.boolean(ARRAY, _F))
-def _alone(box, b):
-    """Do all motions within the bounds of the unknowns have gains within the bounds of the gain (so that one is a solution)?
-
-    N is 1 where |lambda_m| - b >= lambda_a. Else it changes by at most (2/pi)/lambda_a times the change of lambda_m plus the
-    same times that of lambda_a, as the weights w of `solver.backlash` are at most 2/pi and mu w at most 1/pi.
-    """
-    least = max(max(box[_MEAN], -box[_MEAN + 1]), 0.0)
-    largest = max(abs(box[_COS]), abs(box[_COS + 1])) + max(abs(box[_SIN]), abs(box[_SIN + 1]))
-    if box[_GAIN + 1] == 1.0 and (b == 0.0 or least - b > largest):
-        return True
-    spread = box[_MEAN + 1] - box[_MEAN] + box[_COS + 1] - box[_COS] + box[_SIN + 1] - box[_SIN]
-    smallest = box[_AMPLITUDE] - spread
-    if not smallest > 0.0:
-        return False
-    change = spread / smallest
-    return (box[_GAIN] == 0.0 or box[_ROOT] - change > box[_GAIN]) and (
-        box[_GAIN + 1] == 1.0 or box[_ROOT + 1] + change < box[_GAIN + 1]
-    )
-
-
-@kernel(types.void(MATRIX, _I))
-def _settle(found, last):
-    """Move row `last` down to where it belongs: ascending amplitude."""
-    while last > 0 and found[last - 1, _AMPLITUDE] > found[last, _AMPLITUDE]:
-        for j in range(_COLUMNS):
-            found[last - 1, j], found[last, j] = found[last, j], found[last - 1, j]
-        last -= 1
-
-
-@kernel(types.UniTuple(_I, 5)(ARRAY, ARRAY, _F, _F, MATRIX, MATRIX, MATRIX))
-def _enumerate(theta, direction, p, ceiling, found, undecided, work):
-    """All solutions at one axis value.
-
-    found (32, 13) and undecided (48, 13) are filled with boxes; work has ROWS + 32 + 16 + 256 rows of 5.
-    Returns the numbers of both, `Proof`, `Above` and the number of intervals looked at.
-    """
-    reduced = work[:ROWS]
-    roots, boxes, stack = work[ROWS : ROWS + _ROOTS], work[ROWS + _ROOTS : ROWS + _ROOTS + _UNDECIDED], work[-_STACK:]
-    if not reduce_balance(theta, direction, p, reduced):
-        undecided[0, :] = np.nan
-        undecided[0, _ROOT], undecided[0, _ROOT + 1] = 0.0, 1.0
-        return 0, 1, 0, 2, 0
-    n_roots, n_boxes, flags, visits = search(reduced, roots, boxes, stack)
-    count, n_open, above, degree = 0, 0, 0, 0
-    for i in range(n_roots):
-        roots[i, 0], roots[i, 1], roots[i, 2], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1])
-    for i in range(n_roots):
-        left, right, sign = roots[i, 0], roots[i, 1], roots[i, 2]
-        _describe(reduced, left, right, roots[i, 3], found[count])
-        # Every root lies in one of the intervals, so between the neighbours there is no other; a free motion has gain 0.
-        if flags & FREE_MOTION:
-            found[count, _GAIN] = 1e-300
-        for j in range(n_roots + n_boxes):
-            low, high = (roots[j, 0], roots[j, 1]) if j < n_roots else (boxes[j - n_roots, 0], boxes[j - n_roots, 1])
-            if j != i and high <= left:
-                found[count, _GAIN] = max(found[count, _GAIN], high)
-            elif j != i:
-                found[count, _GAIN + 1] = min(found[count, _GAIN + 1], low)
-        q = determinant_over(reduced, left, right)
-        if sign == 0.0 or not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
-            # A root whose motion may be infinite, or whose box is so coarse that it may reach to another solution.
-            if found[count, _AMPLITUDE] > ceiling:
-                above = 2
-            else:
-                undecided[n_open, :] = found[count]
-                n_open += 1
-            continue
-        stable = (sign < 0.0) == (q[0] > 0.0)
-        degree += 1 if stable else -1
-        if found[count, _AMPLITUDE] > ceiling:
-            above = max(above, 1)
-            continue
-        found[count, _STABLE] = 1.0 if stable else 0.0
-        _settle(found, count)
-        count += 1
-    decided = n_open == 0 and above != 2
-    for i in range(n_boxes):
-        decided = False
-        if n_open == undecided.shape[0]:
-            break
-        _describe(reduced, boxes[i, 0], boxes[i, 1], np.nan, undecided[n_open])
-        if undecided[n_open, _AMPLITUDE] > ceiling:
-            above = 2
-        else:
-            n_open += 1
-    proof = 1
-    if flags & FREE_MOTION:
-        proof = 2
-    if n_open > 0:
-        proof = 0
-    # The signs of det J over all solutions add up to that of the linear system.
-    q = numerators_at(reduced, exact(1.0))[1]
-    if decided and proof == 1 and ((q[0] > 0.0 and degree != 1) or (q[1] < 0.0 and degree != -1)):
-        proof = 3
-    if flags & CONTRADICTION:
-        proof = 3
-    return count, n_open, proof, above, visits
-
-
-@kernel(
-    types.void(
-        ARRAY, ARRAY, ARRAY, _F, types.float64[:, :, ::1], MATRIX, types.int8[:, ::1], types.int64[::1], FLAGS, FLAGS
-    )
-)  # fmt: skip
-def enumerate_points(theta, direction, grid, ceiling, unknowns, radius, stable, counts, proof, above):
-    """All solutions at many axis values.
-
-    Parameters
-    ----------
-    theta, direction : (34,) arrays
-    grid : (X,) array
-        Axis values.
-    ceiling : float
-        Amplitude ceiling.
-    unknowns : (X, S, 3) array
-        Filled with (lambda_m, lambda_c, lambda_s), ascending amplitude; nan beyond their number.
-    radius : (X, S) array
-        Filled with what bounds the error of each unknown.
-    stable : (X, S) int8 array
-        Filled with 1, 0, or -1 beyond the number of solutions.
-    counts : (X,) int array
-        Filled with the numbers of solutions, also those beyond S.
-    proof, above : (X,) int8 arrays
-        Filled with `Proof` and `Above`.
-    """
-    found, undecided = np.empty((_ROOTS, _COLUMNS)), np.empty((_UNDECIDED + _ROOTS, _COLUMNS))
-    work = np.empty((ROWS + _ROOTS + _UNDECIDED + _STACK, 5))
-    unknowns[:], radius[:], stable[:] = np.nan, np.nan, -1
-    for i in range(grid.shape[0]):
-        counts[i], _open, proof[i], above[i], _visits = _enumerate(
-            theta, direction, grid[i], ceiling, found, undecided, work
-        )
-        for k in range(min(counts[i], unknowns.shape[1])):
-            radius[i, k] = 0.0
-            for j in range(3):
-                low, high = found[k, _MEAN + 2 * j], found[k, _MEAN + 2 * j + 1]
-                unknowns[i, k, j] = 0.5 * (low + high)
-                # Twice the half width covers the rounding of the middle.
-                radius[i, k] = max(radius[i, k], high - low)
-            stable[i, k] = 1 if found[k, _STABLE] == 1.0 else 0
-
 
 @dataclass(frozen=True)
 class Solutions:
@@ -333,20 +175,18 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     """
     _check(amplitude_max, omega)
     theta, direction = axis_vectors(model, "omega")
-    found, undecided = np.empty((_ROOTS, _COLUMNS)), np.empty((_UNDECIDED + _ROOTS, _COLUMNS))
-    work = np.empty((ROWS + _ROOTS + _UNDECIDED + _STACK, 5))
-    count, n_open, proof, above, visits = _enumerate(
+    found, undecided, work = workspace()
+    count, n_open, proof, above, visits = enumerate_point(
         theta, direction, float(omega), float(amplitude_max), found, undecided, work
     )
     proof = Proof(proof)
     if proof is Proof.CONTRADICTION:
         raise ArithmeticError(f"{proof.sentence} It happened at omega = {omega!r} for {model!r}.")
-    boxes = found[:count, _MEAN:_AMPLITUDE].reshape(count, 3, 2).copy()
+    boxes = found[:count, MEAN:AMPLITUDE].reshape(count, 3, 2).copy()
+    motions = undecided[:n_open][:, [ROOT, ROOT + 1, MEAN, MEAN + 1, AMPLITUDE, AMPLITUDE + 1]]
     return Solutions(
-        float(omega), *np.mean(boxes, axis=2).T, found[:count, _STABLE].astype(np.int8), boxes,
-        found[:count, _GAIN:_MEAN].copy(),
-        undecided[:n_open][:, [_ROOT, _ROOT + 1, _MEAN, _MEAN + 1, _AMPLITUDE, _AMPLITUDE + 1]].reshape(n_open, 3, 2),
-        proof, Above(above), visits,
+        float(omega), *np.mean(boxes, axis=2).T, found[:count, STABLE].astype(np.int8), boxes,
+        found[:count, GAIN_BOUNDS:MEAN].copy(), motions.reshape(n_open, 3, 2), proof, Above(above), visits,
     )  # fmt: skip
 
 
@@ -374,8 +214,8 @@ def enumerate_row(
     _check(amplitude_max, *(grid if axis == "omega" else [omega]))
     theta, direction = axis_vectors(model, axis, omega)
     counts, proof, above = np.empty(grid.size, np.int64), np.empty(grid.size, np.int8), np.empty(grid.size, np.int8)
-    unknowns = np.empty((grid.size, _ROOTS, 3))
-    radius, stable = np.empty((grid.size, _ROOTS)), np.empty((grid.size, _ROOTS), np.int8)
+    unknowns = np.empty((grid.size, MOST, 3))
+    radius, stable = np.empty((grid.size, MOST)), np.empty((grid.size, MOST), np.int8)
     enumerate_points(
         theta, direction, grid, float(amplitude_max), unknowns, radius, stable, counts, proof, above
     )  # fmt: skip

@@ -1,16 +1,16 @@
 """Branch and bound for all roots of the reduced balance h(t) = N - t on [0, 1] (`solver.reduction`).
 
-Every interval on the stack carries the proven signs of h at its two ends, so that cuts never fall onto a root and no root
-is counted twice. An interval is
+Every interval on the stack carries the proven signs of h at its two ends, so that cuts never fall onto a root and no
+root is counted twice; at t = 1, where h <= 0 and may be 0, the sign counts as negative. An interval is
 
-- discarded if contact is never lost on it (then N = 1), or if the range of N leaves it empty; what N does not reach is
-  cut off;
+- finished if contact is never lost on it: then N = 1, and t = 1 is the only root it can have;
+- cut down to the values that N takes on it, and discarded if there are none;
 - finished if the slope of h has one sign on it: exactly one root if the signs at the ends differ, none otherwise;
-- else cut at a place where the sign of h is certain, and with it goes the neighbourhood in which the slope keeps h from
-  zero (the interval Newton step with a slope that contains 0).
+- else cut at a place where the sign of h is certain, and with it goes the neighbourhood in which the slope keeps h
+  from zero (the interval Newton step with a slope that contains 0).
 
-Where no certain place is found, rounding or the uncertainty of the coefficients is larger than h: the interval is returned
-as undecided.
+Where no certain place is found, rounding or the uncertainty of the coefficients is larger than h: the interval is
+returned as undecided.
 """
 
 import math
@@ -37,7 +37,7 @@ _ZERO, _UNKNOWN = 0.0, 2.0
 
 @kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F, _F, _F, _F))
 def _root_free(left, cut, right, h_low, h_high, slope_low, slope_high):
-    """How far to both sides of `cut`, where h lies in [h_low, h_high] without 0, a slope that contains 0 keeps h from 0."""
+    """How far to both sides of `cut`, where h lies in [h_low, h_high] without 0, the slope keeps h from 0."""
     if h_low > 0.0:
         size, falling, rising = h_low, -slope_low, slope_high
     else:
@@ -64,11 +64,10 @@ def _certain_cut(reduced, left, right, guess):
     return math.nan, 0.0, 0.0, math.nan
 
 
-@kernel(types.boolean(MATRIX, _I, _F, _F, _F, _F, _F), inline=True)
+@kernel(types.void(MATRIX, _I, _F, _F, _F, _F, _F), inline=True)
 def _push(stack, count, left, right, sign_left, sign_right, guess):
     stack[count, 0], stack[count, 1], stack[count, 2], stack[count, 3] = left, right, sign_left, sign_right
     stack[count, 4] = guess
-    return True
 
 
 @kernel(_I(MATRIX, _I, _F, _F))

@@ -1,10 +1,11 @@
 """Interval arithmetic for proofs: every result contains the exact value for every choice within the operands.
 
-An interval is a pair (low, high) of floats, a complex interval a pair (real, imaginary) of intervals. Instead of switching
-the rounding mode, each result is widened outwards by 2.3e-16 of itself plus 1e-300, which is at least one unit in the
-last place and more than the half unit by which +, -, *, / and sqrt may be off (IEEE 754; S. M. Rump, Acta Numerica 19,
-2010, section 5). sin and cos are widened by 4.5e-16, twice what the C library promises to keep. Bounds that are nan or
-infinite are never proofs: whoever decides by an interval must ask for what is to hold ("low > 0"), not for its opposite.
+An interval is a pair (low, high) of floats, a complex interval a pair (real, imaginary) of intervals. Instead of
+switching the rounding mode, each result is widened outwards by 2.3e-16 of itself plus 1e-300, which is at least one
+unit in the last place and more than the half unit by which +, -, *, / and sqrt may be off (IEEE 754; S. M. Rump, Acta
+Numerica 19, 2010, section 5). sin and cos are widened by 4.5e-16, twice what the C library promises to keep. Bounds
+that are nan or infinite are never proofs: whoever decides by an interval must ask for what is to hold ("low > 0"), not
+for its opposite. Operands are taken to be finite; `solver.reduction` sees to that.
 """
 
 import math
@@ -14,9 +15,9 @@ from numba import types
 from solver.compiled import kernel
 
 __all__ = [
-    "COMPLEX", "INTERVAL", "above", "absolute", "add", "below", "complex_add", "complex_conjugate", "complex_multiply",
-    "complex_reciprocal", "complex_scale", "complex_subtract", "cosine", "divide", "exact", "hull", "length", "multiply",
-    "sine", "square", "subtract", "symmetric",
+    "COMPLEX", "INTERVAL", "above", "absolute", "add", "below", "complex_add", "complex_conjugate",
+    "complex_multiply", "complex_reciprocal", "complex_scale", "complex_subtract", "cosine", "divide", "exact", "hull",
+    "length", "multiply", "sine", "square", "subtract", "symmetric",
 ]  # fmt: skip
 
 INTERVAL = types.UniTuple(types.float64, 2)

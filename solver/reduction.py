@@ -1,7 +1,7 @@
 """The first-order balance reduced to one equation h(t) = 0 for the gain t = N_a on [0, 1], with proven bounds.
 
-Derivation. With f_1 = t Lambda_1 the mean row gives f_0 = (f_pm - t Re(e conj Lambda_1))/c. Inserted into the first harmonic
-(`solver.harmonic.first_order`) this leaves, for a given t, a linear equation for Lambda_1 alone,
+Derivation. With f_1 = t Lambda_1 the mean row gives f_0 = (f_pm - t Re(e conj Lambda_1))/c. Inserted into the first
+harmonic (`solver.harmonic.first_order`) this leaves, for a given t, a linear equation for L = Lambda_1 alone,
 
     (D + t A') L + t Q conj(L) = G,    A' = c - T - P_1 conj(e)/(2c),  Q = P_2 - P_1 e/(2c),  G = F_1 - P_1 f_pm/c
 
@@ -9,10 +9,11 @@ whose determinant and numerators are polynomials in t:
 
     q(t) = |D + t A'|^2 - t^2 |Q|^2,    l(t) = conj(D + t A') G - t Q conj(G),    n(t) = (f_pm q - t Re(e conj l))/c
 
-so that L = l/q and f_0 = n/q wherever q is not 0; where q = 0 but l is not, no motion of that gain exists. The dead zone
-is homogeneous: multiplied by |q|/|l| the motion has amplitude 1, mean force phi = |n|/|l| and half gap beta = b |q|/|l|,
-in which nothing is singular where q vanishes and the amplitude is infinite. phi fixes the mean displacement, since f_0
-grows with it while there is contact, and with it the gain N(phi, beta) (`solver.contact_law`). All motions are therefore the roots of
+so that L = l/q and f_0 = n/q wherever q is not 0; where q = 0 but l is not, no motion of that gain exists. The dead
+zone is homogeneous: multiplied by |q|/|l| the motion has amplitude 1, mean force phi = |n|/|l| and half gap
+beta = b |q|/|l|, in which nothing is singular where q vanishes and the amplitude is infinite. phi fixes the mean
+displacement, since f_0 grows with it while there is contact, and with it the gain N(phi, beta) (`solver.contact_law`).
+All solutions with contact are therefore the roots of
 
     h(t) = N(phi(t), beta(t)) - t,    0 <= t <= 1,
 
@@ -55,7 +56,8 @@ from solver.interval import (
 )
 
 __all__ = [
-    "GAP", "LOAD", "ROWS", "determinant_over", "gain_at", "motion_over", "numerators_at", "reduce_balance", "slope_over",
+    "GAP", "LOAD", "ROWS", "determinant_over", "gain_at", "motion_over", "numerators_at", "reduce_balance",
+    "slope_over",
 ]  # fmt: skip
 
 _F = types.float64
@@ -65,8 +67,8 @@ _D, _A, _Q, _L_0, _L_1, _E = 0, 2, 4, 5, 7, 9
 _C, LOAD, GAP, _Q_1, _Q_2, _N_1, _N_2, _FORCE, _GAP = 11, 12, 13, 14, 15, 16, 17, 18, 22
 ROWS = 26
 
-# Reduced coefficients must lie below the first, so that no product of them overflows, and the amplitude's numerator above
-# its inverse; slopes must lie below the second.
+# Reduced coefficients must lie below the first, so that no product of them overflows, and the amplitude's numerator
+# above its inverse; slopes must lie below the second.
 _LARGEST, _STEEPEST = 1e40, 1e100
 
 
@@ -82,7 +84,7 @@ def _put(reduced, row, value):
 
 @kernel(types.void(MATRIX, types.int64, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL))
 def _put_cubic(reduced, row, n_0, n_1, n_2, r_0, r_1, r_2):
-    """Coefficients of n' r - n r'/2 for n = n_0 + n_1 t + n_2 t^2 and r likewise: |r|^(3/2) times the slope of n/sqrt(r)."""
+    """n' r - n r'/2 for n = n_0 + n_1 t + n_2 t^2 and r likewise: r^(3/2) times the slope of n/sqrt(r)."""
     half = multiply(exact(0.5), r_1)
     _put(reduced, row, subtract(multiply(n_1, r_0), multiply(n_0, half)))
     middle = add(multiply(n_1, half), multiply(exact(2.0), multiply(n_2, r_0)))
@@ -112,9 +114,7 @@ def reduce_balance(theta, direction, p, reduced):
     Q = complex_subtract(P_2, complex_scale(half, complex_multiply(P_1, e)))
     G = complex_subtract(F, complex_scale(multiply(load, per_c), P_1))
     L_0 = complex_multiply(complex_conjugate(D), G)
-    L_1 = complex_subtract(
-        complex_multiply(complex_conjugate(A), G), complex_multiply(Q, complex_conjugate(G))
-    )  # fmt: skip
+    L_1 = complex_subtract(complex_multiply(complex_conjugate(A), G), complex_multiply(Q, complex_conjugate(G)))
     for i in range(2):
         _put(reduced, _D + i, D[i])
         _put(reduced, _A + i, A[i])
@@ -161,7 +161,7 @@ def _l_over(reduced, t):
 
 @kernel(types.UniTuple(INTERVAL, 3)(MATRIX, INTERVAL))
 def numerators_at(reduced, t):
-    """n, q and |l| at one gain (or over a narrow interval of gains); q is summed so that no digits cancel at a resonance."""
+    """n, q and |l| at one gain; q is summed so that no digits cancel at a resonance."""
     X_real = add(_get(reduced, _D), multiply(t, _get(reduced, _A)))
     X_imaginary = add(_get(reduced, _D + 1), multiply(t, _get(reduced, _A + 1)))
     q = add(square(X_real), square(X_imaginary))
@@ -194,8 +194,7 @@ def _quadratic_over(reduced, first, second, t, ends, middle, radius):
     slope = add(_get(reduced, first), multiply(multiply(exact(2.0), t), _get(reduced, second)))
     if slope[0] > 0.0 or slope[1] < 0.0:
         return ends
-    low, high = add(middle, multiply(slope, symmetric(radius)))
-    return low, high
+    return add(middle, multiply(slope, symmetric(radius)))
 
 
 @kernel(INTERVAL(MATRIX, types.int64, _F, _F))
@@ -223,9 +222,7 @@ def _scaled_over(reduced, left, center, right):
 
     # |l| is convex: largest at an end, and above its tangent at the center.
     l_real, l_imaginary = _l_over(reduced, exact(center))
-    slope = add(
-        multiply(l_real, _get(reduced, _L_1)), multiply(l_imaginary, _get(reduced, _L_1 + 1))
-    )  # fmt: skip
+    slope = add(multiply(l_real, _get(reduced, _L_1)), multiply(l_imaginary, _get(reduced, _L_1 + 1)))
     size = 0.0, max(l_left[1], l_right[1])
     if l_center[0] > 0.0:
         slope = divide(slope, l_center)
@@ -301,7 +298,7 @@ def determinant_over(reduced, left, right):
 
 @kernel(types.UniTuple(INTERVAL, 4)(MATRIX, _F, _F, _F))
 def motion_over(reduced, left, right, guess):
-    """lambda_m, lambda_c, lambda_s and lambda_a of all motions with gain in [left, right]; infinite where q may be 0."""
+    """lambda_m, lambda_c, lambda_s, lambda_a of all solutions with gain in [left, right]; infinite where q may be 0."""
     center = min(max(0.5 * (left + right), left), right)
     phi, beta, _by_force, _by_gap, _regular = _scaled_over(reduced, left, center, right)
     cosine = gain_over(phi, beta, guess)[3]

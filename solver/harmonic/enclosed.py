@@ -1,4 +1,4 @@
-"""The coefficients of the first-order balance as intervals, so that a proof holds for the model and not for its rounding.
+"""The coefficients of the first-order balance as intervals: a proof then holds for the model, not for its rounding.
 
 The same formulas as `solver.harmonic.first_order.coefficients` (PHYSICS, sections 3 and 4), in interval arithmetic and
 without derivatives. The parameters themselves, theta + p * direction, are taken as the exact floats they are.
@@ -98,8 +98,8 @@ def enclosed_coefficients(theta, direction, p):
     Returns
     -------
     values : 6 complex intervals
-        D, c - T, P_1, P_2, F_1 and e, as `solver.harmonic.first_order.coefficients`; nan where a support without damping
-        is in resonance.
+        D, c - T, P_1, P_2, F_1 and e, as `solver.harmonic.first_order.coefficients`; nan where a support without
+        damping is in resonance.
     c : interval
     """
     x = np.empty(theta.shape[0])
