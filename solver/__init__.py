@@ -3,6 +3,7 @@
 from solver.backbone import Backbone, backbone
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import Broyden, Newton
+from solver.enumeration import Above, Proof, RowSolutions, Solutions, all_solutions, enumerate_row
 from solver.errors import ParameterError
 from solver.harmonic.first_order import first_order_problem
 from solver.harmonic.uncondensed import translations, uncondensed_balance
@@ -13,6 +14,7 @@ from solver.row import Row, RowError, sweep_row
 __all__ = [
     "GEOMETRIC",
     "SCALAR_PARAMETERS",
+    "Above",
     "Backbone",
     "Broyden",
     "Continuation",
@@ -24,12 +26,17 @@ __all__ = [
     "Newton",
     "ParameterError",
     "Problem",
+    "Proof",
     "Row",
     "RowError",
+    "RowSolutions",
+    "Solutions",
+    "all_solutions",
     "backbone",
     "domain_code",
     "domain_label",
     "domain_labels",
+    "enumerate_row",
     "first_order_problem",
     "impact_state",
     "sweep_row",
