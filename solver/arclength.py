@@ -14,7 +14,7 @@ __all__ = ["pin", "scaled_distance", "trace"]
 _I, _F = types.int64, types.float64
 
 # Slots of the settings array.
-FIRST, LARGEST, SMALLEST, ANGLE, DISTANCE, PARAMETER, GROWTH, CEILING, LOW, HIGH = range(10)
+FIRST, LARGEST, SMALLEST, ANGLE, DISTANCE, PARAMETER, GROWTH, CEILING = range(8)
 
 # End reasons and events, as numbered by `EndReason` and `Event`.
 RANGE_LEFT, CLOSED, AMPLITUDE_CEILING, STEP_TOO_SMALL, ITERATION_LIMIT = range(1, 6)
@@ -62,13 +62,28 @@ def scaled_distance(left, right, scale):
     return math.sqrt(total)
 
 
-@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F))
-def _hides_a_pair(setup, left, right, arc):
-    """Would the curve between two points fold twice, or reach a grazing and come back?"""
+@kernel(types.boolean(ARRAY, ARRAY, ARRAY), inline=True)
+def _inside(y, low, high):
+    """Whether y lies in the box; its borders belong to it."""
+    for j in range(low.shape[0]):
+        if not low[j] <= y[j] <= high[j]:
+            return False
+    return True
+
+
+@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY))
+def _hides_a_pair(setup, left, right, arc, low, high):
+    """Would the curve between two points fold twice, or reach a grazing or a border of the box and come back?"""
     n, m = setup.unknowns, setup.monitors
     p = setup.scale[n]
     if _turns_twice(left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]):
         return True
+    for j in range(n + 1):
+        leave, arrive = arc * left[n + 1 + j] * setup.scale[j], arc * right[n + 1 + j] * setup.scale[j]
+        if math.isfinite(low[j]) and _touches_zero(left[j] - low[j], right[j] - low[j], leave, arrive):
+            return True
+        if math.isfinite(high[j]) and _touches_zero(left[j] - high[j], right[j] - high[j], leave, arrive):
+            return True
     values, slopes = 2 * n + 2, 2 * n + 2 + m
     for i in range(1, m):
         if _touches_zero(left[values + i], right[values + i], arc * left[slopes + i], arc * right[slopes + i]):
@@ -101,13 +116,13 @@ def _find_events(setup, left, right, arc, found, fractions, kinds):
     return count
 
 
-@kernel(types.void(SETUP, ARRAY, _F))
-def pin(setup, point, level):
-    """Move a point that lies within rounding of p = level onto it, unless fixed p is singular there (a fold)."""
+@kernel(types.void(SETUP, ARRAY, _I, _F))
+def pin(setup, point, slot, level):
+    """Move a point that lies within rounding of y[slot] = level onto it, unless the curve is tangent to that plane."""
     n = setup.unknowns
     normal, pinned = np.zeros(n + 1), point.copy()
-    normal[n] = 1.0
-    pinned[n] = level
+    normal[slot] = 1.0
+    pinned[slot] = level
     if land(setup, pinned, normal) > 0 and np.max(np.abs((pinned - point)[: n + 1] / setup.scale)) < 1e-6:
         sign = 1.0 if dot(pinned[n + 1 : 2 * n + 2], point[n + 1 : 2 * n + 2]) >= 0.0 else -1.0
         for j in range(n + 1):
@@ -115,44 +130,45 @@ def pin(setup, point, level):
             point[n + 1 + j] = sign * pinned[n + 1 + j]
         point[-1] = sign * pinned[-1]
         observe_from(setup, point)
-    point[n] = level
+    point[slot] = level
 
 
-@kernel(types.Tuple((_I, _F))(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY, types.boolean, ARRAY))
-def _find_end(setup, left, right, arc, settings, home, away, found):
+@kernel(types.Tuple((_I, _F))(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, ARRAY, ARRAY, types.boolean, ARRAY))
+def _find_end(setup, left, right, arc, ceiling, low, high, home, away, found):
     """Does the curve end between two points? Reason (0 no, -1 not located) and fraction; `found` is the last point."""
     n = setup.unknowns
     reason, fraction = 0, 2.0
-    inside = settings[LOW] <= right[n] <= settings[HIGH] and right[2 * n + 2] <= settings[CEILING]
-    if inside and not (away and scaled_distance(right, home, setup.scale) <= 2.0 * arc):
+    near_home = away and scaled_distance(right, home, setup.scale) <= 2.0 * arc
+    if _inside(right, low, high) and right[2 * n + 2] <= ceiling and not near_home:
         return reason, fraction
     plane, trial = home[n + 1 : 2 * n + 2] / setup.scale, found.copy()
-    for candidate in range(RANGE_LEFT, AMPLITUDE_CEILING + 1):
-        slot, level = -1, 0.0
-        if candidate == RANGE_LEFT:
-            if settings[LOW] <= right[n] <= settings[HIGH]:
+    # One candidate for every component of y that leaves the box, then the return to the start, then the ceiling.
+    for candidate in range(n + 3):
+        slot, level, kind = -1, 0.0, RANGE_LEFT
+        if candidate <= n:
+            if low[candidate] <= right[candidate] <= high[candidate]:
                 continue
-            slot, level = n, settings[HIGH] if right[n] > settings[HIGH] else settings[LOW]
-        elif candidate == AMPLITUDE_CEILING:
-            if right[2 * n + 2] <= settings[CEILING]:
-                continue
-            slot, level = 2 * n + 2, settings[CEILING]
-        else:
-            level = dot(plane, home[: n + 1])
+            slot, level = candidate, high[candidate] if right[candidate] > high[candidate] else low[candidate]
+        elif candidate == n + 1:
+            kind, level = CLOSED, dot(plane, home[: n + 1])
             before, after = dot(plane, left[: n + 1]) - level, dot(plane, right[: n + 1]) - level
-            if not away or before >= 0.0 or after < 0.0:
+            if not near_home or before >= 0.0 or after < 0.0:
                 continue
+        else:
+            if right[2 * n + 2] <= ceiling:
+                continue
+            kind, slot, level = AMPLITUDE_CEILING, 2 * n + 2, ceiling
         place = locate(setup, left, right, arc, slot, plane, level, trial)
         if place < 0.0:
             return -1, 0.0
-        if candidate == CLOSED and np.max(np.abs((trial - home)[: n + 1] / setup.scale)) > 1e-6:
+        if kind == CLOSED and np.max(np.abs((trial - home)[: n + 1] / setup.scale)) > 1e-6:
             continue
         if place < fraction:
-            reason, fraction = candidate, place
+            reason, fraction = kind, place
             found[:] = trial
-            if candidate == RANGE_LEFT:
-                pin(setup, found, level)
-            elif candidate == CLOSED:
+            if kind == RANGE_LEFT:
+                pin(setup, found, slot, level)
+            elif kind == CLOSED:
                 found[:] = home
     return reason, fraction
 
@@ -184,17 +200,18 @@ def _limited(setup, settings, point, step):
 
 @kernel(
     types.UniTuple(_I, 3)(
-        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, ARRAY, _F, ARRAY,
+        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY,
         MATRIX, MATRIX, ARRAY, FLAGS, FLAGS,
     )
 )  # fmt: skip
 def trace(
     corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, start, heading, settings,
-    points, tangents, arclength, stable, events,
+    low, high, points, tangents, arclength, stable, events,
 ):  # fmt: skip
-    """Follow the curve from `start` (n + 1,) towards growing (heading 1) or falling (-1) p until it ends.
+    """Follow the curve from `start` (n + 1,) to the side that `heading` (n + 1,) points to until it ends.
 
-    Fills points and tangents (capacity, n + 1), arclength, stable and events (capacity,).
+    It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free. Fills points and
+    tangents (capacity, n + 1), arclength, stable and events (capacity,).
 
     Returns
     -------
@@ -211,10 +228,8 @@ def trace(
     found, fractions, kinds = np.zeros((monitors, size)), np.empty(monitors), np.empty(monitors, np.int64)
 
     here[: n + 1] = start
-    border = np.zeros(n + 1)
-    border[n] = heading
     # The second call makes the determinant that of the tangent's own border, comparable with those that follow.
-    if not orient(setup, here, border) or not orient(setup, here, here[n + 1 : 2 * n + 2].copy()):
+    if not orient(setup, here, heading) or not orient(setup, here, here[n + 1 : 2 * n + 2].copy()):
         return 0, STEP_TOO_SMALL, 0
     observe_from(setup, here)
     home = here.copy()
@@ -244,12 +259,12 @@ def trace(
             angle > settings[ANGLE]
             or error > settings[DISTANCE] * step
             or (flips and step > _BRANCH_POINT_STEP)
-            or (step > 100.0 * settings[SMALLEST] and _hides_a_pair(setup, here, there, arc))
+            or (step > 100.0 * settings[SMALLEST] and _hides_a_pair(setup, here, there, arc, low, high))
         ):
             refused += 1
             step *= 0.5
             continue
-        reason, end = _find_end(setup, here, there, arc, settings, home, count > 3, last)
+        reason, end = _find_end(setup, here, there, arc, settings[CEILING], low, high, home, count > 3, last)
         located = _find_events(setup, here, there, arc, found, fractions, kinds) if reason >= 0 else -1
         if located < 0:
             refused += 1
