@@ -210,8 +210,9 @@ def trace(
 ):  # fmt: skip
     """Follow the curve from `start` (n + 1,) to the side that `heading` (n + 1,) points to until it ends.
 
-    It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free. Fills points and
-    tangents (capacity, n + 1), arclength, stable and events (capacity,).
+    It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free; at once if `start`
+    lies on its border and the curve heads out. Fills points and tangents (capacity, n + 1), arclength, stable and events
+    (capacity,).
 
     Returns
     -------
@@ -234,6 +235,9 @@ def trace(
     observe_from(setup, here)
     home = here.copy()
     _record(setup, here, 0, 0.0, 0, points, tangents, arclength, stable, events)
+    for j in range(n + 1):
+        if (here[j] == low[j] and here[n + 1 + j] < 0.0) or (here[j] == high[j] and here[n + 1 + j] > 0.0):
+            return 1, RANGE_LEFT, 0
     count, refused, travelled = 1, 0, 0.0
     step = settings[FIRST]
 

@@ -226,12 +226,12 @@ class Continuation:
             event[:count].copy(), (EndReason.RANGE_LEFT, reason), refused,
         )  # fmt: skip
 
-    def trace_both_ways(self, problem: Problem, start: np.ndarray, low: float, high: float) -> Curve:
-        """Follow the curve from an inner solution in both directions, as one curve in order of arc length."""
-        ahead = self.trace(problem, start, low, high, heading=1)
+    def trace_both_ways(self, problem: Problem, start: np.ndarray, low, high, heading=1) -> Curve:
+        """Follow the curve from a solution in both directions, as one curve in order of arc length; as for `trace`."""
+        ahead = self.trace(problem, start, low, high, heading)
         if ahead.closed:
             return Curve(**{**vars(ahead), "ends": (EndReason.CLOSED, EndReason.CLOSED)})
-        behind = self.trace(problem, start, low, high, heading=-1)
+        behind = self.trace(problem, start, low, high, -np.asarray(heading, dtype=float))
         back = slice(None, 0, -1)
         return Curve(
             np.concatenate([behind.points[back], ahead.points]),
