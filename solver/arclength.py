@@ -20,24 +20,29 @@ FIRST, LARGEST, SMALLEST, ANGLE, DISTANCE, PARAMETER, GROWTH, CEILING = range(8)
 RANGE_LEFT, CLOSED, AMPLITUDE_CEILING, STEP_TOO_SMALL, ITERATION_LIMIT = range(1, 6)
 FOLD, BRANCH_POINT = 1, 6
 
+# The cubic through two points is not the curve. Where it comes closer to a pair of events than this share of its nearer
+# end, the step is refused, until the ends themselves show whether there is one.
+_CLEARANCE = 0.5
+
 # A sign change of the bordered determinant is taken for a jump until the step is this small, then for a branch point.
 _BRANCH_POINT_STEP = 1e-4
 
 
 @kernel(types.boolean(_F, _F, _F, _F), inline=True)
 def _turns_twice(left, right, leave, arrive):
-    """Does the cubic with these ends and end slopes turn round inside although it leaves and arrives the same way?"""
+    """Does the cubic with these ends and end slopes turn round inside, or nearly, although it leaves and arrives alike?"""
     a = 3.0 * (2.0 * (left - right) + leave + arrive)
     b = 2.0 * (3.0 * (right - left) - 2.0 * leave - arrive)
     if leave * arrive <= 0.0 or a == 0.0:
         return False
     x = -0.5 * b / a
-    return 0.0 < x < 1.0 and ((a * x + b) * x + leave) * leave <= 0.0
+    slope = ((a * x + b) * x + leave) * math.copysign(1.0, leave)
+    return 0.0 < x < 1.0 and slope < _CLEARANCE * min(abs(leave), abs(arrive))
 
 
 @kernel(types.boolean(_F, _F, _F, _F), inline=True)
 def _touches_zero(left, right, leave, arrive):
-    """Does the cubic reach zero inside although both its ends lie on the same side of it?"""
+    """Does the cubic reach zero inside, or nearly, although both its ends lie on the same side of it?"""
     if left * right <= 0.0 or leave * left >= 0.0 or arrive * right <= 0.0:
         return False
     # One extremum towards zero: bisect the derivative, which changes sign once between the ends.
@@ -50,7 +55,8 @@ def _touches_zero(left, right, leave, arrive):
             low = x
         else:
             high = x
-    return (((a * low / 3.0 + b / 2.0) * low + leave) * low + left) * left <= 0.0
+    lowest = (((a * low / 3.0 + b / 2.0) * low + leave) * low + left) * math.copysign(1.0, left)
+    return lowest < _CLEARANCE * min(abs(left), abs(right))
 
 
 @kernel(_F(ARRAY, ARRAY, ARRAY), inline=True)
