@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver.boundaries.contact_angles import X
+from solver.boundaries.incidence import distances
+from solver.boundaries.refine import refined
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.crossings import curve_crossings
 
@@ -150,12 +152,38 @@ class BoundaryCurve:
             points.append(np.column_stack([unknowns[:, SEEN[:-1]], values[column]]))
         return np.concatenate(columns), np.concatenate(points)
 
-    def refined(self, parts: int) -> np.ndarray:
-        """Points (n, 5) on the cubic through neighbouring points and their slopes, `parts` for every step of the curve."""
-        steps = np.diff(self.arclength)
-        index = np.flatnonzero(steps > 0.0)
-        t, h = np.arange(parts)[None, :, None] / parts, steps[index][:, None, None]
-        start, end = self.points[index][:, None], self.points[index + 1][:, None]
-        leave, arrive = h * self.slopes[index][:, None], h * self.slopes[index + 1][:, None]
-        a, b = 2.0 * (start - end) + leave + arrive, 3.0 * (end - start) - 2.0 * leave - arrive
-        return np.concatenate([(((a * t + b) * t + leave) * t + start).reshape(-1, 5), self.points[-1:]])
+    def distances(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:
+        """Distance of points (n, 5) from the boundary in scaled unknowns, (n,); see `solver.boundaries.incidence`."""
+        continuation = continuation or Continuation()
+        targets = np.zeros((len(points), 7))
+        targets[:, SEEN] = points
+        pieces = [distances(piece.problem, piece.curve, targets, SEEN, continuation) for piece in self.pieces]
+        return np.min(pieces, axis=0, initial=np.inf)
+
+    def refined(self, x_step: float, p_step: float, window=None, continuation: Continuation | None = None) -> np.ndarray:
+        """Points (n, 5) no further apart than asked for in the plane, solved and not interpolated.
+
+        Parameters
+        ----------
+        x_step, p_step : float
+            Largest distance along each axis, > 0.
+        window : (x_low, x_high, p_low, p_high), optional
+            Only steps of the curve that may touch this part of the plane are divided.
+        continuation : Continuation, optional
+            Whose corrector is used.
+        """
+        continuation = continuation or Continuation()
+        parts = [self.points[:1]] if not self.pieces else []
+        for piece in self.pieces:
+            places = piece.curve.points[:, SEEN[3:]]
+            moves = np.abs(np.diff(places, axis=0))
+            number = np.maximum(np.ceil(np.max(moves / [x_step, p_step], axis=1)), 1.0)
+            if window is not None:
+                # A step may bulge beyond its ends by about its own length where the curve turns.
+                lowest = np.minimum(places[:-1], places[1:]) - moves
+                highest = np.maximum(places[:-1], places[1:]) + moves
+                near = (highest[:, 0] >= window[0]) & (lowest[:, 0] <= window[1])
+                near &= (highest[:, 1] >= window[2]) & (lowest[:, 1] <= window[3])
+                number = np.where(near, number, 1.0)
+            parts.append(refined(piece.problem, piece.curve, number, continuation)[:, SEEN])
+        return np.concatenate(parts)

@@ -68,7 +68,10 @@ def _distances(
             factors[j] = normal[j] / scale[j]
             level += factors[j] * target[j]
             length += normal[j] * normal[j]
-        nearest[k] = math.inf
+        nearest[k] = 0.0
+        for j in range(n + 1):
+            if seen[j]:
+                nearest[k] = max(nearest[k], abs(points[vertex, j] - target[j]) / scale[j])
         if length == 0.0:
             continue
         normal /= math.sqrt(length)
@@ -104,13 +107,12 @@ def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continu
     Returns
     -------
     (k,) array
-        In scaled unknowns (largest component); inf where the curve passes nowhere near.
+        In scaled unknowns (largest component). Exact where the curve passes within a step; further off, the distance from
+        the closest point of the curve's own.
     """
     mask = np.zeros(problem.unknowns + 1, dtype=np.bool_)
     mask[list(seen)] = True
     nearest = np.full(len(targets), np.inf)
-    if len(curve.points) == 1:
-        return np.max(np.abs((targets - curve.points[0]) / problem.scale)[:, mask], axis=1)
     if len(targets):
         corrector = continuation.corrector
         _distances(

@@ -5,6 +5,7 @@ analytic gradient once the angles of contact are unknowns (`solver.boundaries.co
 one of the angles at +-pi/2. Neither of the two parameters is special: both are unknowns, and the curve is followed in a box.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -33,6 +34,9 @@ from solver.harmonic.first_order import unknown_scale
 from solver.model import Model
 
 __all__ = ["KINDS", "Plane"]
+
+# A motion this close to touching a flank, in units of lambda's size, may lie on either side of the wall.
+_WALL = 1e-7
 
 #: Slot of y whose angle is fixed on a grazing curve, and the angle.
 _GRAZED = {
@@ -162,15 +166,29 @@ class Plane:
         (low[X], high[X]), (low[X + 1], high[X + 1]) = self.x_range, self.p_range
         return low, high
 
-    def zones(self, kind: Event, point: np.ndarray) -> tuple[int, int]:
-        """Zones of the two flanks at (lambda_m, lambda_c, lambda_s, x, p); the grazed flank counts as crossed."""
+    def zones(self, kind: Event, point: np.ndarray) -> list[tuple[int, int]]:
+        """Pairs of zones that (lambda_m, lambda_c, lambda_s, x, p) lies in: several where it lies on a wall, within rounding.
+
+        The grazed flank counts as crossed.
+        """
         b, amplitude = self.half_backlash(point[3], point[4]), math.hypot(point[1], point[2])
-        zones = [
-            0 if abs(distance) < amplitude else int(np.sign(distance)) for distance in (b - point[0], -b - point[0])
-        ]
-        if kind is not Event.FOLD:
-            zones[_GRAZED[kind][0] - FRONT] = 0
-        return tuple(zones)
+        choices = []
+        for slot, distance in ((FRONT, b - point[0]), (BACK, -b - point[0])):
+            margin, outer = abs(distance) - amplitude, -1 if distance < 0.0 else 1
+            if kind is not Event.FOLD and _GRAZED[kind][0] == slot:
+                choices.append([0])
+            elif abs(margin) <= _WALL * self._scale[0]:
+                choices.append([outer, 0])
+            else:
+                choices.append([0 if margin < 0.0 else outer])
+        return list(itertools.product(*choices))
+
+    def contact_free(self, kind: Event, zones: tuple[int, int]) -> bool:
+        """Whether the teeth never touch in these zones: f vanishes there, and the balance leaves the mean open."""
+        grazed, angle = _GRAZED.get(kind, (None, 0.0))
+        front = zones[0] == 1 or (grazed == FRONT and angle > 0.0)
+        back = zones[1] == -1 or (grazed == BACK and angle < 0.0)
+        return front and back
 
     def lift(self, kind: Event, zones: tuple[int, int], point: np.ndarray) -> np.ndarray:
         """y (7,) of (lambda_m, lambda_c, lambda_s, x, p): the angles of contact put in."""

@@ -5,26 +5,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solver.boundaries.assembly import assembled, unfollowed
 from solver.boundaries.contact_angles import BACK, FRONT, P, X
-from solver.boundaries.curve import SEEN, BoundaryCurve, Piece, SpecialPoint
-from solver.boundaries.incidence import distances
+from solver.boundaries.curve import SEEN, BoundaryCurve, Piece
 from solver.boundaries.plane import KINDS, Plane
-from solver.boundaries.special import static_determinant, turning_point
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import workspace_rows
 from solver.errors import ParameterError
 from solver.model import Model
 from solver.row import Row
 
-__all__ = ["BoundaryError", "boundary_curves", "row_events"]
+__all__ = ["boundary_curves", "row_events"]
 
 # A start that lies this close to a traced boundary, in scaled unknowns, belongs to it.
 _SAME = 1e-6
 _MOST_LEGS = 1000
-
-
-class BoundaryError(ArithmeticError):
-    """A boundary could not be followed; the message says where."""
 
 
 def row_events(row: Row, parameter: float) -> list[tuple[Event, np.ndarray]]:
@@ -79,47 +74,53 @@ def boundary_curves(
     -------
     tuple of BoundaryCurve
         Every boundary once, whatever the order of the starts: sorted by kind and first point. Open ones run from the end
-        with the smaller p (then x).
+        with the smaller p (then x). A start from which no boundary could be followed is a curve of one point that ends
+        for STEP_TOO_SMALL.
 
     Raises
     ------
     ParameterError
         If the plane is not allowed, or a start is of another kind or outside of it.
-    BoundaryError
-        If a start lies on no boundary.
     """
     plane = Plane(model, x_axis, p_axis, x_range, p_range, omega)
     continuation = continuation or Continuation()
-    sorted_starts = _sorted(plane, starts)
+    kinds, points = _sorted(plane, starts)
     curves = []
     for kind in KINDS:
         tracer = _Tracer(plane, kind, continuation)
-        targets = np.array([plane.lift(kind, (0, 0), point) for k, point in sorted_starts if k == kind])
-        waiting = np.array([point for k, point in sorted_starts if k == kind])
+        waiting = points[kinds == kind]
         while len(waiting):
             curve = tracer.boundary(waiting[0])
-            nearest = np.min([distances(p.problem, p.curve, targets, SEEN, continuation) for p in curve.pieces], axis=0)
+            nearest = np.full(len(waiting), np.inf) if curve is None else curve.distances(waiting, continuation)
             if nearest[0] > _SAME:
-                raise BoundaryError(f"The boundary traced {tracer.place(waiting[0])} does not pass through its own start.")
-            targets, waiting = targets[nearest > _SAME], waiting[nearest > _SAME]
+                curve, nearest[0] = unfollowed(kind, waiting[0]), 0.0
+            waiting = waiting[nearest > _SAME]
             curves.append(curve)
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
 
 
-def _sorted(plane: Plane, starts) -> list[tuple[Event, np.ndarray]]:
-    """The starts by kind, p, x and unknowns, checked."""
-    checked = []
-    for kind, point in starts:
-        point = np.asarray(point, dtype=float)
+def _sorted(plane: Plane, starts) -> tuple[np.ndarray, np.ndarray]:
+    """Kinds (k,) and points (k, 5) of the starts, checked, in the order in which they are tried.
+
+    By kind, p, x and unknowns, but those on the plane's border last: a boundary that ends there may do so at a
+    singular point (b = 0).
+    """
+    starts = list(starts)
+    kinds = np.array([kind for kind, _ in starts], dtype=np.int64)
+    for kind in np.unique(kinds):
         if kind not in KINDS:
-            raise ParameterError("starts", kind, f"one of {', '.join(k.name for k in KINDS)}")
-        if point.shape != (5,) or not np.all(np.isfinite(point)):
-            raise ParameterError("starts", point.tolist(), "five finite numbers: lambda_m, lambda_c, lambda_s, x, p")
-        for value, (low, high) in zip(point[3:], (plane.x_range, plane.p_range), strict=True):
-            if not low <= value <= high:
-                raise ParameterError("starts", point.tolist(), "inside the plane")
-        checked.append((Event(kind), point))
-    return sorted(checked, key=lambda start: (start[0], *start[1][[4, 3, 0, 1, 2]]))
+            raise ParameterError("starts", int(kind), f"of the kinds {', '.join(k.name for k in KINDS)}")
+    for _, point in starts:
+        if np.shape(point) != (5,):
+            raise ParameterError("starts", point, "points (lambda_m, lambda_c, lambda_s, x, p)")
+    points = np.array([point for _, point in starts], dtype=float).reshape(-1, 5)
+    low, high = np.transpose([plane.x_range, plane.p_range])
+    outside = ~np.all(np.isfinite(points), axis=1) | np.any((points[:, 3:] < low) | (points[:, 3:] > high), axis=1)
+    if np.any(outside):
+        raise ParameterError("starts", points[np.argmax(outside)].tolist(), "finite points inside the plane")
+    border = np.any((points[:, 3:] == low) | (points[:, 3:] == high), axis=1)
+    order = np.lexsort((*points[:, [2, 1, 0, 3, 4]].T, border, kinds))
+    return kinds[order], points[order]
 
 
 class _Tracer:
@@ -128,14 +129,12 @@ class _Tracer:
     def __init__(self, plane: Plane, kind: Event, continuation: Continuation):
         self.plane, self.kind, self.continuation = plane, kind, continuation
 
-    def place(self, point: np.ndarray) -> str:
-        """Where a start is, for a message."""
-        return f"of {self.kind.name} from {self.plane.x_axis} = {point[3]:.9g}, {self.plane.p_axis} = {point[4]:.9g}"
-
-    def boundary(self, point: np.ndarray) -> BoundaryCurve:
-        """The whole boundary through a point (5,)."""
-        zones, y, tangent = self._land(point)
-        chain = [self._leg(zones, y, tangent, self.continuation.trace_both_ways)]
+    def boundary(self, point: np.ndarray) -> BoundaryCurve | None:
+        """The whole boundary through a point (5,); None if none could be followed from it."""
+        first = self._through(point)
+        if first is None:
+            return None
+        chain = [first]
         closed = chain[0].curve.closed or self._extend(chain)
         if not closed:
             chain = [leg.reversed() for leg in reversed(chain)]
@@ -143,32 +142,37 @@ class _Tracer:
             if tuple(chain[0].curve.points[0, [P, X]]) > tuple(chain[-1].curve.points[-1, [P, X]]):
                 chain = [leg.reversed() for leg in reversed(chain)]
         ends = (EndReason.CLOSED,) * 2 if closed else (chain[0].curve.ends[0], chain[-1].curve.ends[1])
-        return _assembled(self.kind, [Piece(leg.problem, leg.curve) for leg in chain], ends)
+        return assembled(self.plane, self.kind, [Piece(leg.problem, leg.curve) for leg in chain], ends)
 
-    def _land(self, point: np.ndarray) -> tuple[tuple[int, int], np.ndarray, np.ndarray]:
-        """Zones of a start (5,), the y (7,) on the boundary next to it and the tangent there."""
-        zones = self.plane.zones(self.kind, point)
-        corrector = self.continuation.corrector
-        for _ in range(3):
-            problem, (low, high) = self.plane.problem(self.kind, zones), self.plane.box(self.kind, zones)
-            y = self.plane.lift(self.kind, zones, point)
-            before, tangent = y.copy(), _tangent(problem, y)
-            # Held at its own p, so that a start on the border stays there, unless the boundary is level.
-            normal = np.eye(7)[P] if abs(tangent[P]) > 0.01 else tangent
-            iterations = corrector.kernel(
-                problem.balance, problem.theta, problem.direction, problem.scale, y, normal,
-                corrector.tolerance, 2 * corrector.max_iterations, np.empty((workspace_rows(6), 7)),
-            )  # fmt: skip
-            if iterations < 0 or np.max(np.abs((y - before) / problem.scale)[list(SEEN)]) > 10.0 * _SAME:
-                break
-            # Next to a corner the start may have been put on the wrong side of it.
-            flanks = slice(FRONT, BACK + 1)
-            shift = (y[flanks] > high[flanks]).astype(int) - (y[flanks] < low[flanks])
-            if not np.any(shift):
-                y[[X, P]] = np.clip(y[[X, P]], low[[X, P]], high[[X, P]])
-                return zones, y, _tangent(problem, y)
-            zones = tuple(int(z) for z in zones + shift)
-        raise BoundaryError(f"There is no boundary {self.place(point)}.")
+    def _through(self, point: np.ndarray) -> "_Leg | None":
+        """The boundary through a start (5,) within its zones."""
+        leg = None
+        for zones in self.plane.zones(self.kind, point):
+            y = None if self.plane.contact_free(self.kind, zones) else self._land(zones, point)
+            if y is not None:
+                tangent = _tangent(self.plane.problem(self.kind, zones), y)
+                leg = self._leg(zones, y, tangent, self.continuation.trace_both_ways)
+                # A start on a wall and on the plane's border has its boundary on one side of the wall only.
+                if len(leg.curve.points) > 1:
+                    break
+        return leg
+
+    def _land(self, zones: tuple[int, int], point: np.ndarray) -> np.ndarray | None:
+        """The y (7,) on the boundary next to a start (5,); None if there is none in these zones."""
+        problem, (low, high) = self.plane.problem(self.kind, zones), self.plane.box(self.kind, zones)
+        y = self.plane.lift(self.kind, zones, point)
+        before, tangent, corrector = y.copy(), _tangent(problem, y), self.continuation.corrector
+        # Held at its own p, so that a start on the border stays there, unless the boundary is level.
+        normal = np.eye(7)[P] if abs(tangent[P]) > 0.01 else tangent
+        iterations = corrector.kernel(
+            problem.balance, problem.theta, problem.direction, problem.scale, y, normal,
+            corrector.tolerance, 2 * corrector.max_iterations, np.empty((workspace_rows(6), 7)),
+        )  # fmt: skip
+        inside = np.clip(y, low, high)
+        moved = np.abs(y - before)[list(SEEN)] / problem.scale[list(SEEN)]
+        if iterations < 0 or np.max(moved) > 10.0 * _SAME or np.max(np.abs(y - inside) / problem.scale) > _SAME:
+            return None
+        return inside
 
     def _leg(self, zones, y, heading, trace) -> "_Leg":
         problem = self.plane.problem(self.kind, zones)
@@ -186,6 +190,8 @@ class _Tracer:
             home = chain[0]
             if zones == home.zones and np.max(np.abs(y - home.curve.points[0]) / home.problem.scale) < _SAME:
                 return True
+            if self.plane.contact_free(self.kind, zones):
+                return False
             chain.append(self._leg(zones, y, move * np.eye(7)[slot], self.continuation.trace))
         return False
 
@@ -224,38 +230,3 @@ def _tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
     size = np.linalg.norm(jacobian, axis=1, keepdims=True)
     tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]
     return tangent if tangent[P] >= 0.0 else -tangent
-
-
-def _assembled(kind: Event, pieces: list[Piece], ends: tuple[EndReason, EndReason]) -> BoundaryCurve:
-    """One curve of its pieces, with the special points named."""
-    shown, points, slopes, lengths, special, stable = list(SEEN), [], [], [], [], []
-    travelled = 0.0
-    closed = ends[1] is EndReason.CLOSED
-    for number, piece in enumerate(pieces):
-        curve, scale = piece.curve, piece.problem.scale
-        codes = np.zeros(len(curve.points), np.int8)
-        for i in np.flatnonzero(curve.event):
-            if kind is not Event.FOLD:
-                codes[i] = SpecialPoint.EXTREMUM if curve.event[i] == Event.FOLD else SpecialPoint.FOLD_GRAZING
-            elif curve.event[i] == Event.FOLD:
-                codes[i] = turning_point(piece.problem, curve, i)
-        if number > 0 or (closed and len(pieces) > 1):
-            before, tangent = pieces[number - 1].curve.tangents[-1, [X, P]], curve.tangents[0, [X, P]]
-            codes[0] = SpecialPoint.CUSP if before @ tangent < 0.0 else SpecialPoint.NONE
-        if number < len(pieces) - 1 or (closed and len(pieces) > 1):
-            codes[-1] = SpecialPoint.FOLD_GRAZING if kind is Event.FOLD else SpecialPoint.DOUBLE_GRAZING
-        points.append(curve.points[:, shown])
-        slopes.append((curve.tangents * scale)[:, shown])
-        lengths.append(travelled + curve.arclength)
-        travelled = lengths[-1][-1]
-        special.append(codes)
-        determinants = [0.0 if kind is Event.FOLD else static_determinant(piece.problem, y) for y in curve.points]
-        stable.append((np.array(determinants) > 0.0) & (codes != SpecialPoint.FOLD_GRAZING))
-    codes = np.concatenate(special)
-    for end, place in zip(ends, (0, -1), strict=True):
-        if end is EndReason.RANGE_LEFT:
-            codes[place] = SpecialPoint.BORDER
-    return BoundaryCurve(
-        kind, np.concatenate(points), np.concatenate(slopes), np.concatenate(lengths),
-        np.concatenate(stable).astype(np.int8), codes, ends, tuple(pieces),
-    )  # fmt: skip
