@@ -97,9 +97,27 @@ def _hides_a_pair(setup, left, right, arc, low, high):
     return False
 
 
-@kernel(_I(SETUP, ARRAY, ARRAY, _F, MATRIX, ARRAY, types.int64[::1]))
-def _find_events(setup, left, right, arc, found, fractions, kinds):
-    """Locate the fold and the grazings between two points, in order of arc; their number, or -1 if one was not found."""
+@kernel(types.boolean(SETUP, ARRAY, MATRIX, types.int64[::1], _I))
+def _contradicts(setup, left, found, kinds, count):
+    """Do the points of `count` located events, in order, show signs that the located events do not explain?"""
+    n, m = setup.unknowns, setup.monitors
+    for event in range(FOLD, FOLD + m):
+        slot = 2 * n + 1 if event == FOLD else 2 * n + 2 + event - FOLD
+        sign = left[slot]
+        for k in range(count):
+            if kinds[k] == event:
+                sign = -sign
+            elif found[k, slot] * sign < 0.0:
+                return True
+    return False
+
+
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, ARRAY, types.int64[::1]))
+def _find_events(setup, left, right, arc, least, found, fractions, kinds):
+    """Locate the fold and the grazings between two points, in order of arc.
+
+    Their number; -1 if one was not found, or if (in steps longer than `least`) a pair of another kind lies around it.
+    """
     n, m = setup.unknowns, setup.monitors
     count = 0
     for event in range(FOLD, FOLD + m):
@@ -119,6 +137,9 @@ def _find_events(setup, left, right, arc, found, fractions, kinds):
             found[k - 1, :] = swap
             k -= 1
         count += 1
+    # A curve bends sharply where it grazes, and may fold twice there between two points that look harmless.
+    if arc > least and _contradicts(setup, left, found, kinds, count):
+        return -1
     return count
 
 
@@ -245,7 +266,7 @@ def trace(
         if (here[j] == low[j] and here[n + 1 + j] < 0.0) or (here[j] == high[j] and here[n + 1 + j] > 0.0):
             return 1, RANGE_LEFT, 0
     count, refused, travelled = 1, 0, 0.0
-    step = settings[FIRST]
+    step, least = settings[FIRST], 100.0 * settings[SMALLEST]
 
     while True:
         step = _limited(setup, settings, here, step)
@@ -269,13 +290,13 @@ def trace(
             angle > settings[ANGLE]
             or error > settings[DISTANCE] * step
             or (flips and step > _BRANCH_POINT_STEP)
-            or (step > 100.0 * settings[SMALLEST] and _hides_a_pair(setup, here, there, arc, low, high))
+            or (step > least and _hides_a_pair(setup, here, there, arc, low, high))
         ):
             refused += 1
             step *= 0.5
             continue
         reason, end = _find_end(setup, here, there, arc, settings[CEILING], low, high, home, count > 3, last)
-        located = _find_events(setup, here, there, arc, found, fractions, kinds) if reason >= 0 else -1
+        located = _find_events(setup, here, there, arc, least, found, fractions, kinds) if reason >= 0 else -1
         if located < 0:
             refused += 1
             step *= 0.5
