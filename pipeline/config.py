@@ -1,13 +1,15 @@
 """From overrides to a checked configuration: composition by Hydra, types by the schema, one line for every mistake."""
 
+import dataclasses
+import difflib
 import itertools
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import OmegaConfBaseException
+from omegaconf import OmegaConf
+from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
 from pipeline.errors import ConfigurationError
 from pipeline.schema import Configuration
@@ -76,17 +78,20 @@ def expand(overrides: Sequence[str]) -> list[list[str]]:
     from hydra.core.override_parser.overrides_parser import OverridesParser
     from hydra.errors import HydraException
 
-    try:
-        parsed = OverridesParser.create().parse_overrides(list(overrides))
-    except HydraException as error:
-        raise ConfigurationError(_one_line(error)) from None
-    choices = []
-    for override in parsed:
-        if override.is_sweep_override():
-            key = override.get_key_element()
-            choices.append([f"{key}={value}" for value in override.sweep_string_iterator()])
+    for override in overrides:
+        if not re.match(r"[+~]{0,2}[A-Za-z]", override):
+            raise ConfigurationError(f"{override} is not allowed: it must be KEY=VALUE, such as gear.b=0.5")
+    parser, choices = OverridesParser.create(), []
+    for override in overrides:
+        try:
+            parsed = parser.parse_override(override)
+        except HydraException as error:
+            raise ConfigurationError(f"{override} cannot be read as KEY=VALUE: {_one_line(error)}") from None
+        if parsed.is_sweep_override():
+            key = parsed.get_key_element()
+            choices.append([f"{key}={value}" for value in parsed.sweep_string_iterator()])
         else:
-            choices.append([override.input_line])
+            choices.append([override])
     return [list(combination) for combination in itertools.product(*choices)]
 
 
@@ -144,17 +149,31 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
     return settings
 
 
+def _keys() -> list[str]:
+    """All keys of the configuration, dotted."""
+
+    def walk(schema, prefix):
+        for field in dataclasses.fields(schema):
+            yield f"{prefix}{field.name}"
+            if dataclasses.is_dataclass(field.type):
+                yield from walk(field.type, f"{prefix}{field.name}.")
+
+    return list(walk(Configuration, ""))
+
+
 def _one_line(error: Exception) -> str:
     """What Hydra or OmegaConf says, on one line that names the key."""
-    cause = error.__cause__ if isinstance(error.__cause__, OmegaConfBaseException) else None
-    text = " ".join(str(error).split())
-    if isinstance(error, OmegaConfBaseException) or cause is not None:
-        detail = cause or error
-        key = getattr(detail, "full_key", None)
-        said = str(detail.msg if getattr(detail, "msg", None) else detail).splitlines()[0]
-        if key and key not in said:
-            said = f"{key}: {said}"
-        # What Hydra adds in front names the override as typed.
-        first = text.split(". ")[0] if cause is not None and text != said else ""
-        return f"{first}. {said}" if first and first not in said else said
-    return text
+    detail = error.__cause__ if isinstance(error.__cause__, OmegaConfBaseException) else error
+    if isinstance(detail, OmegaConfBaseException):
+        said = str(detail.msg or detail).splitlines()[0]
+        key = detail.full_key or ""
+        if isinstance(detail, ConfigKeyError | ConfigAttributeError):
+            key = key or str(detail.key)
+            close = difflib.get_close_matches(key, _keys(), n=1)
+            return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
+        if "is not a ListConfig, list or tuple" in said:
+            said = f"{key} is not allowed: it must be a list, such as [a,b]"
+        return said if key in said else f"{key}: {said}"
+    said = " ".join(str(error).split())
+    # Where Hydra looked for a file, and where its grammar is explained, does not help here.
+    return re.split(r" Config search path:| See https?://", said)[0]

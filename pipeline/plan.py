@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
-__all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan"]
+__all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan", "plan_of", "warnings"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 1
@@ -110,6 +110,12 @@ def numbers_digest(numbers: dict) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+def plan_of(numbers: dict) -> Plan:
+    """The plan that `Plan.numbers` came from; a store keeps it, so that every stage but the sweep needs no configuration."""
+    axes = {role: Axis(**numbers[role]) for role in ("sweep", "parameter")}
+    return Plan(**{**numbers, **axes})
+
+
 def plan(settings: Settings) -> Plan:
     """Check a configuration and turn it into a plan.
 
@@ -126,15 +132,15 @@ def plan(settings: Settings) -> Plan:
     ConfigurationError
         Naming the key, its value and what is allowed.
     """
-    from solver import GEOMETRIC, SCALAR_PARAMETERS
+    from solver import SCALAR_PARAMETERS
 
     config = settings.config
+    if config.plane.sweep.name == config.plane.parameter.name:
+        raise ConfigurationError(
+            f"plane.parameter.name = {config.plane.parameter.name!r} is not allowed: the sweep axis has that name already"
+        )
     axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS) for role in ("sweep", "parameter")}
     sweep, parameter = axes["sweep"], axes["parameter"]
-    if sweep.name == parameter.name:
-        raise ConfigurationError(
-            f"plane.parameter.name = {parameter.name!r} is not allowed: the sweep axis has that name already"
-        )
     cells = sweep.num * parameter.num
     if cells > config.plane.max_cells:
         raise ConfigurationError(
@@ -162,10 +168,7 @@ def plan(settings: Settings) -> Plan:
             raise ConfigurationError(f"{key} is not allowed here: {name} is an axis of this plane")
         if isinstance(gear[name], list) and len(set(map(str, gear[name]))) > 1:
             raise ConfigurationError(f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number")
-    # What an axis replaces does not belong to the configuration; its place is held by the axis's lowest value.
-    for axis in axes.values():
-        if axis.name in gear:
-            gear[axis.name] = axis.low
+    # What an axis replaces does not belong to the configuration.
     result = Plan(
         {key: value for key, value in gear.items() if key not in names},
         sweep,

@@ -23,10 +23,10 @@ class Gear:
     b: float = MISSING
     alpha: float = MISSING
     alpha_phase: float = MISSING
-    alpha_harmonics: list[list[float]] = MISSING
+    alpha_harmonics: Any = MISSING
     f_e: float = MISSING
     f_e_phase: float = MISSING
-    f_e_harmonics: list[list[float]] = MISSING
+    f_e_harmonics: Any = MISSING
     f_pm: float = MISSING
     f_pv: float = MISSING
     kappa: Any = MISSING

@@ -14,10 +14,21 @@ import numpy as np
 import zarr
 
 from pipeline.errors import StoreError
-from pipeline.plan import SCHEMA_VERSION, Block, Plan, numbers_digest
+from pipeline.plan import SCHEMA_VERSION, Block, Plan, numbers_digest, plan_of
 from solver import EndReason, Event, ImpactState, Row, domain_labels
 
-__all__ = ["check", "create", "pending_blocks", "read_numbers", "refuse_foreign", "failures", "write_block"]
+__all__ = [
+    "check",
+    "consolidate",
+    "create",
+    "failures",
+    "pending_blocks",
+    "read_numbers",
+    "read_plan",
+    "refuse_foreign",
+    "statuses",
+    "write_block",
+]
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
 
@@ -208,6 +219,11 @@ def read_numbers(path: Path) -> dict:
     if version != SCHEMA_VERSION:
         raise StoreError(f"{path} has schema version {version}, this program writes {SCHEMA_VERSION}: use another name")
     return numbers
+
+
+def read_plan(path: Path) -> Plan:
+    """The plan of an existing store; raises StoreError as `read_numbers` does."""
+    return plan_of(read_numbers(path))
 
 
 def check(path: Path, plan: Plan) -> bool:

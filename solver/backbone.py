@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
-
 from solver.backlash import describing_functions
 from solver.errors import ParameterError
 from solver.model import Model
@@ -52,6 +50,9 @@ def backbone(model: Model, amplitudes) -> Backbone:
     ParameterError
         If f_pm is 0.
     """
+    # scipy.optimize takes 0.3 s to import, which every worker would pay.
+    from scipy.optimize import brentq
+
     if model.f_pm == 0.0:
         raise ParameterError("f_pm", model.f_pm, "other than 0 for a backbone")
     amplitudes = np.asarray(amplitudes, dtype=float)

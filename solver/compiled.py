@@ -80,7 +80,7 @@ def kernel(signature, inline: bool = False):
         if _FOLDER is not None:
             numba.config.CACHE_DIR = _FOLDER
         try:
-            return numba.njit(
+            compiled = numba.njit(
                 signature,
                 cache=_FOLDER is not None,
                 error_model="numpy",
@@ -88,5 +88,9 @@ def kernel(signature, inline: bool = False):
             )(function)
         finally:
             numba.config.CACHE_DIR = previous
+        # Passed as an argument, a kernel is looked up by signature at every call, which takes 40 us. It has only one.
+        (result,) = compiled.overloads.values()
+        compiled.get_compile_result = lambda _: result
+        return compiled
 
     return decorate

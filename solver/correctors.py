@@ -15,6 +15,7 @@ from solver.linear import eliminate
 
 __all__ = ["Broyden", "Newton", "bordered", "workspace_rows"]
 
+_F = types.float64
 _SIGNATURE = types.int64(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
 
 
@@ -48,11 +49,22 @@ def _advance(y, scale, step):
     return math.sqrt(length)
 
 
+@kernel(types.boolean(_F, _F, _F), inline=True)
+def _settled(length, previous, tolerance):
+    """Is the error left after this step below the tolerance?
+
+    Steps that shrink by a factor q leave less than q/(1 - q) times the last one, and both methods shrink faster from step
+    to step; this spares the step that would only confirm.
+    """
+    return length <= tolerance or (length < 0.1 * previous and length * length <= 0.5 * tolerance * previous)
+
+
 @kernel(_SIGNATURE)
 def _newton(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work):
     n = y.shape[0] - 1
     jacobian, matrix = work[0:n], work[n : 2 * n + 1]
     residual, step = work[2 * n + 1][:n], work[2 * n + 2]
+    previous = 0.0
     for iteration in range(1, max_iterations + 1):
         bordered(balance, theta, direction, scale, y, normal, jacobian, residual, matrix)
         for i in range(n):
@@ -64,8 +76,9 @@ def _newton(balance, theta, direction, scale, y, normal, tolerance, max_iteratio
         length = _advance(y, scale, step)
         if math.isnan(length):
             return -1
-        if length <= tolerance:
+        if _settled(length, previous, tolerance):
             return iteration
+        previous = length
     return -1
 
 
@@ -75,7 +88,7 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
     jacobian, secant, matrix = work[0:n], work[n : 2 * n + 1], work[2 * n + 1 : 3 * n + 2]
     residual, step, right = work[3 * n + 2][:n], work[3 * n + 3], work[3 * n + 4]
     bordered(balance, theta, direction, scale, y, normal, jacobian, residual, secant)
-    size = math.inf
+    size, last = math.inf, 0.0
     for iteration in range(1, max_iterations + 1):
         for i in range(n + 1):
             for j in range(n + 1):
@@ -90,8 +103,9 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
         length = _advance(y, scale, step)
         if math.isnan(length):
             return -1
-        if length <= tolerance:
+        if _settled(length, last, tolerance):
             return iteration
+        last = length
         # The true Jacobian costs the same as a residual here; the update is kept for what it is: the article's method.
         balance(theta, direction, y, residual, jacobian)
         previous, size = size, 0.0
@@ -110,7 +124,7 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
 
 @dataclass(frozen=True)
 class _Corrector:
-    tolerance: float = 1e-9
+    tolerance: float = 1e-8
     max_iterations: int = 6
 
     def __post_init__(self):
@@ -127,7 +141,8 @@ class Newton(_Corrector):
     Parameters
     ----------
     tolerance : float
-        Length of the last step in scaled unknowns; the error left is about its square.
+        Bound of the error left, in scaled unknowns, as the contraction of the steps shows it. Continuation squares it
+        once more when it computes the tangent.
     max_iterations : int
         A point that needs more is refused, and the step is halved.
     """

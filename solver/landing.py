@@ -16,7 +16,7 @@ from numba import types
 
 from solver.compiled import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
 from solver.correctors import bordered
-from solver.linear import dot, eliminate
+from solver.linear import dot, eliminate_rows
 
 __all__ = ["SETUP", "Setup", "land", "land_between", "locate", "observe_from", "orient", "point_size"]
 
@@ -41,20 +41,29 @@ def point_size(setup):
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY))
 def orient(setup, point, border):
-    """Fill in tangent (on the side of `border`) and determinant at the point's y; False if the Jacobian is singular."""
+    """Fill in tangent (on the side of `border`) and determinant at the point's y; False if the Jacobian is singular.
+
+    The Jacobian is at hand, so y gets one more Newton correction across `border` on the way: whatever corrector brought it
+    here, what is left of its error is squared.
+    """
     n = setup.unknowns
     y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
     jacobian, matrix = setup.work[0:n], setup.work[n : 2 * n + 1]
-    residual, right = setup.work[2 * n + 1][:n], setup.work[2 * n + 2]
+    residual, rights = setup.work[2 * n + 1][:n], setup.work[2 * n + 2 : 2 * n + 4]
     bordered(setup.balance, setup.theta, setup.direction, setup.scale, y, border, jacobian, residual, matrix)
-    right[:] = 0.0
-    right[n] = 1.0
-    determinant = eliminate(matrix, right)
-    length = math.sqrt(dot(right, right)) if determinant != 0.0 else 0.0
-    if length == 0.0 or not math.isfinite(length):
-        return False
+    for j in range(n):
+        rights[0, j], rights[1, j] = 0.0, -residual[j]
+    rights[0, n], rights[1, n] = 1.0, 0.0
+    determinant = eliminate_rows(matrix, rights)
+    length = 0.0
     for j in range(n + 1):
-        tangent[j] = right[j] / length
+        length += rights[0, j] * rights[0, j]
+    if determinant == 0.0 or length == 0.0 or not math.isfinite(length):
+        return False
+    length = math.sqrt(length)
+    for j in range(n + 1):
+        tangent[j] = rights[0, j] / length
+        y[j] += rights[1, j] * setup.scale[j]
     point[-1] = determinant
     return True
 

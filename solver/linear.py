@@ -7,7 +7,7 @@ from numba import types
 
 from solver.compiled import ARRAY, MATRIX, kernel
 
-__all__ = ["dot", "eliminate"]
+__all__ = ["dot", "eliminate", "eliminate_rows"]
 
 
 @kernel(types.float64(ARRAY, ARRAY), inline=True)
@@ -19,16 +19,16 @@ def dot(left, right):
     return total
 
 
-@kernel(types.float64(MATRIX, ARRAY))
-def eliminate(matrix, right):
-    """Solve matrix @ x = right in place by elimination with partial pivoting.
+@kernel(types.float64(MATRIX, MATRIX))
+def eliminate_rows(matrix, rights):
+    """Solve matrix @ x = right in place for several right-hand sides, by elimination with partial pivoting.
 
     Parameters
     ----------
     matrix : (n, n) array
         Overwritten.
-    right : (n,) array
-        Right-hand side on entry, the solution on return (unchanged in meaning where the determinant is 0).
+    rights : (k, n) array
+        A right-hand side per row on entry, its solution on return (unchanged in meaning where the determinant is 0).
 
     Returns
     -------
@@ -47,7 +47,8 @@ def eliminate(matrix, right):
         if pivot != k:
             for j in range(k, n):
                 matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            right[k], right[pivot] = right[pivot], right[k]
+            for row in range(rights.shape[0]):
+                rights[row, k], rights[row, pivot] = rights[row, pivot], rights[row, k]
             determinant = -determinant
         determinant *= matrix[k, k]
         inverse = 1.0 / matrix[k, k]
@@ -56,10 +57,18 @@ def eliminate(matrix, right):
             if factor != 0.0:
                 for j in range(k + 1, n):
                     matrix[i, j] -= factor * matrix[k, j]
-                right[i] -= factor * right[k]
-    for k in range(n - 1, -1, -1):
-        total = right[k]
-        for j in range(k + 1, n):
-            total -= matrix[k, j] * right[j]
-        right[k] = total / matrix[k, k]
+                for row in range(rights.shape[0]):
+                    rights[row, i] -= factor * rights[row, k]
+    for row in range(rights.shape[0]):
+        for k in range(n - 1, -1, -1):
+            total = rights[row, k]
+            for j in range(k + 1, n):
+                total -= matrix[k, j] * rights[row, j]
+            rights[row, k] = total / matrix[k, k]
     return determinant
+
+
+@kernel(types.float64(MATRIX, ARRAY))
+def eliminate(matrix, right):
+    """`eliminate_rows` for one right-hand side, an (n,) array."""
+    return eliminate_rows(matrix, right.reshape((1, right.shape[0])))

@@ -1,0 +1,63 @@
+"""Microseconds per accepted point of a first-order curve, one thread; and the same curve by SciPy, the script most write."""
+
+import statistics
+import time
+
+import numpy as np
+from scipy.optimize import fsolve
+
+from pipeline.config import compose
+from pipeline.plan import plan
+from pipeline.sweep import continuation_of, model_at
+from solver import Event, first_order_problem, sweep_row, uncondensed_balance
+from solver.harmonic.first_order import linear_solution
+
+LOW, HIGH, REPEAT = 0.05, 2.0, 200
+GRID = np.linspace(LOW, HIGH, 400)
+
+
+def medians(action, repeat: int) -> float:
+    """Median seconds of one call."""
+    action()
+    times = []
+    for _ in range(repeat):
+        begin = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times)
+
+
+def scipy_sweep(model) -> int:
+    """Sweep the 21 uncondensed unknowns up and down with fsolve, from one frequency to the next."""
+    solved = 0
+    start = np.zeros(21)
+    for omega in np.concatenate([GRID, GRID[::-1]]):
+        start, _, status, _ = fsolve(lambda u, w=omega: uncondensed_balance(model, w, u)[0], start, full_output=True)
+        solved += status == 1
+    return solved
+
+
+def main() -> None:
+    print(f"{'gear':12s} {'points':>7s} {'events':>7s} {'us/point':>9s} {'us/point Broyden':>17s} {'ms/row':>8s} {'fsolve ms/row':>14s} {'ratio':>7s}")  # fmt: skip
+    for gear in ("published", "consistent", "antiphase"):
+        planned = plan(compose([f"gear={gear}", "plane=omega_b"]))
+        model = model_at(planned, 1.0, 1.0)
+        problem = first_order_problem(model, "omega", LOW, HIGH)
+        unknowns = np.empty(3)
+        linear_solution(problem.theta, problem.direction, LOW, unknowns)
+        start = np.append(unknowns + [model.b, 0.0, 0.0], LOW)
+        per_point = {}
+        for corrector in ("newton", "broyden"):
+            continuation = continuation_of({**planned.solver, "corrector": corrector})
+            curve = continuation.trace(problem, start, LOW, HIGH)
+            seconds = medians(lambda c=continuation: c.trace(problem, start, LOW, HIGH), REPEAT)
+            per_point[corrector] = 1e6 * seconds / len(curve.points)
+            if corrector == "newton":
+                points, events = len(curve.points), int(np.sum(curve.event != Event.NONE))
+        row = medians(lambda: sweep_row(model, "omega", GRID), REPEAT)
+        plain = medians(lambda: scipy_sweep(model), 1)
+        print(f"{gear:12s} {points:7d} {events:7d} {per_point['newton']:9.2f} {per_point['broyden']:17.2f} {1e3 * row:8.2f} {1e3 * plain:14.0f} {plain / row:7.0f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""What a user sees of a run: a bar on a terminal, plain lines elsewhere, and the same lines in the run's log."""
+
+import sys
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+__all__ = ["Reporter", "RowProgress"]
+
+
+class Reporter:
+    """Prints lines and keeps them for the log of a run.
+
+    Parameters
+    ----------
+    stream : text stream, optional
+        Standard output unless given.
+    """
+
+    def __init__(self, stream=None):
+        self.stream = stream or sys.stdout
+        self.log: Path | None = None
+
+    @property
+    def on_terminal(self) -> bool:
+        """Whether a bar makes sense."""
+        return self.stream.isatty()
+
+    def line(self, text: str) -> None:
+        """One line for the reader, with its time in the log."""
+        print(text, file=self.stream, flush=True)
+        self._write(text)
+
+    def error(self, text: str) -> None:
+        """One line on standard error."""
+        print(f"error: {text}", file=sys.stderr, flush=True)
+        self._write(f"error: {text}")
+
+    def _write(self, text: str) -> None:
+        if self.log is not None:
+            with self.log.open("a", encoding="utf-8") as file:
+                file.write(f"{datetime.now(UTC).isoformat(timespec='milliseconds')} {text}\n")
+
+
+class RowProgress:
+    """Rows done, rate, time left and failures.
+
+    Parameters
+    ----------
+    reporter : Reporter
+    total : int
+        Rows to do.
+    every : float
+        Seconds between plain lines; the first and the last always come.
+    """
+
+    def __init__(self, reporter: Reporter, total: int, every: float = 5.0):
+        self.reporter, self.total, self.every = reporter, total, every
+        self.done = self.failed = 0
+        self._begin = self._said = time.monotonic()
+        self._bar = self._task = None
+
+    def __enter__(self):
+        if self.reporter.on_terminal:
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+            self._bar = Progress(
+                TextColumn("sweep"), BarColumn(), TextColumn("{task.completed:.0f}/{task.total:.0f} rows"),
+                TextColumn("{task.fields[rate]}"), TimeRemainingColumn(), TextColumn("{task.fields[failed]} failed"),
+                console=Console(file=self.reporter.stream),
+            )  # fmt: skip
+            self._task = self._bar.add_task("sweep", total=self.total, rate="", failed=0)
+            self._bar.start()
+        return self
+
+    def __exit__(self, *_):
+        if self._bar is not None:
+            self._bar.stop()
+
+    def advance(self, rows: int, failed: int) -> None:
+        """Count `rows` more as done, `failed` of them failed."""
+        self.done, self.failed = self.done + rows, self.failed + failed
+        now = time.monotonic()
+        elapsed = max(now - self._begin, 1e-9)
+        rate = self.done / elapsed
+        if self._bar is not None:
+            self._bar.update(self._task, completed=self.done, rate=f"{rate:.0f} rows/s", failed=self.failed)
+        elif self.done == self.total or now - self._said >= self.every:
+            self._said = now
+            left = (self.total - self.done) / rate if rate > 0.0 else float("inf")
+            self.reporter.line(
+                f"  {self.done}/{self.total} rows, {rate:.0f} rows/s, {left:.0f} s left, {self.failed} failed"
+            )

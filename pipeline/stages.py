@@ -1,0 +1,228 @@
+"""The stages of a run: what each needs, checks and does. Checks come first and write nothing."""
+
+import os
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from time import perf_counter
+
+from pipeline import store
+from pipeline.cluster import Workforce, check_cluster
+from pipeline.config import Settings
+from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan import Plan, plan, warnings
+from pipeline.progress import Reporter, RowProgress
+
+__all__ = ["PLANE_STAGES", "SHARED_STAGES", "Job", "prepare", "run_plane_stages", "run_shared_stages"]
+
+TABLE_PLANES = ("omega_b", "omega_alpha", "omega_fpm")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A checked configuration with the plan of its plane (None where no stage needs one)."""
+
+    settings: Settings
+    plan: Plan | None
+
+    @property
+    def store_path(self) -> Path:
+        """Where the plane's store is, or will be."""
+        return self.settings.store_path.resolve()
+
+    def asks(self, stage: str) -> bool:
+        """Whether the user wants this stage."""
+        return stage in self.settings.config.stages
+
+
+def prepare(settings: Settings) -> Job:
+    """Check everything that can be checked without writing or starting anything.
+
+    Raises
+    ------
+    ConfigurationError
+        One line.
+    """
+    config = settings.config
+    known = [*PLANE_STAGES, *SHARED_STAGES]
+    for stage in config.stages:
+        if stage not in known:
+            raise ConfigurationError(f"stages = {stage!r} is not allowed: it must be a list of {', '.join(known)}")
+    if not config.stages:
+        raise ConfigurationError(f"stages = [] is not allowed: it must be a list of {', '.join(known)}")
+    for key, folder in (("output.root", config.output.root), ("store.root", config.store.root)):
+        _check_folder(key, Path(folder))
+    job = Job(settings, None)
+    if job.asks("sweep"):
+        check_cluster(config.cluster)
+        job = Job(settings, plan(settings))
+        _check_store(job)
+    elif any(job.asks(stage) for stage in PLANE_STAGES):
+        if not job.store_path.exists():
+            raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
+        job = Job(settings, store.read_plan(job.store_path))
+    if job.asks("figures"):
+        from pipeline import figures
+
+        figures.check_options(job.plan, config.figures.curves, config.figures.formats, config.figures.dpi)
+    return job
+
+
+def sweep_command(settings: Settings, plane: str | None = None) -> str:
+    """The command that computes a plane with these choices of gear, quality and store."""
+    choices, root = settings.choices, settings.config.store.root
+    words = ["python -m pipeline", f"plane={plane or choices['plane']}"]
+    words += [f"{group}={choices[group]}" for group, usual in (("gear", "published"), ("quality", "paper"))
+              if choices[group] != usual]  # fmt: skip
+    words += [override for override in settings.overrides if override.startswith(("output.root=", "store.root="))]
+    if plane is None and settings.config.store.name is not None:
+        words.append(f"store.name={settings.config.store.name}")
+    return " ".join(words) if root else words[0]
+
+
+def _check_folder(key: str, folder: Path) -> None:
+    """Raise unless the folder exists and can be written, or can be made."""
+    place = folder.resolve()
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+        raise ConfigurationError(f"{key} = {str(folder)!r} is not allowed: it must be a folder that can be written ({place})")
+
+
+def _check_store(job: Job) -> None:
+    path, config = job.store_path, job.settings.config
+    if config.store.overwrite:
+        store.refuse_foreign(path)
+    else:
+        store.check(path, job.plan)
+    place = path
+    while not place.exists():
+        place = place.parent
+    free = shutil.disk_usage(place).free
+    if job.plan.bytes > free:
+        raise ConfigurationError(
+            f"plane.sweep.num x plane.parameter.num = {job.plan.sweep.num} x {job.plan.parameter.num} is not allowed: "
+            f"up to {job.plan.bytes / 1e9:.3g} GB do not fit into the {free / 1e9:.3g} GB free at {place}"
+        )
+
+
+def _sweep(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    settings, path = job.settings, job.store_path
+    for text in warnings(job.plan):
+        reporter.line(f"note: {text}")
+    begin = perf_counter()
+    present = store.check(path, job.plan) if not settings.config.store.overwrite else False
+    blocks = store.pending_blocks(path, job.plan) if present else job.plan.blocks
+    if not blocks:
+        reporter.line(f"sweep: all {job.plan.parameter.num} rows are in {path} already, nothing to do")
+        return 0
+    where = workforce.start()
+    _open_log(job, reporter)
+    if not present:
+        shutil.rmtree(path, ignore_errors=True)
+        store.create(path, job.plan, settings.store_name, settings.yaml())
+    rows = sum(block.stop - block.start for block in blocks)
+    columns = job.plan.sweep.num
+    state = "continues: " if present else ""
+    reporter.line(f"sweep: {state}{rows} rows of {columns} columns into {path}; {where}")
+    ready = perf_counter()
+    lost, points = _run_blocks(job, blocks, rows, workforce, reporter)
+    seconds = perf_counter() - ready
+    failed = store.failures(path)
+    for row, reason in failed[:10]:
+        reporter.line(f"  row {row} ({job.plan.parameter.name} = {job.plan.parameter.values[row]:.6g}) failed: {reason}")
+    if len(failed) > 10:
+        reporter.line(f"  and {len(failed) - 10} more; `message` in the store has every reason")
+    for text in lost:
+        reporter.error(text)
+    reporter.line(
+        f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
+        f"(after {ready - begin:.2f} s to get ready), {len(failed)} rows failed"
+    )
+    return 1 if failed or lost else 0
+
+
+def _run_blocks(job: Job, blocks, rows: int, workforce: Workforce, reporter: Reporter) -> tuple[list[str], int]:
+    """Run the blocks; why blocks were lost, and the number of branch points."""
+    from pipeline.sweep import sweep_block
+
+    lost, points = [], 0
+    tasks = [(str(job.store_path), job.plan, block) for block in blocks]
+    with RowProgress(reporter, rows) as progress:
+        for (_, _, block), result in workforce.run(sweep_block, tasks):
+            count = block.stop - block.start
+            if isinstance(result, BaseException):
+                lost.append(f"rows {block.start}-{block.stop - 1} were not stored: {type(result).__name__}: {result}")
+                progress.advance(count, count)
+            else:
+                points += result.points
+                progress.advance(count, len(result.failures))
+    return lost, points
+
+
+def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import figures
+
+    options = job.settings.config.figures
+    unfinished = store.pending_blocks(job.store_path, job.plan)
+    if unfinished:
+        rows = sum(block.stop - block.start for block in unfinished)
+        reporter.line(f"note: up to {rows} rows of {job.store_path} are not complete, the figures leave them blank")
+    begin = perf_counter()
+    folder = job.settings.output_root / "figures" / job.settings.store_name
+    paths = figures.draw(job.store_path, folder, options.curves, options.formats, options.dpi)
+    names = ", ".join(path.name for path in paths)
+    reporter.line(f"figures: {names} in {folder.resolve()} ({perf_counter() - begin:.2f} s)")
+    return 0
+
+
+def _tabulate(job: Job, reporter: Reporter) -> int:
+    from pipeline import tables
+
+    settings = job.settings
+    suffixes = [(settings.choices["gear"], "published"), (settings.choices["quality"], "paper")]
+    root = Path(settings.config.store.root).resolve()
+    stores = {
+        plane: (
+            root / f"{'-'.join([plane, *(name for name, usual in suffixes if name != usual)])}.zarr",
+            sweep_command(settings, plane),
+        )
+        for plane in TABLE_PLANES
+    }
+    folder = settings.output_root / "tables"
+    paths = tables.write(stores, folder)
+    reporter.line(f"tables: {', '.join(path.name for path in paths)} in {folder.resolve()}")
+    return 0
+
+
+def _open_log(job: Job, reporter: Reporter) -> None:
+    """Make the folder of this run with the configuration as resolved and as typed; the reporter logs into it."""
+    stamp = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
+    folder = job.settings.output_root / "runs" / job.settings.store_name / stamp
+    folder.mkdir(parents=True)
+    (folder / "config.yaml").write_text(job.settings.yaml(), encoding="utf-8")
+    (folder / "overrides.txt").write_text("".join(f"{line}\n" for line in job.settings.overrides), encoding="utf-8")
+    reporter.log = folder / "run.log"
+    reporter.line(f"run: configuration and log in {folder.resolve()}")
+
+
+PLANE_STAGES: dict[str, Callable[[Job, Workforce, Reporter], int]] = {"sweep": _sweep, "figures": _draw}
+SHARED_STAGES: dict[str, Callable[[Job, Reporter], int]] = {"tables": _tabulate}
+
+
+def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
+    reporter.log = None
+    status = 0
+    for stage, run in PLANE_STAGES.items():
+        if job.asks(stage):
+            status = max(status, run(job, workforce, reporter))
+    return status
+
+
+def run_shared_stages(job: Job, reporter: Reporter) -> int:
+    """Run what needs several planes; with several jobs, once after all of them."""
+    reporter.log = None
+    return max((run(job, reporter) for stage, run in SHARED_STAGES.items() if job.asks(stage)), default=0)

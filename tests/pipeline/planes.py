@@ -1,0 +1,33 @@
+"""Small planes for tests: composed like a user's, computed in this process."""
+
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline import store
+from pipeline.config import compose
+from pipeline.plan import Plan, plan
+from pipeline.sweep import sweep_block
+
+__all__ = ["contents", "small_plan", "small_store"]
+
+
+def small_plan(*overrides: str, columns: int = 41, rows: int = 5) -> Plan:
+    """The plan of a plane with few cells."""
+    sizes = [f"plane.sweep.num={columns}", f"plane.parameter.num={rows}"]
+    return plan(compose([*sizes, *overrides]))
+
+
+def small_store(path: Path, plan: Plan, blocks=None) -> Path:
+    """A store with the template and the given blocks (all of them unless told)."""
+    store.create(path, plan, path.stem, "configuration: test\n")
+    for block in plan.blocks if blocks is None else blocks:
+        sweep_block(str(path), plan, block)
+    return path
+
+
+def contents(path: Path) -> dict[str, np.ndarray]:
+    """Every array of a store by name."""
+    root = zarr.open_group(path, mode="r")
+    return {name: array[:] for name, array in root.members(max_depth=None) if isinstance(array, zarr.Array)}
