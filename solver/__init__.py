@@ -1,15 +1,29 @@
 """Steady motions of a straight bevel gear pair with backlash: pure numerics, importable on its own."""
 
 from solver.backbone import Backbone, backbone
+from solver.branches import LinearSeeds, ProvenSeeds, RowError
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import Broyden, Newton
-from solver.enumeration import Above, Proof, RowSolutions, Solutions, all_solutions, enumerate_row
+from solver.enumeration import (
+    Above,
+    Proof,
+    RowSolutions,
+    Solutions,
+    all_solutions,
+    enumerate_row,
+)
 from solver.errors import ParameterError
 from solver.harmonic.first_order import first_order_problem
 from solver.harmonic.uncondensed import translations, uncondensed_balance
-from solver.impact import ImpactState, domain_code, domain_label, domain_labels, impact_state
+from solver.impact import (
+    ImpactState,
+    domain_code,
+    domain_label,
+    domain_labels,
+    impact_state,
+)
 from solver.model import GEOMETRIC, SCALAR_PARAMETERS, Model
-from solver.row import Row, RowError, sweep_row
+from solver.row import Row, sweep_row
 
 __all__ = [
     "GEOMETRIC",
@@ -21,11 +35,13 @@ __all__ = [
     "Curve",
     "EndReason",
     "Event",
+    "LinearSeeds",
     "ImpactState",
     "Model",
     "Newton",
     "ParameterError",
     "Problem",
+    "ProvenSeeds",
     "Proof",
     "Row",
     "RowError",

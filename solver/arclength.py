@@ -6,19 +6,23 @@ import numpy as np
 from numba import types
 
 from solver.compiled import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
-from solver.linear import dot
 from solver.landing import SETUP, Setup, land, locate, observe_from, orient, point_size
+from solver.linear import dot
 
 __all__ = ["pin", "scaled_distance", "trace"]
 
 _I, _F = types.int64, types.float64
 
 # Slots of the settings array.
-FIRST, LARGEST, SMALLEST, ANGLE, DISTANCE, PARAMETER, GROWTH, CEILING, LOW, HIGH = range(10)
+FIRST, LARGEST, SMALLEST, ANGLE, DISTANCE, PARAMETER, GROWTH, CEILING = range(8)
 
 # End reasons and events, as numbered by `EndReason` and `Event`.
 RANGE_LEFT, CLOSED, AMPLITUDE_CEILING, STEP_TOO_SMALL, ITERATION_LIMIT = range(1, 6)
 FOLD, BRANCH_POINT = 1, 6
+
+# The cubic through two points is not the curve. Where it comes closer to a pair of events than this share of its nearer
+# end, the step is refused, until the ends themselves show whether there is one.
+_CLEARANCE = 0.5
 
 # A sign change of the bordered determinant is taken for a jump until the step is this small, then for a branch point.
 _BRANCH_POINT_STEP = 1e-4
@@ -26,18 +30,19 @@ _BRANCH_POINT_STEP = 1e-4
 
 @kernel(types.boolean(_F, _F, _F, _F), inline=True)
 def _turns_twice(left, right, leave, arrive):
-    """Does the cubic with these ends and end slopes turn round inside although it leaves and arrives the same way?"""
+    """Does the cubic with these ends and end slopes turn round inside, or nearly, although it leaves and arrives alike?"""
     a = 3.0 * (2.0 * (left - right) + leave + arrive)
     b = 2.0 * (3.0 * (right - left) - 2.0 * leave - arrive)
     if leave * arrive <= 0.0 or a == 0.0:
         return False
     x = -0.5 * b / a
-    return 0.0 < x < 1.0 and ((a * x + b) * x + leave) * leave <= 0.0
+    slope = ((a * x + b) * x + leave) * math.copysign(1.0, leave)
+    return 0.0 < x < 1.0 and slope < _CLEARANCE * min(abs(leave), abs(arrive))
 
 
 @kernel(types.boolean(_F, _F, _F, _F), inline=True)
 def _touches_zero(left, right, leave, arrive):
-    """Does the cubic reach zero inside although both its ends lie on the same side of it?"""
+    """Does the cubic reach zero inside, or nearly, although both its ends lie on the same side of it?"""
     if left * right <= 0.0 or leave * left >= 0.0 or arrive * right <= 0.0:
         return False
     # One extremum towards zero: bisect the derivative, which changes sign once between the ends.
@@ -50,7 +55,8 @@ def _touches_zero(left, right, leave, arrive):
             low = x
         else:
             high = x
-    return (((a * low / 3.0 + b / 2.0) * low + leave) * low + left) * left <= 0.0
+    lowest = (((a * low / 3.0 + b / 2.0) * low + leave) * low + left) * math.copysign(1.0, left)
+    return lowest < _CLEARANCE * min(abs(left), abs(right))
 
 
 @kernel(_F(ARRAY, ARRAY, ARRAY), inline=True)
@@ -62,13 +68,28 @@ def scaled_distance(left, right, scale):
     return math.sqrt(total)
 
 
-@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F))
-def _hides_a_pair(setup, left, right, arc):
-    """Would the curve between two points fold twice, or reach a grazing and come back?"""
+@kernel(types.boolean(ARRAY, ARRAY, ARRAY), inline=True)
+def _inside(y, low, high):
+    """Whether y lies in the box; its borders belong to it."""
+    for j in range(low.shape[0]):
+        if not low[j] <= y[j] <= high[j]:
+            return False
+    return True
+
+
+@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY))
+def _hides_a_pair(setup, left, right, arc, low, high):
+    """Would the curve between two points fold twice, or reach a grazing or a border of the box and come back?"""
     n, m = setup.unknowns, setup.monitors
     p = setup.scale[n]
     if _turns_twice(left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]):
         return True
+    for j in range(n + 1):
+        leave, arrive = arc * left[n + 1 + j] * setup.scale[j], arc * right[n + 1 + j] * setup.scale[j]
+        if math.isfinite(low[j]) and _touches_zero(left[j] - low[j], right[j] - low[j], leave, arrive):
+            return True
+        if math.isfinite(high[j]) and _touches_zero(left[j] - high[j], right[j] - high[j], leave, arrive):
+            return True
     values, slopes = 2 * n + 2, 2 * n + 2 + m
     for i in range(1, m):
         if _touches_zero(left[values + i], right[values + i], arc * left[slopes + i], arc * right[slopes + i]):
@@ -76,9 +97,27 @@ def _hides_a_pair(setup, left, right, arc):
     return False
 
 
-@kernel(_I(SETUP, ARRAY, ARRAY, _F, MATRIX, ARRAY, types.int64[::1]))
-def _find_events(setup, left, right, arc, found, fractions, kinds):
-    """Locate the fold and the grazings between two points, in order of arc; their number, or -1 if one was not found."""
+@kernel(types.boolean(SETUP, ARRAY, MATRIX, types.int64[::1], _I))
+def _contradicts(setup, left, found, kinds, count):
+    """Do the points of `count` located events, in order, show signs that the located events do not explain?"""
+    n, m = setup.unknowns, setup.monitors
+    for event in range(FOLD, FOLD + m):
+        slot = 2 * n + 1 if event == FOLD else 2 * n + 2 + event - FOLD
+        sign = left[slot]
+        for k in range(count):
+            if kinds[k] == event:
+                sign = -sign
+            elif found[k, slot] * sign < 0.0:
+                return True
+    return False
+
+
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, ARRAY, types.int64[::1]))
+def _find_events(setup, left, right, arc, least, found, fractions, kinds):
+    """Locate the fold and the grazings between two points, in order of arc.
+
+    Their number; -1 if one was not found, or if (in steps longer than `least`) a pair of another kind lies around it.
+    """
     n, m = setup.unknowns, setup.monitors
     count = 0
     for event in range(FOLD, FOLD + m):
@@ -98,16 +137,19 @@ def _find_events(setup, left, right, arc, found, fractions, kinds):
             found[k - 1, :] = swap
             k -= 1
         count += 1
+    # A curve bends sharply where it grazes, and may fold twice there between two points that look harmless.
+    if arc > least and _contradicts(setup, left, found, kinds, count):
+        return -1
     return count
 
 
-@kernel(types.void(SETUP, ARRAY, _F))
-def pin(setup, point, level):
-    """Move a point that lies within rounding of p = level onto it, unless fixed p is singular there (a fold)."""
+@kernel(types.void(SETUP, ARRAY, _I, _F))
+def pin(setup, point, slot, level):
+    """Move a point that lies within rounding of y[slot] = level onto it, unless the curve is tangent to that plane."""
     n = setup.unknowns
     normal, pinned = np.zeros(n + 1), point.copy()
-    normal[n] = 1.0
-    pinned[n] = level
+    normal[slot] = 1.0
+    pinned[slot] = level
     if land(setup, pinned, normal) > 0 and np.max(np.abs((pinned - point)[: n + 1] / setup.scale)) < 1e-6:
         sign = 1.0 if dot(pinned[n + 1 : 2 * n + 2], point[n + 1 : 2 * n + 2]) >= 0.0 else -1.0
         for j in range(n + 1):
@@ -115,44 +157,45 @@ def pin(setup, point, level):
             point[n + 1 + j] = sign * pinned[n + 1 + j]
         point[-1] = sign * pinned[-1]
         observe_from(setup, point)
-    point[n] = level
+    point[slot] = level
 
 
-@kernel(types.Tuple((_I, _F))(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY, types.boolean, ARRAY))
-def _find_end(setup, left, right, arc, settings, home, away, found):
+@kernel(types.Tuple((_I, _F))(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, ARRAY, ARRAY, types.boolean, ARRAY))
+def _find_end(setup, left, right, arc, ceiling, low, high, home, away, found):
     """Does the curve end between two points? Reason (0 no, -1 not located) and fraction; `found` is the last point."""
     n = setup.unknowns
     reason, fraction = 0, 2.0
-    inside = settings[LOW] <= right[n] <= settings[HIGH] and right[2 * n + 2] <= settings[CEILING]
-    if inside and not (away and scaled_distance(right, home, setup.scale) <= 2.0 * arc):
+    near_home = away and scaled_distance(right, home, setup.scale) <= 2.0 * arc
+    if _inside(right, low, high) and right[2 * n + 2] <= ceiling and not near_home:
         return reason, fraction
     plane, trial = home[n + 1 : 2 * n + 2] / setup.scale, found.copy()
-    for candidate in range(RANGE_LEFT, AMPLITUDE_CEILING + 1):
-        slot, level = -1, 0.0
-        if candidate == RANGE_LEFT:
-            if settings[LOW] <= right[n] <= settings[HIGH]:
+    # One candidate for every component of y that leaves the box, then the return to the start, then the ceiling.
+    for candidate in range(n + 3):
+        slot, level, kind = -1, 0.0, RANGE_LEFT
+        if candidate <= n:
+            if low[candidate] <= right[candidate] <= high[candidate]:
                 continue
-            slot, level = n, settings[HIGH] if right[n] > settings[HIGH] else settings[LOW]
-        elif candidate == AMPLITUDE_CEILING:
-            if right[2 * n + 2] <= settings[CEILING]:
-                continue
-            slot, level = 2 * n + 2, settings[CEILING]
-        else:
-            level = dot(plane, home[: n + 1])
+            slot, level = candidate, high[candidate] if right[candidate] > high[candidate] else low[candidate]
+        elif candidate == n + 1:
+            kind, level = CLOSED, dot(plane, home[: n + 1])
             before, after = dot(plane, left[: n + 1]) - level, dot(plane, right[: n + 1]) - level
-            if not away or before >= 0.0 or after < 0.0:
+            if not near_home or before >= 0.0 or after < 0.0:
                 continue
+        else:
+            if right[2 * n + 2] <= ceiling:
+                continue
+            kind, slot, level = AMPLITUDE_CEILING, 2 * n + 2, ceiling
         place = locate(setup, left, right, arc, slot, plane, level, trial)
         if place < 0.0:
             return -1, 0.0
-        if candidate == CLOSED and np.max(np.abs((trial - home)[: n + 1] / setup.scale)) > 1e-6:
+        if kind == CLOSED and np.max(np.abs((trial - home)[: n + 1] / setup.scale)) > 1e-6:
             continue
         if place < fraction:
-            reason, fraction = candidate, place
+            reason, fraction = kind, place
             found[:] = trial
-            if candidate == RANGE_LEFT:
-                pin(setup, found, level)
-            elif candidate == CLOSED:
+            if kind == RANGE_LEFT:
+                pin(setup, found, slot, level)
+            elif kind == CLOSED:
                 found[:] = home
     return reason, fraction
 
@@ -184,17 +227,19 @@ def _limited(setup, settings, point, step):
 
 @kernel(
     types.UniTuple(_I, 3)(
-        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, ARRAY, _F, ARRAY,
+        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY,
         MATRIX, MATRIX, ARRAY, FLAGS, FLAGS,
     )
 )  # fmt: skip
 def trace(
     corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, start, heading, settings,
-    points, tangents, arclength, stable, events,
+    low, high, points, tangents, arclength, stable, events,
 ):  # fmt: skip
-    """Follow the curve from `start` (n + 1,) towards growing (heading 1) or falling (-1) p until it ends.
+    """Follow the curve from `start` (n + 1,) to the side that `heading` (n + 1,) points to until it ends.
 
-    Fills points and tangents (capacity, n + 1), arclength, stable and events (capacity,).
+    It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free; at once if `start`
+    lies on its border and the curve heads out. Fills points and tangents (capacity, n + 1), arclength, stable and events
+    (capacity,).
 
     Returns
     -------
@@ -211,16 +256,17 @@ def trace(
     found, fractions, kinds = np.zeros((monitors, size)), np.empty(monitors), np.empty(monitors, np.int64)
 
     here[: n + 1] = start
-    border = np.zeros(n + 1)
-    border[n] = heading
     # The second call makes the determinant that of the tangent's own border, comparable with those that follow.
-    if not orient(setup, here, border) or not orient(setup, here, here[n + 1 : 2 * n + 2].copy()):
+    if not orient(setup, here, heading) or not orient(setup, here, here[n + 1 : 2 * n + 2].copy()):
         return 0, STEP_TOO_SMALL, 0
     observe_from(setup, here)
     home = here.copy()
     _record(setup, here, 0, 0.0, 0, points, tangents, arclength, stable, events)
+    for j in range(n + 1):
+        if (here[j] == low[j] and here[n + 1 + j] < 0.0) or (here[j] == high[j] and here[n + 1 + j] > 0.0):
+            return 1, RANGE_LEFT, 0
     count, refused, travelled = 1, 0, 0.0
-    step = settings[FIRST]
+    step, least = settings[FIRST], 100.0 * settings[SMALLEST]
 
     while True:
         step = _limited(setup, settings, here, step)
@@ -244,13 +290,13 @@ def trace(
             angle > settings[ANGLE]
             or error > settings[DISTANCE] * step
             or (flips and step > _BRANCH_POINT_STEP)
-            or (step > 100.0 * settings[SMALLEST] and _hides_a_pair(setup, here, there, arc))
+            or (step > least and _hides_a_pair(setup, here, there, arc, low, high))
         ):
             refused += 1
             step *= 0.5
             continue
-        reason, end = _find_end(setup, here, there, arc, settings, home, count > 3, last)
-        located = _find_events(setup, here, there, arc, found, fractions, kinds) if reason >= 0 else -1
+        reason, end = _find_end(setup, here, there, arc, settings[CEILING], low, high, home, count > 3, last)
+        located = _find_events(setup, here, there, arc, least, found, fractions, kinds) if reason >= 0 else -1
         if located < 0:
             refused += 1
             step *= 0.5

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+
 from solver.backlash import describing_functions
 from solver.errors import ParameterError
 from solver.model import Model

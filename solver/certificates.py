@@ -6,7 +6,14 @@ from numba import types
 from solver.compiled import ARRAY, FLAGS, MATRIX, kernel
 from solver.gain_search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.interval import exact
-from solver.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
+from solver.reduction import (
+    GAP,
+    ROWS,
+    determinant_over,
+    motion_over,
+    numerators_at,
+    reduce_balance,
+)
 
 __all__ = [
     "AMPLITUDE", "GAIN_BOUNDS", "MEAN", "MOST", "ROOT", "STABLE", "enumerate_point", "enumerate_points", "workspace",

@@ -189,35 +189,36 @@ class Continuation:
         if not 2 <= self.max_points <= 10**7:
             raise ParameterError("max_points", self.max_points, "from 2 to 10000000")
 
-    def trace(self, problem: Problem, start: np.ndarray, low: float, high: float, heading: int = 1) -> Curve:
-        """Follow the curve from a solution until it leaves [low, high] or ends otherwise.
+    def trace(self, problem: Problem, start: np.ndarray, low, high, heading=1) -> Curve:
+        """Follow the curve from a solution until it leaves a box or ends otherwise.
 
         Parameters
         ----------
         problem : Problem
         start : (n + 1,) array
-            A solution y = (u, p) with low <= p <= high.
-        low, high : float
-            Range of p.
-        heading : {1, -1}
-            Whether to start towards growing or falling p.
+            A solution y = (u, p) inside the box.
+        low, high : float or (n + 1,) array
+            Range of p, or the box for all of y: infinite where a component is free, finite for p.
+        heading : {1, -1} or (n + 1,) array
+            Whether to start towards growing or falling p, or the direction in scaled unknowns to whose side to start.
 
         Returns
         -------
         Curve
-            `ends[0]` is RANGE_LEFT where the start lies on the range's border, else that of the end.
+            `ends[0]` is RANGE_LEFT, as if the start lay on the border; the caller knows better where it does not.
         """
         n, room = problem.unknowns, self.max_points
+        low, high, along = _box(low, n, -np.inf), _box(high, n, np.inf), _box(heading, n, 0.0)
         points, tangents = np.empty((room, n + 1)), np.empty((room, n + 1))
         length, stable, event = np.empty(room), np.empty(room, np.int8), np.empty(room, np.int8)
         settings = np.array([
             self.first_step, self.largest_step, self.smallest_step, self.largest_angle, self.largest_distance,
-            self.parameter_step * (high - low), self.growth, self.amplitude_max, low, high,
+            self.parameter_step * (high[n] - low[n]), self.growth, self.amplitude_max,
         ])  # fmt: skip
         count, reason, refused = arclength.trace(
             self.corrector.kernel, self.corrector.tolerance, self.corrector.max_iterations, problem.balance,
             problem.monitor, problem.theta, problem.direction, problem.scale, problem.monitors,
-            np.array(start, dtype=float), float(heading), settings, points, tangents, length, stable, event,
+            np.array(start, dtype=float), along, settings, low, high, points, tangents, length, stable, event,
         )  # fmt: skip
         reason = EndReason(reason)
         return Curve(
@@ -225,12 +226,12 @@ class Continuation:
             event[:count].copy(), (EndReason.RANGE_LEFT, reason), refused,
         )  # fmt: skip
 
-    def trace_both_ways(self, problem: Problem, start: np.ndarray, low: float, high: float) -> Curve:
-        """Follow the curve from an inner solution in both directions, as one curve in order of arc length."""
-        ahead = self.trace(problem, start, low, high, heading=1)
+    def trace_both_ways(self, problem: Problem, start: np.ndarray, low, high, heading=1) -> Curve:
+        """Follow the curve from a solution in both directions, as one curve in order of arc length; as for `trace`."""
+        ahead = self.trace(problem, start, low, high, heading)
         if ahead.closed:
             return Curve(**{**vars(ahead), "ends": (EndReason.CLOSED, EndReason.CLOSED)})
-        behind = self.trace(problem, start, low, high, heading=-1)
+        behind = self.trace(problem, start, low, high, -np.asarray(heading, dtype=float))
         back = slice(None, 0, -1)
         return Curve(
             np.concatenate([behind.points[back], ahead.points]),
@@ -241,3 +242,10 @@ class Continuation:
             (behind.ends[1], ahead.ends[1]),
             ahead.refused + behind.refused,
         )
+
+
+def _box(values, n: int, free: float) -> np.ndarray:
+    """(n + 1,) array of the values, or with one number for the last component and `free` for the others."""
+    if np.ndim(values) == 0:
+        values = [*[free] * n, values]
+    return np.array(values, dtype=float)

@@ -52,7 +52,7 @@ def _meet(setup, left, right, arc, level, found):
         return True
     if locate(setup, left, right, arc, n, normal, level, found) < 0.0:
         return False
-    pin(setup, found, level)
+    pin(setup, found, n, level)
     return True
 
 

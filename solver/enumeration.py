@@ -210,7 +210,7 @@ def enumerate_row(
     RowSolutions
         Points at which proofs contradict each other carry `Proof.CONTRADICTION`; nothing is raised for them.
     """
-    grid = np.ascontiguousarray(grid, dtype=float)
+    grid = np.array(grid, dtype=float)
     _check(amplitude_max, *(grid if axis == "omega" else [omega]))
     theta, direction = axis_vectors(model, axis, omega)
     counts, proof, above = np.empty(grid.size, np.int64), np.empty(grid.size, np.int8), np.empty(grid.size, np.int8)

@@ -18,7 +18,7 @@ from solver.compiled import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
 from solver.correctors import bordered
 from solver.linear import dot, eliminate_rows
 
-__all__ = ["SETUP", "Setup", "land", "locate", "observe_from", "orient", "point_size"]
+__all__ = ["SETUP", "Setup", "land", "land_between", "locate", "observe_from", "orient", "point_size"]
 
 _I, _F = types.int64, types.float64
 
@@ -96,7 +96,7 @@ def land(setup, point, normal):
 
 
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY))
-def _land_between(setup, left, right, arc, x, point):
+def land_between(setup, left, right, arc, x, point):
     """Land at fraction x of the way from `left` to `right`, guided by the cubic through both ends and their tangents."""
     n = setup.unknowns
     normal = np.empty(n + 1)
@@ -148,7 +148,7 @@ def locate(setup, left, right, arc, slot, factors, level, found):
         x = (low * g_high - high * g_low) / (g_high - g_low)
         margin = 1e-3 * (high - low)
         x = min(max(x, low + margin), high - margin)
-        if _land_between(setup, left, right, arc, x, found) < 0:
+        if land_between(setup, left, right, arc, x, found) < 0:
             return -1.0
         g = (found[index] if index >= 0 else dot(factors, found[: n + 1])) - level
         if abs(g) <= 1e-14 * reference or (high - low) * arc <= 1e-13:

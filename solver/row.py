@@ -1,34 +1,22 @@
-"""One row of a plane: every branch that continuation reaches, and the solutions at the row's grid values.
-
-Seeds come from both ends of the swept range, each found by continuing the backlash from 0, where the balance is linear,
-to its value. The dead zone is a bounded change of a linear force, so the signs of det J over all solutions at a point
-add up to the sign of the linear system's determinant; where the branches found so far do not, one is missing, and
-another seed is sought there. What still does not add up lies above the amplitude ceiling and is marked open.
-"""
+"""One row of a plane: its branches, the solutions at the row's grid values, and whether these are proven to be all."""
 
 import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 
-from solver.condensation import axis_vectors
-from solver.continuation import Continuation, Curve, EndReason, Problem
+from solver.branches import LinearSeeds, ProvenSeeds, RowError, RowSpan, missing_degree
+from solver.continuation import Continuation, Curve, EndReason
 from solver.crossings import curve_crossings
+from solver.enumeration import Above, Proof, RowSolutions, enumerate_row
 from solver.errors import ParameterError
-from solver.harmonic.first_order import first_order_problem, linear_degree, linear_solution
 from solver.impact import domain_code, impact_state
 from solver.model import Model
 
-__all__ = ["Row", "RowError", "sweep_row"]
+__all__ = ["Row", "sweep_row"]
 
-_PROBES = 97
-_PASSES = 4
-_SAME = 1e-6
-_SEED_STEP = 0.25
-
-
-class RowError(ArithmeticError):
-    """A row could not be computed; the message says why."""
+# Continuation and enumeration know a solution to about 1e-12 of its scale, except next to a fold.
+_AGREE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -49,6 +37,8 @@ class Row:
         Static stability and `ImpactState`; -1 beyond the number of solutions.
     open : (X,) int8 array
         1 where solutions above the amplitude ceiling exist or are not excluded.
+    certified : (X,) int8 array
+        1 where the solutions are proven to be all of them, 0 where that is undecided, -1 where it was not asked.
     """
 
     axis: str
@@ -61,6 +51,7 @@ class Row:
     stable: np.ndarray
     impact: np.ndarray
     open: np.ndarray
+    certified: np.ndarray
 
     @property
     def amplitude(self) -> np.ndarray:
@@ -101,6 +92,7 @@ def sweep_row(
     *,
     omega: float | None = None,
     continuation: Continuation | None = None,
+    seeds: LinearSeeds | ProvenSeeds | None = None,
 ) -> Row:
     """Continue all branches over one axis and solve at the grid values.
 
@@ -114,6 +106,9 @@ def sweep_row(
     omega : float, optional
         The frequency, > 0; needed unless it is the axis.
     continuation : Continuation, optional
+    seeds : ProvenSeeds or LinearSeeds, optional
+        How branches are found; `ProvenSeeds` unless given. With `ProvenSeeds(every_column=True)` the solutions at every
+        grid value are compared with their enumeration.
 
     Returns
     -------
@@ -124,7 +119,8 @@ def sweep_row(
     ParameterError
         If the grid or the frequency is not allowed.
     RowError
-        If a branch ends for want of step size or room, or a grid value cannot be solved.
+        If a branch ends for want of step size or room, a grid value cannot be solved, or continuation does not find
+        what enumeration proves to exist.
     """
     grid = np.array(grid, dtype=float)
     continuation = continuation or Continuation()
@@ -133,103 +129,24 @@ def sweep_row(
     frequency = grid[0] if axis == "omega" else omega
     if frequency is None or not 0.0 < frequency < np.inf:
         raise ParameterError("omega", frequency, "a finite number above 0")
-    low, high = float(grid[0]), float(grid[-1])
-    curves = _Search(model, axis, low, high, omega, continuation).run()
-    problem = first_order_problem(model, axis, low, high, omega)
+    span = RowSpan(model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
+    seeds = seeds or ProvenSeeds()
+    curves = seeds.branches(span, grid)
     b = grid if axis == "b" else np.full(grid.size, model.b)
-    return _assemble(problem, axis, grid, b, curves, continuation)
+    row = _assemble(span, grid, b, curves)
+    if isinstance(seeds, ProvenSeeds) and seeds.every_column:
+        solutions = enumerate_row(model, axis, grid, omega=omega, amplitude_max=continuation.amplitude_max)
+        return _certify(row, solutions, float(span.problem.scale[0]))
+    return row
 
 
-class _Search:
-    """Finds the branches of one row, one seed after the other."""
-
-    def __init__(self, model, axis, low, high, omega, continuation):
-        self.model, self.axis, self.low, self.high, self.omega = model, axis, low, high, omega
-        self.continuation = continuation
-        self.problem = first_order_problem(model, axis, low, high, omega)
-        self.curves: list[Curve] = []
-
-    def run(self) -> tuple[Curve, ...]:
-        self._follow(self.low)
-        self._follow(self.high)
-        probes = np.linspace(self.low, self.high, _PROBES)
-        for _ in range(_PASSES):
-            parts = [curve_crossings(self.problem, curve, probes, self.continuation) for curve in self.curves]
-            missing = _missing(self.problem, probes, parts)
-            found = [self._follow(probes[(first + last) // 2]) for first, last in _runs(missing)]
-            if not any(found):
-                break
-        return tuple(self.curves)
-
-    def _follow(self, p: float) -> bool:
-        """Trace the branch through the solution that grows out of the linear one at p; whether it is a new one."""
-        start = self._seed(p)
-        if start is None or any(self._lies_on(curve, start) for curve in self.curves):
-            return False
-        if p in (self.low, self.high):
-            curve = self.continuation.trace(self.problem, start, self.low, self.high, 1 if p == self.low else -1)
-        else:
-            curve = self.continuation.trace_both_ways(self.problem, start, self.low, self.high)
-        for end, place in zip(curve.ends, (0, -1), strict=True):
-            if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
-                at = curve.points[place] if len(curve.points) else start
-                raise RowError(f"{end.sentence} It happened at {self.axis} = {at[-1]:.9g} with mean {at[0]:.6g}.")
-        self.curves.append(curve)
-        return True
-
-    def _seed(self, p: float) -> np.ndarray | None:
-        """A solution at p, by continuing the backlash from 0; None if that leads above the amplitude ceiling."""
-        if self.axis == "omega":
-            model, omega, b = self.model, p, self.model.b
-        elif self.axis == "b":
-            model, omega, b = self.model, self.omega, p
-        else:
-            model, omega, b = self.model.replace(**{self.axis: p}), self.omega, self.model.b
-        theta, direction = axis_vectors(model, "b", omega)
-        unknowns = np.empty(3)
-        if linear_solution(theta, direction, 0.0, unknowns) == 0.0:
-            return None
-        if b > 0.0:
-            problem = first_order_problem(model, "b", 0.0, b, omega)
-            strides = dataclasses.replace(self.continuation, parameter_step=_SEED_STEP)
-            curve = strides.trace(problem, np.append(unknowns, 0.0), 0.0, b)
-            if curve.ends[1] is not EndReason.RANGE_LEFT or curve.points[-1, 3] != b:
-                return None
-            unknowns = curve.points[-1, :3]
-        return np.append(unknowns, p)
-
-    def _lies_on(self, curve: Curve, start: np.ndarray) -> bool:
-        _, unknowns, _ = curve_crossings(self.problem, curve, start[3:], self.continuation)
-        distances = np.abs(unknowns - start[:3]) / self.problem.scale[:3]
-        return bool(np.any(np.max(distances, axis=1) < _SAME)) if len(distances) else False
-
-
-def _missing(problem: Problem, grid: np.ndarray, parts) -> np.ndarray:
-    """Whether the signs of det J over the solutions at each grid value fail to add up to the linear system's sign.
-
-    `parts` holds what `curve_crossings` found on every curve.
-    """
-    degree = np.zeros(grid.size, dtype=np.int64)
-    for column, _, stable in parts:
-        np.add.at(degree, column, 2 * stable.astype(np.int64) - 1)
-    signs = np.empty(grid.size)
-    linear_degree(problem.theta, problem.direction, grid, signs)
-    return degree != signs
-
-
-def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
-    """First and last index of every run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return [(int(first), int(last) - 1) for first, last in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _assemble(problem: Problem, axis: str, grid, b, curves, continuation) -> Row:
+def _assemble(span: RowSpan, grid, b, curves) -> Row:
     """Solve at the grid values and sort the solutions of each by amplitude."""
     try:
-        parts = [curve_crossings(problem, curve, grid, continuation) for curve in curves]
+        parts = [curve_crossings(span.problem, curve, grid, span.continuation) for curve in curves]
     except ArithmeticError as error:
         raise RowError(str(error)) from error
-    missing = _missing(problem, grid, parts)
+    missing = missing_degree(span.problem, grid, parts)
     column = np.concatenate([part[0] for part in parts]) if parts else np.empty(0, np.int64)
     unknowns = np.concatenate([part[1] for part in parts]) if parts else np.empty((0, 3))
     stable = np.concatenate([part[2] for part in parts]) if parts else np.empty(0, np.int8)
@@ -246,8 +163,37 @@ def _assemble(problem: Problem, axis: str, grid, b, curves, continuation) -> Row
     size = np.hypot(values[1], values[2])
     impact = impact_state(values[0] - size, values[0] + size, b[:, None])
     return Row(
-        axis, grid, b, tuple(curves), *values, stabilities, impact, _open(grid, curves, missing).astype(np.int8)
-    )
+        span.axis, grid, b, tuple(curves), *values, stabilities, impact,
+        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8),
+    )  # fmt: skip
+
+
+def _certify(row: Row, solutions: RowSolutions, scale: float) -> Row:
+    """Compare every column with its enumeration, which also knows better what lies above the ceiling.
+
+    Raises
+    ------
+    RowError
+        If a proven solution is not among the continued ones, or the other way round where the count is proven.
+    """
+    proven = solutions.proof == Proof.PROVEN
+    theirs = np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
+    ours = np.stack([row.mean, row.cos, row.sin], axis=2)
+    gap = np.max(np.abs(theirs[:, :, None] - ours[:, None]), axis=3) / scale
+    near = np.nan_to_num(gap, nan=np.inf) <= _AGREE
+    unmatched = np.any(~np.any(near, axis=2) & ~np.isnan(solutions.mean), axis=1)
+    wrong = unmatched | (proven & (solutions.n_solutions != row.n_solutions))
+    wrong |= proven & (np.sum(solutions.stable == 1, axis=1) != row.n_stable)
+    if np.any(solutions.proof == Proof.CONTRADICTION):
+        raise RowError(Proof.CONTRADICTION.sentence)
+    if np.any(wrong):
+        column = int(np.flatnonzero(wrong)[0])
+        raise RowError(
+            f"enumeration and continuation disagree at {np.sum(wrong)} columns, first at {row.axis} = "
+            f"{row.grid[column]:.9g}: {solutions.n_solutions[column]} solutions against {row.n_solutions[column]}"
+        )
+    above = (solutions.above != Above.EMPTY).astype(np.int8)
+    return dataclasses.replace(row, open=above, certified=proven.astype(np.int8))
 
 
 def _open(grid: np.ndarray, curves, missing: np.ndarray) -> np.ndarray:

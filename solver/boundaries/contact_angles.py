@@ -1,0 +1,258 @@
+"""The first-order balance on the angles of contact, over two parameters, with the second derivatives of its solution.
+
+Along a boundary the derivatives of the describing functions are not smooth: near a grazing they vary with the square root
+of the margin, which stops Newton's method and makes second derivatives infinite. The square root is that of
+1 - mu^2 with mu = (+-b - lambda_m)/lambda_a. With the angles of contact as unknowns of their own,
+
+    lambda_a sin phi_f = b - lambda_m,    lambda_a sin phi_b = -b - lambda_m,    -pi/2 <= phi <= pi/2,
+
+everything is a trigonometric polynomial in them (f front flank, the drive side; b back flank):
+
+    f_0 = lambda_m + [(b - lambda_m) phi_f + lambda_a cos phi_f - (-b - lambda_m) phi_b - lambda_a cos phi_b]/pi
+    N_a = 1 - [phi_f + sin phi_f cos phi_f - phi_b - sin phi_b cos phi_b]/pi
+
+A flank is grazed where its angle is +-pi/2. Beyond, where the motion does not cross the flank, f_0 and N_a hold with the
+angle clamped there, and the unknown measures the distance instead: +-b - lambda_m = +-(lambda_a + s (|phi| - pi/2)) with the
+size s of lambda. Each of the nine combinations (below, crossed, above for each flank) is a smooth problem of its own, and
+the grazings are the walls between them.
+
+The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the packed vector
+`theta` = (model with both axes at 0 | what x adds | zone of the front flank | of the back flank | s | flank that is
+grazed | its angle), and `direction`, what p adds.
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from solver.compiled import ARRAY, MATRIX, kernel
+from solver.condensation import SIZE
+from solver.harmonic.first_order import coefficients
+
+__all__ = [
+    "BACK",
+    "COEFFICIENTS",
+    "FRONT",
+    "GRAZED_ANGLE",
+    "GRAZED_FLANK",
+    "LENGTH_SCALE",
+    "MONITORS",
+    "PACKED",
+    "X",
+    "ZONE",
+    "angle_rows",
+    "determinant",
+    "plane_coefficients",
+]
+
+# Slots of y.
+FRONT, BACK, X, P = range(3, 7)
+UNKNOWNS = 6
+
+# Slots of the packed theta behind the model and the direction of x.
+ZONE = 2 * SIZE
+LENGTH_SCALE, GRAZED_FLANK, GRAZED_ANGLE = ZONE + 2, ZONE + 3, ZONE + 4
+PACKED = ZONE + 5
+
+#: Monitor values of a boundary: the amplitude, and on grazing curves det dE/du.
+MONITORS = 2
+
+_C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
+#: Coefficients of the balance, their derivatives by x and by p; then the same for its constants.
+COEFFICIENTS = types.Tuple((types.UniTuple(_C, 3), types.UniTuple(_F, 3)))
+_RIGHT = 0.5 * math.pi
+
+
+@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY))
+def plane_coefficients(theta, direction, y):
+    """What `solver.harmonic.first_order.coefficients` gives at (x, p), with the derivatives by both."""
+    model, along_x, along_p = np.empty(SIZE), theta[SIZE : 2 * SIZE], direction[:SIZE]
+    for i in range(SIZE):
+        model[i] = theta[i] + y[X] * along_x[i] + y[P] * along_p[i]
+    values, by_x, constants, constants_x = coefficients(model, along_x, 0.0)
+    _, by_p, _, constants_p = coefficients(model, along_p, 0.0)
+    return (values, by_x, by_p), (constants, constants_x, constants_p)
+
+
+@kernel(types.UniTuple(types.float64, 4)(types.float64, types.float64), inline=True)
+def _clamped(zone, angle):
+    """Angle, sine and cosine that the force feels, and 1 where it feels the angle at all."""
+    if zone == 0.0:
+        return angle, math.sin(angle), math.cos(angle), 1.0
+    return zone * _RIGHT, zone, 0.0, 0.0
+
+
+@kernel(_F(_C, _F, types.float64, types.complex128, types.complex128), inline=True)
+def _rows(values, constants, mean, fundamental, displacement):
+    """The part of (E_0, Re E_1, -Im E_1) that is linear in f_0, f_1 and Lambda_1."""
+    D, A, P_1, P_2, _, e = values
+    row = D * displacement + A * fundamental + P_1 * mean + P_2 * fundamental.conjugate()
+    return constants[0] * mean + (e * fundamental.conjugate()).real, row.real, -row.imag
+
+
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX))
+def angle_rows(known, theta, y, residual, jacobian):
+    """Balance and angles: fill the first five rows of residual and jacobian (., 7) at y (7,).
+
+    Parameters
+    ----------
+    known : COEFFICIENTS
+        From `plane_coefficients` at y.
+    theta : (PACKED,) array
+    y, residual, jacobian : arrays
+    """
+    (values, by_x, by_p), (constants, constants_x, constants_p) = known
+    b, b_x, b_p = constants[2], constants_x[2], constants_p[2]
+    mean, displacement = y[0], complex(y[1], -y[2])
+    amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
+    unit = displacement / amplitude
+    front, front_sin, front_cos, front_on = _clamped(theta[ZONE], y[FRONT])
+    back, back_sin, back_cos, back_on = _clamped(theta[ZONE + 1], y[BACK])
+    ahead, behind = b - mean, -b - mean
+
+    f_0 = mean + (ahead * front + amplitude * front_cos - behind * back - amplitude * back_cos) / math.pi
+    gain = 1.0 - (front + front_sin * front_cos - back - back_sin * back_cos) / math.pi
+    f_1 = gain * displacement
+    force = _rows(values, constants, f_0, f_1, displacement)
+    residual[0] = force[0] - constants[1]
+    residual[1], residual[2] = force[1] - values[4].real, force[2] + values[4].imag
+
+    f_0_a, f_0_b = (front_cos - back_cos) / math.pi, (front + back) / math.pi
+    for column in range(7):
+        d_f_0, d_f_1, d_displacement = 0.0, 0j, 0j
+        if column == 0:
+            d_f_0 = 1.0 - (front - back) / math.pi
+        elif column == 1:
+            d_f_0, d_f_1, d_displacement = f_0_a * unit.real, gain + 0j, 1.0 + 0j
+        elif column == 2:
+            d_f_0, d_f_1, d_displacement = -f_0_a * unit.imag, -1j * gain, -1j
+        elif column == FRONT:
+            d_f_0 = front_on * (ahead - amplitude * front_sin) / math.pi
+            d_f_1 = -2.0 / math.pi * front_cos * front_cos * displacement
+        elif column == BACK:
+            d_f_0 = back_on * (amplitude * back_sin - behind) / math.pi
+            d_f_1 = 2.0 / math.pi * back_cos * back_cos * displacement
+        else:
+            d_f_0 = f_0_b * (b_x if column == X else b_p)
+        change = _rows(values, constants, d_f_0, d_f_1, d_displacement)
+        for i in range(3):
+            jacobian[i, column] = change[i]
+    for column in range(X, P + 1):
+        slope, constant = (by_x, constants_x) if column == X else (by_p, constants_p)
+        change = _rows(slope, constant, f_0, f_1, displacement)
+        jacobian[0, column] += change[0] - constant[1]
+        jacobian[1, column] += change[1] - slope[4].real
+        jacobian[2, column] += change[2] + slope[4].imag
+
+    for row in range(3, 5):
+        flank = 1.0 if row == FRONT else -1.0
+        sine, cosine = (front_sin, front_cos) if row == FRONT else (back_sin, back_cos)
+        zone, reach = theta[ZONE + row - 3], amplitude * sine
+        slope = amplitude * cosine
+        if zone != 0.0:
+            slope = theta[LENGTH_SCALE]
+            reach += slope * (y[row] - zone * _RIGHT)
+        residual[row] = reach - flank * b + mean
+        for column in range(7):
+            jacobian[row, column] = 0.0
+        jacobian[row, 0] = 1.0
+        jacobian[row, 1], jacobian[row, 2] = sine * unit.real, -sine * unit.imag
+        jacobian[row, row] = slope
+        jacobian[row, X], jacobian[row, P] = -flank * b_x, -flank * b_p
+
+
+@kernel(types.void(_C, _F, types.float64, types.complex128, types.complex128, MATRIX, types.int64), inline=True)
+def _put(values, constants, mean, fundamental, displacement, matrix, column):
+    """Write one column of dE/du or of its derivative."""
+    change = _rows(values, constants, mean, fundamental, displacement)
+    for i in range(3):
+        matrix[i, column] = change[i]
+
+
+@kernel(types.float64(MATRIX, MATRIX), inline=True)
+def _contract(left, right):
+    """Sum of the products of the entries of two 3 x 3 matrices."""
+    total = 0.0
+    for i in range(3):
+        for j in range(3):
+            total += left[i, j] * right[i, j]
+    return total
+
+
+@kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX))
+def determinant(known, theta, y, gradient, square):
+    """det dE/du, its derivatives by y, and dE/du itself.
+
+    Along the direction (v_m, V), V = v_c - i v_s, of u the balance feels, with v_a = Re(conj(unit) V),
+
+        d f_0 = n_0 v_m + g_0 v_a,    d f_1 = N_a V + unit (q_m v_m + q_a v_a),
+        n_0 = 1 - (phi_f - phi_b)/pi,    g_0 = (cos phi_f - cos phi_b)/pi,
+        q_m = 2 g_0,    q_a = (sin 2 phi_f - sin 2 phi_b)/pi,
+
+    so that dE/du depends on y through the angles, the direction unit = Lambda_1/lambda_a and the coefficients alone.
+    The determinant's derivatives follow from Jacobi's formula, d det J = sum cofactor_ij dJ_ij.
+
+    Parameters
+    ----------
+    known : COEFFICIENTS
+        From `plane_coefficients` at y.
+    theta : (PACKED,) array
+    y : (7,) array
+    gradient : (7,) array
+        Filled with the derivatives by y.
+    square : (3, 3) array
+        Filled with dE/du.
+    """
+    (values, by_x, by_p), (constants, constants_x, constants_p) = known
+    displacement = complex(y[1], -y[2])
+    amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
+    unit = displacement / amplitude
+    front, front_sin, front_cos, front_on = _clamped(theta[ZONE], y[FRONT])
+    back, back_sin, back_cos, back_on = _clamped(theta[ZONE + 1], y[BACK])
+    n_0, g_0 = 1.0 - (front - back) / math.pi, (front_cos - back_cos) / math.pi
+    q_m, q_a = 2.0 * g_0, 2.0 / math.pi * (front_sin * front_cos - back_sin * back_cos)
+    gain = 1.0 - (front + front_sin * front_cos - back - back_sin * back_cos) / math.pi
+
+    # d f_0 and d f_1 along lambda_m, lambda_c and lambda_s; Lambda_1 itself moves by 0, 1 and -i.
+    d_f_0 = (n_0, g_0 * unit.real, -g_0 * unit.imag)
+    d_f_1 = (q_m * unit, gain + q_a * unit.real * unit, -1j * gain - q_a * unit.imag * unit)
+    moves = (0j, 1.0 + 0j, -1j)
+    for column in range(3):
+        _put(values, constants, d_f_0[column], d_f_1[column], moves[column], square, column)
+
+    cofactor, change = np.empty((3, 3)), np.empty((3, 3))
+    for i in range(3):
+        i_1, i_2 = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            j_1, j_2 = (j + 1) % 3, (j + 2) % 3
+            cofactor[i, j] = square[i_1, j_1] * square[i_2, j_2] - square[i_1, j_2] * square[i_2, j_1]
+
+    gradient[0] = 0.0
+    for slot in range(1, 3):
+        # Along lambda_c and lambda_s the unit vector turns.
+        turn = 1j * unit * (unit.conjugate() * moves[slot]).imag / amplitude
+        for column in range(3):
+            along, along_turn = (unit.conjugate() * moves[column]).real, (turn.conjugate() * moves[column]).real
+            v_m = 1.0 if column == 0 else 0.0
+            d_d_f_1 = turn * (q_m * v_m + q_a * along) + unit * q_a * along_turn
+            _put(values, constants, g_0 * along_turn, d_d_f_1, 0j, change, column)
+        gradient[slot] = _contract(cofactor, change)
+    for slot in range(FRONT, BACK + 1):
+        sign, sine, cosine = (front_on, front_sin, front_cos) if slot == FRONT else (-back_on, back_sin, back_cos)
+        d_n_0, d_g_0, d_gain = -sign / math.pi, -sign * sine / math.pi, -sign * 2.0 / math.pi * cosine * cosine
+        d_q_m, d_q_a = 2.0 * d_g_0, sign * 2.0 / math.pi * (cosine * cosine - sine * sine)
+        for column in range(3):
+            along = (unit.conjugate() * moves[column]).real
+            v_m = 1.0 if column == 0 else 0.0
+            d_d_f_1 = d_gain * moves[column] + unit * (d_q_m * v_m + d_q_a * along)
+            _put(values, constants, d_n_0 * v_m + d_g_0 * along, d_d_f_1, 0j, change, column)
+        gradient[slot] = _contract(cofactor, change)
+    for slot in range(X, P + 1):
+        slope, constant = (by_x, constants_x) if slot == X else (by_p, constants_p)
+        for column in range(3):
+            _put(slope, constant, d_f_0[column], d_f_1[column], moves[column], change, column)
+        gradient[slot] = _contract(cofactor, change)
+    return (
+        square[0, 0] * cofactor[0, 0] + square[0, 1] * cofactor[0, 1] + square[0, 2] * cofactor[0, 2]
+    )

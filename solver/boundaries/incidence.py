@@ -1,0 +1,123 @@
+"""How far given points lie from a traced boundary, so that one boundary is traced once however many rows have met it."""
+
+import math
+
+import numpy as np
+from numba import types
+
+from solver.compiled import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
+from solver.continuation import Continuation, Curve, Problem
+
+__all__ = ["distances"]
+
+_I, _F = types.int64, types.float64
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _F, ARRAY, _F, ARRAY), inline=True)
+def _foot(left, right, leave, arrive, scale, arc, factors, level, seed):
+    """Fill `seed` with where the cubic between two points meets factors . y = level, or with its nearer end."""
+    size = scale.shape[0]
+    first, last = -level, -level
+    for j in range(size):
+        first += factors[j] * left[j]
+        last += factors[j] * right[j]
+    low, high = 0.0, 1.0
+    if first * last >= 0.0:
+        low = high = 0.0 if abs(first) <= abs(last) else 1.0
+    for _ in range(41):
+        x = 0.5 * (low + high)
+        total = -level
+        for j in range(size):
+            start, end = left[j], right[j]
+            out, into = arc * leave[j] * scale[j], arc * arrive[j] * scale[j]
+            a, b = 2.0 * (start - end) + out + into, 3.0 * (end - start) - 2.0 * out - into
+            seed[j] = ((a * x + b) * x + out) * x + start
+            total += factors[j] * seed[j]
+        if low == high:
+            break
+        if (total < 0.0) == (first < 0.0):
+            low = x
+        else:
+            high = x
+
+
+@kernel(
+    types.void(CORRECTOR, _F, _I, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, MATRIX, types.boolean[::1], ARRAY)
+)
+def _distances(
+    corrector, tolerance, limit, balance, theta, direction, scale, points, tangents, arclength, targets, seen, nearest,
+):  # fmt: skip
+    n = scale.shape[0] - 1
+    work = np.empty((3 * n + 6, n + 1))
+    factors, normal, seed, found = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
+    last = points.shape[0] - 1
+    for k in range(targets.shape[0]):
+        target = targets[k]
+        vertex, closest = 0, math.inf
+        for i in range(last + 1):
+            total = 0.0
+            for j in range(n + 1):
+                if seen[j]:
+                    total += ((points[i, j] - target[j]) / scale[j]) ** 2
+            if total < closest:
+                vertex, closest = i, total
+        # The target's own angles of contact and the like are not asked for: the hyperplane is one of what is seen.
+        level, length = 0.0, 0.0
+        for j in range(n + 1):
+            normal[j] = tangents[vertex, j] if seen[j] else 0.0
+            factors[j] = normal[j] / scale[j]
+            level += factors[j] * target[j]
+            length += normal[j] * normal[j]
+        nearest[k] = 0.0
+        for j in range(n + 1):
+            if seen[j]:
+                nearest[k] = max(nearest[k], abs(points[vertex, j] - target[j]) / scale[j])
+        if length == 0.0:
+            continue
+        normal /= math.sqrt(length)
+        for i in range(max(vertex - 1, 0), min(vertex + 1, last)):
+            arc = arclength[i + 1] - arclength[i]
+            _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
+            found[:] = seed
+            if corrector(balance, theta, direction, scale, found, normal, tolerance, limit, work) < 0:
+                continue
+            moved, distance = 0.0, 0.0
+            for j in range(n + 1):
+                moved = max(moved, abs(found[j] - seed[j]) / scale[j])
+                if seen[j]:
+                    distance = max(distance, abs(found[j] - target[j]) / scale[j])
+            # What the corrector finds further off may belong to another curve.
+            if moved <= 0.1 * arc + 1e-9:
+                nearest[k] = min(nearest[k], distance)
+
+
+def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continuation: Continuation) -> np.ndarray:
+    """Distance of points from a traced curve, across it.
+
+    Parameters
+    ----------
+    problem, curve
+        The curve, and the problem that it was traced for.
+    targets : (k, n + 1) array
+    seen : sequence of int
+        The components of y that count; those of the targets that do not are not looked at.
+    continuation : Continuation
+        Whose corrector is used.
+
+    Returns
+    -------
+    (k,) array
+        In scaled unknowns (largest component). Exact where the curve passes within a step; further off, the distance from
+        the closest point of the curve's own.
+    """
+    mask = np.zeros(problem.unknowns + 1, dtype=np.bool_)
+    mask[list(seen)] = True
+    nearest = np.full(len(targets), np.inf)
+    if len(targets):
+        corrector = continuation.corrector
+        _distances(
+            corrector.kernel, corrector.tolerance, corrector.max_iterations, problem.balance, problem.theta,
+            problem.direction, problem.scale, curve.points, curve.tangents, curve.arclength,
+            np.ascontiguousarray(targets, dtype=float), mask, nearest,
+        )  # fmt: skip
+    return nearest

@@ -1,0 +1,78 @@
+"""More points of a traced curve, solved and not interpolated: a boundary stays exact at any magnification."""
+
+import numpy as np
+from numba import types
+
+from solver.compiled import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
+from solver.continuation import Continuation, Curve, Problem
+from solver.landing import Setup, land_between, point_size
+
+__all__ = ["refined"]
+
+_I, _F = types.int64, types.float64
+
+
+@kernel(
+    _I(
+        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, MATRIX, MATRIX, ARRAY, types.int64[::1], MATRIX
+    )
+)  # fmt: skip
+def _refined(
+    corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, points, tangents, arclength,
+    parts, result,
+):  # fmt: skip
+    """Fill `result` with the points and parts[i] - 1 more after point i; -1 - i if one of those cannot be found."""
+    n = scale.shape[0] - 1
+    setup = Setup(
+        corrector, tolerance, limit, balance, monitor, theta, direction, scale, n, monitors,
+        np.empty((3 * n + 6, n + 1)), np.empty((monitors, n + 1)),
+    )  # fmt: skip
+    size = point_size(setup)
+    left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
+    count = 0
+    for i in range(points.shape[0] - 1):
+        result[count, :] = points[i]
+        count += 1
+        left[: n + 1], right[: n + 1] = points[i], points[i + 1]
+        left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2] = tangents[i], tangents[i + 1]
+        for k in range(1, parts[i]):
+            if land_between(setup, left, right, arclength[i + 1] - arclength[i], k / parts[i], found) < 0:
+                return -1 - i
+            result[count, :] = found[: n + 1]
+            count += 1
+    result[count, :] = points[-1]
+    return count + 1
+
+
+def refined(problem: Problem, curve: Curve, parts: np.ndarray, continuation: Continuation) -> np.ndarray:
+    """Points of a curve with every step divided.
+
+    Parameters
+    ----------
+    problem, curve
+        The curve of k points, and the problem that it was traced for.
+    parts : (k - 1,) int array
+        Into how many pieces each step is divided, >= 1.
+    continuation : Continuation
+        Whose corrector is used.
+
+    Returns
+    -------
+    (1 + sum of parts, n + 1) array
+        y in order along the curve.
+
+    Raises
+    ------
+    ArithmeticError
+        If the corrector fails between two points of the curve.
+    """
+    result = np.empty((1 + int(np.sum(parts)), problem.unknowns + 1))
+    corrector = continuation.corrector
+    count = _refined(
+        corrector.kernel, corrector.tolerance, corrector.max_iterations, problem.balance, problem.monitor, problem.theta,
+        problem.direction, problem.scale, problem.monitors, curve.points, curve.tangents, curve.arclength,
+        np.ascontiguousarray(parts, dtype=np.int64), result,
+    )  # fmt: skip
+    if count < 0:
+        raise ArithmeticError(f"the corrector fails after point {-1 - count} of the curve")
+    return result

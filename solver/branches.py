@@ -1,0 +1,207 @@
+"""Every branch of a row: where continuation starts, and when it has them all.
+
+`ProvenSeeds` starts from the enumeration of all solutions at many values of the swept parameter, so that a branch can
+only be missed if it fits between two of them. `LinearSeeds` starts from the linear pair without backlash at
+both ends, which is what continuation alone can do. The dead zone is a bounded change of a linear force, so the signs of det J over
+all solutions at a point add up to the sign of the linear system's determinant; where they do not, a branch is missing
+or lies above the amplitude ceiling.
+"""
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.condensation import axis_vectors
+from solver.continuation import Continuation, Curve, EndReason, Problem
+from solver.crossings import curve_crossings
+from solver.enumeration import enumerate_row
+from solver.errors import ParameterError
+from solver.harmonic.first_order import (
+    first_order_problem,
+    linear_degree,
+    linear_solution,
+)
+from solver.model import Model
+
+__all__ = ["LinearSeeds", "ProvenSeeds", "RowError", "RowSpan", "missing_degree"]
+
+_PROBES = 97
+_PASSES = 4
+_SAME = 1e-6
+_SEED_STEP = 0.25
+
+
+class RowError(ArithmeticError):
+    """A row could not be computed; the message says why."""
+
+
+@dataclass(frozen=True)
+class RowSpan:
+    """What is continued in a row: a model over one axis from `low` to `high`, at `omega` unless that is the axis."""
+
+    model: Model
+    axis: str
+    low: float
+    high: float
+    omega: float | None
+    continuation: Continuation
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The balance over the axis."""
+        return first_order_problem(self.model, self.axis, self.low, self.high, self.omega)
+
+    def follow(self, start: np.ndarray) -> Curve:
+        """Trace the whole branch through a solution y = (u, p).
+
+        Raises
+        ------
+        RowError
+            If the branch ends for want of step size or room.
+        """
+        if start[-1] in (self.low, self.high):
+            heading = 1 if start[-1] == self.low else -1
+            curve = self.continuation.trace(self.problem, start, self.low, self.high, heading)
+        else:
+            curve = self.continuation.trace_both_ways(self.problem, start, self.low, self.high)
+        for end, place in zip(curve.ends, (0, -1), strict=True):
+            if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
+                at = curve.points[place] if len(curve.points) else start
+                raise RowError(f"{end.sentence} It happened at {self.axis} = {at[-1]:.9g} with mean {at[0]:.6g}.")
+        return curve
+
+    def crossings(self, curve: Curve, grid: np.ndarray):
+        """`curve_crossings` of one of the row's curves."""
+        return curve_crossings(self.problem, curve, grid, self.continuation)
+
+
+@dataclass(frozen=True)
+class ProvenSeeds:
+    """Starts from all solutions at evenly spaced values of the swept parameter, both ends included.
+
+    Parameters
+    ----------
+    columns : int
+        How many values.
+    every_column : bool
+        Whether the row's grid values are enumerated as well.
+    """
+
+    columns: int = 197
+    every_column: bool = False
+
+    def __post_init__(self):
+        if not 2 <= self.columns <= 10**6:
+            raise ParameterError("certify_columns", self.columns, "from 2 to 1000000")
+
+    def branches(self, span: RowSpan, grid: np.ndarray) -> tuple[Curve, ...]:
+        """All branches through the solutions at the chosen values, in the order of those values, the ends first."""
+        probes = np.linspace(span.low, span.high, self.columns)
+        if self.every_column:
+            probes = np.union1d(probes, grid)
+        solutions = enumerate_row(
+            span.model, span.axis, probes, omega=span.omega, amplitude_max=span.continuation.amplitude_max
+        )
+        unknowns = np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
+        wanted = ~np.isnan(solutions.mean)
+        order = [0, probes.size - 1, *range(1, probes.size - 1)]
+        curves: list[Curve] = []
+        for column in order:
+            for place in np.flatnonzero(wanted[column]):
+                if not wanted[column, place]:
+                    continue
+                curve = span.follow(np.append(unknowns[column, place], probes[column]))
+                columns, found, _ = span.crossings(curve, probes)
+                gap = np.abs(unknowns[columns] - found[:, None]) / span.problem.scale[:3]
+                np.logical_and.at(wanted, columns, np.max(gap, axis=2) > _SAME)
+                if wanted[column, place]:
+                    raise RowError(
+                        f"continuation leaves the solution proven at {span.axis} = {probes[column]:.9g} "
+                        f"with mean {unknowns[column, place, 0]:.6g}"
+                    )
+                curves.append(curve)
+        return tuple(curves)
+
+
+@dataclass(frozen=True)
+class LinearSeeds:
+    """Starts from the linear pair without backlash at both ends of the range, and where the degree does not add up."""
+
+    def branches(self, span: RowSpan, grid: np.ndarray) -> tuple[Curve, ...]:
+        """The branches found; isolas, whose signs cancel, are not among them."""
+        probes = np.linspace(span.low, span.high, _PROBES)
+        curves: list[Curve] = []
+        seeds = [span.low, span.high]
+        for _ in range(_PASSES):
+            found = [curve for curve in (self._follow(span, p, curves) for p in seeds) if curve]
+            missing = missing_degree(span.problem, probes, [span.crossings(curve, probes) for curve in curves])
+            seeds = [probes[(first + last) // 2] for first, last in _runs(missing)]
+            if not found or not seeds:
+                break
+        return tuple(curves)
+
+    @staticmethod
+    def _follow(span: RowSpan, p: float, curves: list[Curve]) -> Curve | None:
+        """Trace the branch through the solution that grows out of the linear one at p and add it, if it is a new one."""
+        start = _grown_solution(span, p)
+        if start is None or any(_lies_on(span, curve, start) for curve in curves):
+            return None
+        curves.append(span.follow(start))
+        return curves[-1]
+
+
+def _grown_solution(span: RowSpan, p: float) -> np.ndarray | None:
+    """A solution at p, by continuing the backlash from 0; None if that leads above the amplitude ceiling."""
+    model, omega = span.model, span.omega
+    if span.axis == "omega":
+        omega = p
+    else:
+        model = model.replace(**{span.axis: p})
+    theta, direction = axis_vectors(model, "b", omega)
+    unknowns = np.empty(3)
+    if linear_solution(theta, direction, 0.0, unknowns) == 0.0:
+        return None
+    if model.b > 0.0:
+        problem = first_order_problem(model, "b", 0.0, model.b, omega)
+        strides = dataclasses.replace(span.continuation, parameter_step=_SEED_STEP)
+        curve = strides.trace(problem, np.append(unknowns, 0.0), 0.0, model.b)
+        if curve.ends[1] is not EndReason.RANGE_LEFT or curve.points[-1, 3] != model.b:
+            return None
+        unknowns = curve.points[-1, :3]
+    return np.append(unknowns, p)
+
+
+def _lies_on(span: RowSpan, curve: Curve, start: np.ndarray) -> bool:
+    _, unknowns, _ = span.crossings(curve, start[3:])
+    gap = np.max(np.abs(unknowns - start[:3]) / span.problem.scale[:3], axis=1, initial=0.0)
+    return bool(np.any(gap < _SAME))
+
+
+def missing_degree(problem: Problem, grid: np.ndarray, parts) -> np.ndarray:
+    """Whether the signs of det J over the solutions at each grid value fail to add up to the linear system's sign.
+
+    Parameters
+    ----------
+    problem : Problem
+    grid : (X,) array
+    parts : sequence
+        What `curve_crossings` found on every curve.
+
+    Returns
+    -------
+    (X,) bool array
+    """
+    degree = np.zeros(grid.size, dtype=np.int64)
+    for column, _, stable in parts:
+        np.add.at(degree, column, 2 * stable.astype(np.int64) - 1)
+    signs = np.empty(grid.size)
+    linear_degree(problem.theta, problem.direction, grid, signs)
+    return degree != signs
+
+
+def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
+    """First and last index of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return [(int(first), int(last) - 1) for first, last in zip(edges[::2], edges[1::2], strict=True)]
