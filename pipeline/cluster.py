@@ -99,7 +99,9 @@ class Workforce:
                 n_workers=self.config.workers,
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address=":0" if self.config.dashboard else None,
+                # Any free port: a fixed one would be taken by the next run.
+                dashboard_address=":0",
+                scheduler_kwargs={"dashboard": self.config.dashboard},
                 silence_logs=logging.CRITICAL,
             )
         self._client = Client(self._cluster, set_as_default=False)

@@ -204,12 +204,13 @@ def _axis(role: str, axis, scalars) -> Axis:
 
 def _check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
-    from pipeline.sweep import continuation_of, model_at
+    from pipeline.sweep import continuation_of, model_at, seeds_of
     from solver import ParameterError
 
     gear_axes = {axis.name: role for role, axis in (("sweep", plan.sweep), ("parameter", plan.parameter))}
     try:
         continuation_of(plan.solver)
+        seeds_of(plan.solver)
     except ParameterError as error:
         raise ConfigurationError(f"solver.{error}") from None
     for row in (plan.parameter.low, plan.parameter.high):

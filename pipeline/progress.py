@@ -47,23 +47,29 @@ class RowProgress:
 
     Parameters
     ----------
-    reporter : Reporter
+    reporter : Reporter or None
+        None counts in silence.
     total : int
         Rows to do.
     every : float
         Seconds between plain lines; the first and the last always come.
     """
 
-    def __init__(self, reporter: Reporter, total: int, every: float = 5.0):
+    def __init__(self, reporter: Reporter | None, total: int, every: float = 5.0):
         self.reporter, self.total, self.every = reporter, total, every
         self.done = self.failed = 0
         self._begin = self._said = time.monotonic()
         self._bar = self._task = None
 
     def __enter__(self):
-        if self.reporter.on_terminal:
+        if self.reporter is not None and self.reporter.on_terminal:
             from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+            from rich.progress import (
+                BarColumn,
+                Progress,
+                TextColumn,
+                TimeRemainingColumn,
+            )
 
             self._bar = Progress(
                 TextColumn("sweep"), BarColumn(), TextColumn("{task.completed:.0f}/{task.total:.0f} rows"),
@@ -86,7 +92,7 @@ class RowProgress:
         rate = self.done / elapsed
         if self._bar is not None:
             self._bar.update(self._task, completed=self.done, rate=f"{rate:.0f} rows/s", failed=self.failed)
-        elif self.done == self.total or now - self._said >= self.every:
+        elif self.reporter is not None and (self.done == self.total or now - self._said >= self.every):
             self._said = now
             left = (self.total - self.done) / rate if rate > 0.0 else float("inf")
             self.reporter.line(

@@ -66,6 +66,8 @@ class Solver:
     """Continuation settings; see `solver.Continuation`."""
 
     corrector: str = MISSING
+    certify: str = MISSING
+    certify_columns: int = MISSING
     tolerance: float = MISSING
     amplitude_max: float = MISSING
     first_step: float = MISSING

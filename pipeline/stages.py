@@ -8,6 +8,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
+
 from pipeline import store
 from pipeline.cluster import Workforce, check_cluster
 from pipeline.config import Settings
@@ -115,7 +117,7 @@ def _sweep(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     begin = perf_counter()
     present = store.check(path, job.plan) if not settings.config.store.overwrite else False
     blocks = store.pending_blocks(path, job.plan) if present else job.plan.blocks
-    if not blocks:
+    if not blocks and not _neighbours(job).size:
         reporter.line(f"sweep: all {job.plan.parameter.num} rows are in {path} already, nothing to do")
         return 0
     where = workforce.start()
@@ -128,7 +130,9 @@ def _sweep(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     state = "continues: " if present else ""
     reporter.line(f"sweep: {state}{rows} rows of {columns} columns into {path}; {where}")
     ready = perf_counter()
-    lost, points = _run_blocks(job, blocks, rows, workforce, reporter)
+    lost, points = _run_blocks(job, blocks, {}, workforce, reporter)
+    if not lost:
+        lost += _certify_neighbours(job, workforce, reporter)
     seconds = perf_counter() - ready
     failed = store.failures(path)
     for row, reason in failed[:10]:
@@ -144,14 +148,33 @@ def _sweep(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if failed or lost else 0
 
 
-def _run_blocks(job: Job, blocks, rows: int, workforce: Workforce, reporter: Reporter) -> tuple[list[str], int]:
-    """Run the blocks; why blocks were lost, and the number of branch points."""
+def _neighbours(job: Job):
+    """Rows that a second look is due to; none where enumeration is off or looks everywhere anyway."""
+    return store.rows_to_certify(job.store_path) if job.plan.solver["certify"] == "columns" else np.empty(0, int)
+
+
+def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> list[str]:
+    """Look everywhere in rows beside which folds come or go, until no more such rows turn up; why blocks were lost."""
+    lost, before = [], store.certified_rows(job.store_path).size
+    while not lost and (due := _neighbours(job)).size:
+        rows = np.union1d(due, store.certified_rows(job.store_path))
+        chosen = {block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks}
+        blocks = [block for block in job.plan.blocks if np.any((due >= block.start) & (due < block.stop))]
+        lost, _ = _run_blocks(job, blocks, chosen, workforce, None)
+    count = store.certified_rows(job.store_path).size - before
+    reporter.line(f"sweep: {count} rows next to births and deaths of folds enumerated at every column")
+    return lost
+
+
+def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, reporter: Reporter | None):
+    """Run the blocks, with a bar if a reporter is given; why blocks were lost, and the number of branch points."""
     from pipeline.sweep import sweep_block
 
     lost, points = [], 0
-    tasks = [(str(job.store_path), job.plan, block) for block in blocks]
+    tasks = [(str(job.store_path), job.plan, block, every_column.get(block, frozenset())) for block in blocks]
+    rows = sum(block.stop - block.start for block in blocks)
     with RowProgress(reporter, rows) as progress:
-        for (_, _, block), result in workforce.run(sweep_block, tasks):
+        for (_, _, block, _), result in workforce.run(sweep_block, tasks):
             count = block.stop - block.start
             if isinstance(result, BaseException):
                 lost.append(f"rows {block.start}-{block.stop - 1} were not stored: {type(result).__name__}: {result}")

@@ -18,6 +18,7 @@ from pipeline.plan import SCHEMA_VERSION, Block, Plan, numbers_digest, plan_of
 from solver import EndReason, Event, ImpactState, Row, domain_labels
 
 __all__ = [
+    "certified_rows",
     "check",
     "consolidate",
     "create",
@@ -26,6 +27,7 @@ __all__ = [
     "read_numbers",
     "read_plan",
     "refuse_foreign",
+    "rows_to_certify",
     "statuses",
     "write_block",
 ]
@@ -82,6 +84,8 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         }
 
     nan = float("nan")
+    certified = spec(cell, "int8", 0, "1: the solutions are proven to be all of them", None,
+                     flag_values=[0, 1], flag_meanings="undecided proven")  # fmt: skip
     return {
         "n_solutions": spec(cell, "uint8", 255, "number of periodic solutions; 255: not computed"),
         "n_stable": spec(cell, "uint8", 255, "number of statically stable solutions; 255: not computed"),
@@ -99,6 +103,9 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "impact": spec(solution, "int8", -1, "impact state; -1: no such solution", None, **states),
         "open": spec(cell, "int8", 0, "1: solutions above the amplitude ceiling are not excluded", None,
                      flag_values=[0, 1], flag_meanings="closed open"),
+        **({"certified": certified} if plan.solver["certify"] == "all" else {}),
+        "branches/n_folds": spec((row,), "int16", -1, "folds of the branches found without looking at the columns"),
+        "branches/n_gained": spec((row,), "int16", -1, "branches that only the columns brought; -1: not looked at"),
         "branches/n_points": spec((row,), "int32", 0, "number of branch points"),
         f"branches/{column}": spec(point, "float64", nan, _LONG_NAMES[column], _UNITS.get(column, "1")),
         "branches/mean": spec(point, "float64", nan, "mean of the mesh displacement"),
@@ -270,6 +277,28 @@ def pending_blocks(path: Path, plan: Plan) -> list[Block]:
     return [block for block in plan.blocks if np.any(status[block.start : block.stop] != COMPLETE)]
 
 
+def rows_to_certify(path: Path) -> np.ndarray:
+    """Rows next to which something comes or goes that the rows' own seeds may have missed, and not yet looked at everywhere.
+
+    A row is one if the folds found from its evenly spaced seeds differ in number from a neighbour's, or if looking
+    everywhere brought a neighbour a new branch. Looking at them everywhere can only add rows, and the order does not
+    matter, so that a run that was interrupted arrives at the same store.
+    """
+    root = zarr.open_group(path, mode="r")
+    complete = root["status"][:] == COMPLETE
+    folds, gained = root["branches/n_folds"][:], root["branches/n_gained"][:]
+    step = (np.diff(folds) != 0) & complete[1:] & complete[:-1]
+    wanted = np.zeros(folds.size, dtype=bool)
+    wanted[1:] |= step | (gained[:-1] > 0)
+    wanted[:-1] |= step | (gained[1:] > 0)
+    return np.flatnonzero(wanted & complete & (gained < 0))
+
+
+def certified_rows(path: Path) -> np.ndarray:
+    """Rows in which every column was looked at."""
+    return np.flatnonzero(zarr.open_group(path, mode="r")["branches/n_gained"][:] >= 0)
+
+
 def failures(path: Path) -> list[tuple[int, str]]:
     """Failed rows and their reasons."""
     root = zarr.open_group(path, mode="r")
@@ -307,14 +336,17 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
             _fill_raster(values, i, row)
             _fill_branches(values, i, row, plan.sweep.name)
             values["status"][i] = COMPLETE
+    # A block that is written again is not complete until it is whole again.
+    root["status"][block.start : block.stop] = PENDING
     for name, value in values.items():
         root[name][block.start : block.stop] = value
 
 
 def _fill_raster(values: dict, i: int, row: Row) -> None:
     found = slice(row.mean.shape[1])
-    for name in ("n_solutions", "n_stable", "domain", "open"):
-        values[name][i] = getattr(row, name)
+    for name in ("n_solutions", "n_stable", "domain", "open", "certified"):
+        if name in values:
+            values[name][i] = getattr(row, name)
     for name in ("mean", "amplitude", "phase", "stable", "impact"):
         values[name][i, :, found] = getattr(row, name)
 
@@ -334,3 +366,4 @@ def _fill_branches(values: dict, i: int, row: Row, axis: str) -> None:
         values["branches/end_reason"][i, number] = curve.ends
         start = here.stop
     values["branches/n_points"][i] = start
+    values["branches/n_folds"][i], values["branches/n_gained"][i] = row.n_folds, row.n_gained

@@ -10,11 +10,23 @@ import numpy as np
 
 from pipeline import store
 from pipeline.plan import Block, Plan
-from solver import Broyden, Continuation, Model, Newton, ParameterError, Row, RowError, sweep_row
+from solver import (
+    Broyden,
+    Continuation,
+    LinearSeeds,
+    Model,
+    Newton,
+    ParameterError,
+    ProvenSeeds,
+    Row,
+    RowError,
+    sweep_row,
+)
 
-__all__ = ["Receipt", "continuation_of", "model_at", "sweep_block"]
+__all__ = ["Receipt", "continuation_of", "model_at", "seeds_of", "sweep_block"]
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
+CERTIFY = ("none", "columns", "all")
 
 
 @dataclass(frozen=True)
@@ -34,11 +46,20 @@ class Receipt:
 
 def continuation_of(settings: dict) -> Continuation:
     """The continuation that the solver settings describe."""
-    settings = dict(settings)
+    settings = {key: value for key, value in settings.items() if not key.startswith("certify")}
     name, tolerance = settings.pop("corrector"), settings.pop("tolerance")
     if name not in CORRECTORS:
         raise ParameterError("corrector", name, f"one of {', '.join(CORRECTORS)}")
     return Continuation(corrector=CORRECTORS[name](tolerance=tolerance), **settings)
+
+
+def seeds_of(settings: dict, every_column: bool = False) -> LinearSeeds | ProvenSeeds:
+    """Where branches start, as the solver settings describe; `every_column` asks for certainty in this row anyway."""
+    if settings["certify"] not in CERTIFY:
+        raise ParameterError("certify", settings["certify"], f"one of {', '.join(CERTIFY)}")
+    if settings["certify"] == "none":
+        return LinearSeeds()
+    return ProvenSeeds(settings["certify_columns"], every_column or settings["certify"] == "all")
 
 
 def model_at(plan: Plan, row: float, column: float) -> Model:
@@ -48,10 +69,10 @@ def model_at(plan: Plan, row: float, column: float) -> Model:
     return Model(**plan.gear, **values)
 
 
-def _sweep(plan: Plan, value: float, continuation: Continuation) -> Row:
+def _sweep(plan: Plan, value: float, continuation: Continuation, seeds) -> Row:
     omega = value if plan.parameter.name == "omega" else plan.omega
     model = model_at(plan, value, plan.sweep.low)
-    row = sweep_row(model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation)
+    row = sweep_row(model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation, seeds=seeds)
     for name, size, room in (
         ("max_solutions", row.mean.shape[1], plan.max_solutions),
         ("max_branches", len(row.curves), plan.max_branches),
@@ -62,7 +83,7 @@ def _sweep(plan: Plan, value: float, continuation: Continuation) -> Row:
     return row
 
 
-def sweep_block(path: str, plan: Plan, block: Block) -> Receipt:
+def sweep_block(path: str, plan: Plan, block: Block, every_column: frozenset[int] = frozenset()) -> Receipt:
     """Compute one block of rows and write it; a row that raises is stored as failed, with the reason.
 
     Parameters
@@ -71,6 +92,8 @@ def sweep_block(path: str, plan: Plan, block: Block) -> Receipt:
         The store, its template already written.
     plan : Plan
     block : Block
+    every_column : set of int
+        Rows in which all solutions are enumerated at every column, whatever the settings say.
 
     Returns
     -------
@@ -79,9 +102,10 @@ def sweep_block(path: str, plan: Plan, block: Block) -> Receipt:
     begin = perf_counter()
     continuation = continuation_of(plan.solver)
     rows: list[Row | str] = []
-    for value in plan.parameter.values[block.start : block.stop]:
+    for index in range(block.start, block.stop):
+        seeds = seeds_of(plan.solver, index in every_column)
         try:
-            rows.append(_sweep(plan, float(value), continuation))
+            rows.append(_sweep(plan, float(plan.parameter.values[index]), continuation, seeds))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, MemoryError) as error:
             reason = str(error) if isinstance(error, RowError) else f"{type(error).__name__}: {error}"
             rows.append(reason)

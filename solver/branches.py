@@ -96,19 +96,25 @@ class ProvenSeeds:
         if not 2 <= self.columns <= 10**6:
             raise ParameterError("certify_columns", self.columns, "from 2 to 1000000")
 
-    def branches(self, span: RowSpan, grid: np.ndarray) -> tuple[Curve, ...]:
-        """All branches through the solutions at the chosen values, in the order of those values, the ends first."""
-        probes = np.linspace(span.low, span.high, self.columns)
-        if self.every_column:
-            probes = np.union1d(probes, grid)
+    def branches(self, span: RowSpan, grid: np.ndarray) -> tuple[tuple[Curve, ...], int]:
+        """All branches through the solutions at the chosen values, and how many of them needed no grid value.
+
+        They come in the order of the evenly spaced values, the ends first, then of the grid values: what every column
+        adds stands at the end.
+        """
+        spaced = np.linspace(span.low, span.high, self.columns)
+        probes = np.union1d(spaced, grid) if self.every_column else spaced
+        first = np.searchsorted(probes, spaced)
+        first = [first[0], first[-1], *first[1:-1]]
+        order = [*first, *np.setdiff1d(np.arange(probes.size), first)]
         solutions = enumerate_row(
             span.model, span.axis, probes, omega=span.omega, amplitude_max=span.continuation.amplitude_max
         )
         unknowns = np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
         wanted = ~np.isnan(solutions.mean)
-        order = [0, probes.size - 1, *range(1, probes.size - 1)]
         curves: list[Curve] = []
-        for column in order:
+        early = 0
+        for rank, column in enumerate(order):
             for place in np.flatnonzero(wanted[column]):
                 if not wanted[column, place]:
                     continue
@@ -122,15 +128,18 @@ class ProvenSeeds:
                         f"with mean {unknowns[column, place, 0]:.6g}"
                     )
                 curves.append(curve)
-        return tuple(curves)
+                early += rank < self.columns
+        return tuple(curves), early
 
 
 @dataclass(frozen=True)
 class LinearSeeds:
     """Starts from the linear pair without backlash at both ends of the range, and where the degree does not add up."""
 
-    def branches(self, span: RowSpan, grid: np.ndarray) -> tuple[Curve, ...]:
-        """The branches found; isolas, whose signs cancel, are not among them."""
+    every_column = False
+
+    def branches(self, span: RowSpan, grid: np.ndarray) -> tuple[tuple[Curve, ...], int]:
+        """The branches found, and their number; isolas, whose signs cancel, are not among them."""
         probes = np.linspace(span.low, span.high, _PROBES)
         curves: list[Curve] = []
         seeds = [span.low, span.high]
@@ -140,7 +149,7 @@ class LinearSeeds:
             seeds = [probes[(first + last) // 2] for first, last in _runs(missing)]
             if not found or not seeds:
                 break
-        return tuple(curves)
+        return tuple(curves), len(curves)
 
     @staticmethod
     def _follow(span: RowSpan, p: float, curves: list[Curve]) -> Curve | None:

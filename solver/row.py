@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.branches import LinearSeeds, ProvenSeeds, RowError, RowSpan, missing_degree
-from solver.continuation import Continuation, Curve, EndReason
+from solver.continuation import Continuation, Curve, EndReason, Event
 from solver.crossings import curve_crossings
 from solver.enumeration import Above, Proof, RowSolutions, enumerate_row
 from solver.errors import ParameterError
@@ -39,6 +39,8 @@ class Row:
         1 where solutions above the amplitude ceiling exist or are not excluded.
     certified : (X,) int8 array
         1 where the solutions are proven to be all of them, 0 where that is undecided, -1 where it was not asked.
+    early : int
+        How many of the curves were found without looking at the grid values.
     """
 
     axis: str
@@ -52,6 +54,17 @@ class Row:
     impact: np.ndarray
     open: np.ndarray
     certified: np.ndarray
+    early: int
+
+    @property
+    def n_folds(self) -> int:
+        """Folds on the curves that were found without looking at the grid values."""
+        return sum(int(np.sum(curve.event == Event.FOLD)) for curve in self.curves[: self.early])
+
+    @property
+    def n_gained(self) -> int:
+        """Curves that only the grid values brought; -1 where they were not looked at."""
+        return -1 if np.all(self.certified < 0) else len(self.curves) - self.early
 
     @property
     def amplitude(self) -> np.ndarray:
@@ -131,16 +144,16 @@ def sweep_row(
         raise ParameterError("omega", frequency, "a finite number above 0")
     span = RowSpan(model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
     seeds = seeds or ProvenSeeds()
-    curves = seeds.branches(span, grid)
+    curves, early = seeds.branches(span, grid)
     b = grid if axis == "b" else np.full(grid.size, model.b)
-    row = _assemble(span, grid, b, curves)
-    if isinstance(seeds, ProvenSeeds) and seeds.every_column:
+    row = _assemble(span, grid, b, curves, early)
+    if seeds.every_column:
         solutions = enumerate_row(model, axis, grid, omega=omega, amplitude_max=continuation.amplitude_max)
         return _certify(row, solutions, float(span.problem.scale[0]))
     return row
 
 
-def _assemble(span: RowSpan, grid, b, curves) -> Row:
+def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
     """Solve at the grid values and sort the solutions of each by amplitude."""
     try:
         parts = [curve_crossings(span.problem, curve, grid, span.continuation) for curve in curves]
@@ -164,7 +177,7 @@ def _assemble(span: RowSpan, grid, b, curves) -> Row:
     impact = impact_state(values[0] - size, values[0] + size, b[:, None])
     return Row(
         span.axis, grid, b, tuple(curves), *values, stabilities, impact,
-        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8),
+        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early,
     )  # fmt: skip
 
 

@@ -6,7 +6,12 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.figures.naming import STATE_NAMES, axis_label, fixed_parameters, value_text
+from pipeline.figures.naming import (
+    STATE_NAMES,
+    axis_label,
+    fixed_parameters,
+    value_text,
+)
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED, PENDING

@@ -11,7 +11,14 @@ from matplotlib.path import Path as Outline
 
 from pipeline.figures.edges import curves_along, label_edges
 from pipeline.figures.map_legend import (
-    FAILED_ROWS, FOLD, GRAZING, MODES, OPEN_CELLS, draw_legend, legend_entries, legend_height,
+    FAILED_ROWS,
+    FOLD,
+    GRAZING,
+    MODES,
+    OPEN_CELLS,
+    draw_legend,
+    legend_entries,
+    legend_height,
 )  # fmt: skip
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import label_colour
