@@ -1,6 +1,7 @@
 """Steady motions of a straight bevel gear pair with backlash: pure numerics, importable on its own."""
 
 from solver.backbone import Backbone, backbone
+from solver.boundaries import BoundaryCurve, SpecialPoint, boundary_curves, missed_events, row_events
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import Broyden, Newton
 from solver.errors import ParameterError
@@ -14,6 +15,7 @@ __all__ = [
     "GEOMETRIC",
     "SCALAR_PARAMETERS",
     "Backbone",
+    "BoundaryCurve",
     "Broyden",
     "Continuation",
     "Curve",
@@ -26,12 +28,16 @@ __all__ = [
     "Problem",
     "Row",
     "RowError",
+    "SpecialPoint",
     "backbone",
+    "boundary_curves",
     "domain_code",
     "domain_label",
     "domain_labels",
     "first_order_problem",
     "impact_state",
+    "missed_events",
+    "row_events",
     "sweep_row",
     "translations",
     "uncondensed_balance",
