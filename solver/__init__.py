@@ -1,4 +1,7 @@
-"""Steady motions of a straight bevel gear pair with backlash: pure numerics, importable on its own."""
+"""Steady motions of a straight bevel gear pair with backlash: pure numerics, importable on its own.
+
+Boundary curves in two parameters are in `solver.boundaries`, which is imported on its own: its kernels are many.
+"""
 
 from solver.backbone import Backbone, backbone
 from solver.branches import LinearSeeds, ProvenSeeds, RowError

@@ -30,7 +30,7 @@ _BRANCH_POINT_STEP = 1e-4
 
 @kernel(types.boolean(_F, _F, _F, _F), inline=True)
 def _turns_twice(left, right, leave, arrive):
-    """Does the cubic with these ends and end slopes turn round inside, or nearly, although it leaves and arrives alike?"""
+    """Does the cubic with these ends and slopes turn round inside, or nearly, although it leaves and arrives alike?"""
     a = 3.0 * (2.0 * (left - right) + leave + arrive)
     b = 2.0 * (3.0 * (right - left) - 2.0 * leave - arrive)
     if leave * arrive <= 0.0 or a == 0.0:
@@ -237,9 +237,9 @@ def trace(
 ):  # fmt: skip
     """Follow the curve from `start` (n + 1,) to the side that `heading` (n + 1,) points to until it ends.
 
-    It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free; at once if `start`
-    lies on its border and the curve heads out. Fills points and tangents (capacity, n + 1), arclength, stable and events
-    (capacity,).
+    It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free; at once if
+    `start` lies on its border and the curve heads out. Fills points and tangents (capacity, n + 1), arclength, stable
+    and events (capacity,).
 
     Returns
     -------
@@ -259,6 +259,10 @@ def trace(
     # The second call makes the determinant that of the tangent's own border, comparable with those that follow.
     if not orient(setup, here, heading) or not orient(setup, here, here[n + 1 : 2 * n + 2].copy()):
         return 0, STEP_TOO_SMALL, 0
+    for j in range(n + 1):
+        # What starts on the border of the box stays there, whatever the last correction does.
+        if start[j] == low[j] or start[j] == high[j]:
+            here[j] = start[j]
     observe_from(setup, here)
     home = here.copy()
     _record(setup, here, 0, 0.0, 0, points, tangents, arclength, stable, events)

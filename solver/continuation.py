@@ -218,7 +218,8 @@ class Continuation:
         count, reason, refused = arclength.trace(
             self.corrector.kernel, self.corrector.tolerance, self.corrector.max_iterations, problem.balance,
             problem.monitor, problem.theta, problem.direction, problem.scale, problem.monitors,
-            np.array(start, dtype=float), along, settings, low, high, points, tangents, length, stable, event,
+            np.array(start, dtype=float), along, settings, low, high,
+            points, tangents, length, stable, event,
         )  # fmt: skip
         reason = EndReason(reason)
         return Curve(

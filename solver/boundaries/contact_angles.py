@@ -1,24 +1,24 @@
-"""The first-order balance on the angles of contact, over two parameters, with the second derivatives of its solution.
+"""The first-order balance on the angles of contact, over two parameters, with the gradient of its Jacobian determinant.
 
-Along a boundary the derivatives of the describing functions are not smooth: near a grazing they vary with the square root
-of the margin, which stops Newton's method and makes second derivatives infinite. The square root is that of
+Along a boundary the derivatives of the describing functions are not smooth: near a grazing they vary with the square
+root of the margin, which stops Newton's method and makes second derivatives infinite. The square root is that of
 1 - mu^2 with mu = (+-b - lambda_m)/lambda_a. With the angles of contact as unknowns of their own,
 
     lambda_a sin phi_f = b - lambda_m,    lambda_a sin phi_b = -b - lambda_m,    -pi/2 <= phi <= pi/2,
 
-everything is a trigonometric polynomial in them (f front flank, the drive side; b back flank):
+everything is a trigonometric polynomial in them (f front flank, the drive side; b back flank; PHYSICS section 4):
 
     f_0 = lambda_m + [(b - lambda_m) phi_f + lambda_a cos phi_f - (-b - lambda_m) phi_b - lambda_a cos phi_b]/pi
     N_a = 1 - [phi_f + sin phi_f cos phi_f - phi_b - sin phi_b cos phi_b]/pi
 
-A flank is grazed where its angle is +-pi/2. Beyond, where the motion does not cross the flank, f_0 and N_a hold with the
-angle clamped there, and the unknown measures the distance instead: +-b - lambda_m = +-(lambda_a + s (|phi| - pi/2)) with the
-size s of lambda. Each of the nine combinations (below, crossed, above for each flank) is a smooth problem of its own, and
-the grazings are the walls between them.
+A flank is grazed where its angle is +-pi/2. Beyond, where the motion does not cross the flank, f_0 and N_a hold with
+the angle clamped there, and the unknown measures the distance instead, with the size s of lambda:
++-b - lambda_m = +-[lambda_a + s (|phi| - pi/2)]. Each of the nine combinations (below, crossed, above for each flank)
+is a smooth problem of its own, and the grazings are the walls between them.
 
-The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the packed vector
-`theta` = (model with both axes at 0 | what x adds | zone of the front flank | of the back flank | s | flank that is
-grazed | its angle), and `direction`, what p adds.
+The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the packed
+vector `theta` = (model with both axes at 0 | what x adds | zone of the front flank | of the back flank | s | flank that
+is grazed | its angle), and `direction`, what p adds.
 """
 
 import math

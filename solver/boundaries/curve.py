@@ -40,7 +40,7 @@ _SENTENCES = {
     SpecialPoint.BORDER: "The boundary leaves the plane here.",
     SpecialPoint.CUSP: "Two folds meet and end: beyond it the jump is gone.",
     SpecialPoint.FOLD_GRAZING: "The folding motion just touches a flank: the jump changes its contact state.",
-    SpecialPoint.ISOLA: "The fold curve turns round in the row parameter: an isolated branch shrinks to a point and is gone.",
+    SpecialPoint.ISOLA: "The fold curve turns round in the row parameter: an isolated branch shrinks to a point.",
     SpecialPoint.MERGER: "The fold curve turns round in the row parameter: two branches touch and reconnect.",
     SpecialPoint.EXTREMUM: "The grazing curve turns round in the row parameter: a contact state begins or ends.",
     SpecialPoint.DOUBLE_GRAZING: "The motion just touches both flanks.",
@@ -59,8 +59,8 @@ class Piece:
 class BoundaryCurve:
     """One boundary; its k points are in order of arc length.
 
-    Where the fold's motion touches a flank, the curve in (lambda_m, ..., p) has a corner: the point is stored twice, with
-    the slopes of arrival and of departure. The same is done at the joint of a closed curve.
+    Where the fold's motion touches a flank, the curve in (lambda_m, ..., p) has a corner: the point is stored twice
+    (alike within rounding), with the slopes of arrival and of departure. So is the joint of a closed curve.
 
     Parameters
     ----------
@@ -75,10 +75,11 @@ class BoundaryCurve:
     stable : (k,) int8 array
         1 where the grazing motion is statically stable; 0 where it is not and along folds.
     special : (k,) int8 array
-        `SpecialPoint`. A corner at which the curve reverses in the plane is FOLD_GRAZING where it arrives and CUSP where
-        it departs.
+        `SpecialPoint`. A corner at which the curve reverses in the plane is FOLD_GRAZING where it arrives and CUSP
+        where it departs.
     ends : tuple of EndReason
-        Why it ends at its first and at its last point.
+        Why it ends at its first and at its last point. RANGE_LEFT is the border of the plane, or a DOUBLE_GRAZING
+        beyond which the motion has no contact (f_pm = 0: the balance does not determine the mean there).
     pieces : tuple of Piece
         What continuation computed, for those who need more points.
     """
@@ -160,7 +161,9 @@ class BoundaryCurve:
         pieces = [distances(piece.problem, piece.curve, targets, SEEN, continuation) for piece in self.pieces]
         return np.min(pieces, axis=0, initial=np.inf)
 
-    def refined(self, x_step: float, p_step: float, window=None, continuation: Continuation | None = None) -> np.ndarray:
+    def refined(
+        self, x_step: float, p_step: float, window=None, continuation: Continuation | None = None
+    ) -> np.ndarray:
         """Points (n, 5) no further apart than asked for in the plane, solved and not interpolated.
 
         Parameters

@@ -1,4 +1,4 @@
-"""How far given points lie from a traced boundary, so that one boundary is traced once however many rows have met it."""
+"""How far given points lie from a traced boundary: it is traced once, however many rows have met it."""
 
 import math
 
@@ -42,8 +42,10 @@ def _foot(left, right, leave, arrive, scale, arc, factors, level, seed):
 
 
 @kernel(
-    types.void(CORRECTOR, _F, _I, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, MATRIX, types.boolean[::1], ARRAY)
-)
+    types.void(
+        CORRECTOR, _F, _I, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, MATRIX, types.boolean[::1], ARRAY
+    )
+)  # fmt: skip
 def _distances(
     corrector, tolerance, limit, balance, theta, direction, scale, points, tangents, arclength, targets, seen, nearest,
 ):  # fmt: skip
@@ -107,8 +109,8 @@ def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continu
     Returns
     -------
     (k,) array
-        In scaled unknowns (largest component). Exact where the curve passes within a step; further off, the distance from
-        the closest point of the curve's own.
+        In scaled unknowns (largest component). Exact where the curve passes within a step; further off, the distance
+        from the closest of the curve's own points.
     """
     mask = np.zeros(problem.unknowns + 1, dtype=np.bool_)
     mask[list(seen)] = True

@@ -1,8 +1,9 @@
 """Folds and grazings over a plane of two parameters, as the curve problems that continuation follows.
 
-A fold curve is E = 0 with det dE/du = 0: the minimally augmented system, whose one extra row is a smooth function with an
-analytic gradient once the angles of contact are unknowns (`solver.boundaries.contact_angles`). A grazing curve is E = 0 with
-one of the angles at +-pi/2. Neither of the two parameters is special: both are unknowns, and the curve is followed in a box.
+A fold curve is E = 0 with det dE/du = 0: the minimally augmented system, whose one extra row is a smooth function with
+an analytic gradient once the angles of contact are unknowns (`solver.boundaries.contact_angles`). A grazing curve is
+E = 0 with one of the angles at +-pi/2. Neither of the two parameters is special: both are unknowns, and the curve is
+followed in a box.
 """
 
 import itertools
@@ -27,7 +28,7 @@ from solver.boundaries.contact_angles import (
     plane_coefficients,
 )
 from solver.compiled import ARRAY, MATRIX, kernel
-from solver.condensation import SIZE, axis_vectors
+from solver.condensation import AXES, SIZE, axis_vectors
 from solver.continuation import Event, Problem
 from solver.errors import ParameterError
 from solver.harmonic.first_order import unknown_scale
@@ -109,6 +110,9 @@ class Plane:
     omega: float | None = None
 
     def __post_init__(self):
+        for name in ("x_axis", "p_axis"):
+            if getattr(self, name) not in AXES:
+                raise ParameterError(name, getattr(self, name), f"one of {', '.join(AXES)}")
         if self.x_axis == self.p_axis:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
@@ -147,7 +151,7 @@ class Plane:
         return {self.x_axis: x, self.p_axis: p}.get("b", self.model.b)
 
     def problem(self, kind: Event, zones: tuple[int, int]) -> Problem:
-        """The curve of one kind within one pair of zones of the front and the back flank (-1 below, 0 crossed, 1 above)."""
+        """The curve of one kind within a pair of zones of front and back flank (-1 below, 0 crossed, 1 above)."""
         theta = self._theta.copy()
         theta[ZONE : ZONE + 2] = zones
         if kind is Event.FOLD:
@@ -167,7 +171,7 @@ class Plane:
         return low, high
 
     def zones(self, kind: Event, point: np.ndarray) -> list[tuple[int, int]]:
-        """Pairs of zones that (lambda_m, lambda_c, lambda_s, x, p) lies in: several where it lies on a wall, within rounding.
+        """Pairs of zones that (lambda_m, lambda_c, lambda_s, x, p) lies in: several on a wall, within rounding.
 
         The grazed flank counts as crossed.
         """

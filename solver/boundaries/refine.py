@@ -69,9 +69,9 @@ def refined(problem: Problem, curve: Curve, parts: np.ndarray, continuation: Con
     result = np.empty((1 + int(np.sum(parts)), problem.unknowns + 1))
     corrector = continuation.corrector
     count = _refined(
-        corrector.kernel, corrector.tolerance, corrector.max_iterations, problem.balance, problem.monitor, problem.theta,
-        problem.direction, problem.scale, problem.monitors, curve.points, curve.tangents, curve.arclength,
-        np.ascontiguousarray(parts, dtype=np.int64), result,
+        corrector.kernel, corrector.tolerance, corrector.max_iterations, problem.balance, problem.monitor,
+        problem.theta, problem.direction, problem.scale, problem.monitors,
+        curve.points, curve.tangents, curve.arclength, np.ascontiguousarray(parts, dtype=np.int64), result,
     )  # fmt: skip
     if count < 0:
         raise ArithmeticError(f"the corrector fails after point {-1 - count} of the curve")

@@ -52,13 +52,18 @@ def _multiplicity_grows(problem: Problem, y: np.ndarray) -> float:
 def turning_point(problem: Problem, curve: Curve, index: int) -> SpecialPoint:
     """What a fold curve does at an interior point where it turns round in p.
 
-    Near an extremum p* of the fold curve the solutions at one p form a curve A xi^2/2 + B xi eta + C eta^2/2 + h (p - p*) = 0
-    over (v, x). Its folds lie at p - p* = -(A C - B^2) eta^2/(2 h A). The form is definite, so that the curve shrinks to a
-    point, where AC - B^2 > 0: where p'' of the fold curve has the sign of -h A, the direction in which pairs of solutions
-    appear. Otherwise it is a saddle, where two branches reconnect.
+    Near an extremum p* of the fold curve the solutions at one p form a curve over xi (along v) and eta = x - x*,
+
+        A xi^2/2 + B xi eta + C eta^2/2 + h (p - p*) = 0,    A = w E_uu[v, v],    h = w E_p.
+
+    Its folds, A xi + B eta = 0, lie at p - p* = -(A C - B^2) eta^2/(2 h A), so that p'' of the fold curve has the sign
+    of -h A (A C - B^2). Where the form is definite, A C > B^2, the curve shrinks to a point; otherwise it is a saddle,
+    where two branches reconnect. No second derivative by x is needed to tell them apart: -h A is the direction of p in
+    which pairs of solutions appear.
     """
     speed = curve.tangents[index, [X, P]]
     if np.max(np.abs(speed)) < _STILL:
         return SpecialPoint.CUSP
     bends = np.sign(curve.tangents[index + 1, P] - curve.tangents[index - 1, P])
-    return SpecialPoint.ISOLA if bends * _multiplicity_grows(problem, curve.points[index]) > 0.0 else SpecialPoint.MERGER
+    definite = bends * _multiplicity_grows(problem, curve.points[index]) > 0.0
+    return SpecialPoint.ISOLA if definite else SpecialPoint.MERGER

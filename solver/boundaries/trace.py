@@ -73,9 +73,9 @@ def boundary_curves(
     Returns
     -------
     tuple of BoundaryCurve
-        Every boundary once, whatever the order of the starts: sorted by kind and first point. Open ones run from the end
-        with the smaller p (then x). A start from which no boundary could be followed is a curve of one point that ends
-        for STEP_TOO_SMALL.
+        Every boundary once, whatever the order of the starts: sorted by kind and first point. Open ones run from the
+        end with the smaller p (then x). A start from which no boundary could be followed is a curve of one point that
+        ends for STEP_TOO_SMALL.
 
     Raises
     ------

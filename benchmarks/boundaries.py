@@ -1,0 +1,48 @@
+"""Seconds for all boundary curves of a plane on one core, and points per second of tracing alone.
+
+The starts are every event of 200 rows of 400 columns; their sweep is timed apart, it is not part of the boundaries.
+"""
+
+import os
+import statistics
+import time
+
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+
+import numpy as np
+
+from pipeline.config import compose
+from pipeline.plan import plan
+from pipeline.sweep import model_at
+from solver import boundary_curves, row_events, sweep_row
+
+REPEAT = 9
+PLANES = ("b", "alpha", "f_e", "f_pm")
+
+
+def main() -> None:
+    print(f"{'gear':12s} {'plane':14s} {'starts':>7s} {'curves':>7s} {'points':>7s} {'sweep s':>8s} {'all ms':>8s} {'trace ms':>9s} {'points/s':>9s}")  # fmt: skip
+    for gear in ("published", "consistent", "antiphase"):
+        for axis in PLANES:
+            planned = plan(compose([f"gear={gear}", f"plane=omega_{axis.replace('_', '') if axis == 'f_pm' else axis}"]))
+            x, p = planned.sweep_values, planned.parameter_values
+            model = model_at(planned, float(p[0]), 1.0)
+            begin = time.process_time()
+            starts = [e for v in p for e in row_events(sweep_row(model.replace(**{axis: v}), "omega", x), float(v))]
+            sweeping = time.process_time() - begin
+            limits = ((x[0], x[-1]), (p[0], p[-1]))
+            curves = boundary_curves(model, "omega", axis, *limits, starts)
+            # One start per boundary leaves the tracing; what all the others cost is finding that they are known.
+            few = [(c.kind, c.points[len(c.points) // 2]) for c in curves]
+            whole, alone = [], []
+            for _ in range(REPEAT):
+                for given, times in ((starts, whole), (few, alone)):
+                    begin = time.process_time()
+                    result = boundary_curves(model, "omega", axis, *limits, given)
+                    times.append(time.process_time() - begin)
+            points = sum(len(c.points) for c in result)
+            print(f"{gear:12s} omega x {axis:6s} {len(starts):7d} {len(curves):7d} {points:7d} {sweeping:8.2f} {1e3 * statistics.median(whole):8.1f} {1e3 * statistics.median(alone):9.1f} {points / statistics.median(alone):9.0f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
