@@ -1,6 +1,6 @@
 """Time per point of the certified enumeration: the three parameter sets over frequency, one core.
 
-    python benchmarks/enumeration.py
+Run it in the repository root with ``python -m benchmarks.enumeration``.
 """
 
 import time

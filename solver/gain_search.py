@@ -15,7 +15,6 @@ returned as undecided.
 
 import math
 
-import numpy as np
 from numba import types
 
 from solver.compiled import MATRIX, kernel

@@ -27,7 +27,6 @@ chi in (0, 1] is the share of the period in contact. Three remarks make this com
 
 import math
 
-import numpy as np
 from numba import types
 
 from solver.compiled import ARRAY, MATRIX, kernel
@@ -36,11 +35,10 @@ from solver.contact_law import LAW, gain_over
 from solver.harmonic.enclosed import enclosed_coefficients
 from solver.interval import (
     INTERVAL,
-    absolute,
     above,
+    absolute,
     add,
     below,
-    complex_add,
     complex_conjugate,
     complex_multiply,
     complex_scale,

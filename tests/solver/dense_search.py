@@ -1,7 +1,7 @@
 """Solutions of the first-order balance by brute force: Newton's method from a dense grid over mean and amplitude.
 
-Slow, proves nothing, and shares with the enumeration only the coefficients of the balance; the dead zone, the balance and
-its Jacobian (by differences) are written out anew.
+Slow, proves nothing, and shares with the enumeration only the coefficients of the balance; the dead zone, the balance
+and its Jacobian (by differences) are written out anew.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ def _dead_zone_harmonics(mean, amplitude, b):
 
 
 def dense_search(model, omega: float, amplitude_max: float, density: int = 60) -> np.ndarray:
-    """Solutions (lambda_m, lambda_c, lambda_s) found with amplitude up to the given one, ascending amplitude, (n, 3)."""
+    """Solutions (lambda_m, lambda_c, lambda_s) with amplitude up to the given one, ascending amplitude, (n, 3)."""
     (D, A, P_1, P_2, F, e), _, (c, f_pm, b), _ = coefficients(*axis_vectors(model, "omega"), omega)
 
     def residual(u):

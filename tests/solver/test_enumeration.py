@@ -141,8 +141,10 @@ def test_contains_what_continuation_finds(name, seed):
     continuation, problem = Continuation(), first_order_problem(model, "omega", grid[0], grid[-1])
     row, result = sweep_row(model, "omega", grid, continuation=continuation), enumerate_row(model, "omega", grid)
     assert np.all(result.proof == Proof.PROVEN)
-    proven = [np.column_stack([result.mean[k], result.cos[k], result.sin[k]])[:n] for k, n in enumerate(result.n_solutions)]
-    swept = [np.column_stack([row.mean[k], row.cos[k], row.sin[k]])[:n] for k, n in enumerate(row.n_solutions)]
+    triples = np.stack([result.mean, result.cos, result.sin], axis=2)
+    proven = [triples[k, :n] for k, n in enumerate(result.n_solutions)]
+    triples = np.stack([row.mean, row.cos, row.sin], axis=2)
+    swept = [triples[k, :n] for k, n in enumerate(row.n_solutions)]
     lacking = {}
     for k in range(grid.size):
         distance = _distances(proven[k], swept[k])
@@ -315,7 +317,7 @@ def test_refused_arguments():
 
 
 def test_speed():
-    """At most 2 ms in the median are promised; measured is a hundredth of that (benchmarks/enumeration.py)."""
+    """At most 2 ms in the median are promised; measured is a hundredth of that (benchmarks.enumeration)."""
     for model in MODELS.values():
         times = []
         for omega in np.linspace(0.05, 2.0, 101):

@@ -98,7 +98,8 @@ def test_rounding_of_the_contact_law_stays_within_a_quarter_of_its_margin():
     for _ in range(20_000):
         beta = rng.choice([rng.uniform(0.0, 1.2), 10.0 ** rng.uniform(-12, 0), 1.0 - 10.0 ** rng.uniform(-12, 0)])
         top = min(beta, 1.0)
-        cosine = rng.choice([rng.uniform(-1.0, top), top - 10.0 ** rng.uniform(-14, 0), -1 + 10.0 ** rng.uniform(-14, 0)])
+        small = 10.0 ** rng.uniform(-14, 0)
+        cosine = rng.choice([rng.uniform(-1.0, top), top - small, small - 1.0])
         cosine = min(max(cosine, -1.0), top)
         force, gain, margin, _ = contact_law(cosine, beta)
         exact_force, exact_gain = _law(cosine, beta)
