@@ -73,6 +73,7 @@ _ABOVE_SENTENCES = {
     Above.OPEN: "Whether a solution lies above the amplitude ceiling is open: the linear system is nearly singular.",
 }
 
+
 @dataclass(frozen=True)
 class Solutions:
     """All solutions at one point, ascending amplitude; n is their number.
