@@ -151,7 +151,9 @@ def mesh_receptance(theta, direction, p, harmonic):
             # but an axis moves all supports of one kind together, so that equal supports have equal derivatives.
             xi, d_xi, k, d_k = xi_j, direction[XI_SUPPORT + j], k_j, direction[K_SUPPORT + j]
             real, imaginary = k - omega * omega, 2.0 * xi * omega
-            inverse = complex(real, -imaginary) / (real * real + imaginary * imaginary)
+            # By the reciprocal: numba raises where a complex number is divided by 0, and this may be a resonance.
+            reciprocal = 1.0 / (real * real + imaginary * imaginary)
+            inverse = complex(real * reciprocal, -imaginary * reciprocal)
             d_stiffness = complex(d_k - 2.0 * omega * d_omega, 2.0 * (d_xi * omega + xi * d_omega))
             d_inverse = -d_stiffness * inverse * inverse
         total_t += weight * kappa * inverse
