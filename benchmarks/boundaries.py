@@ -17,16 +17,16 @@ from pipeline.sweep import model_at
 from solver import boundary_curves, row_events, sweep_row
 
 REPEAT = 9
-PLANES = ("b", "alpha", "f_e", "f_pm")
+PLANES = ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")
 
 
 def main() -> None:
     print(f"{'gear':12s} {'plane':14s} {'starts':>7s} {'curves':>7s} {'points':>7s} {'sweep s':>8s} {'all ms':>8s} {'trace ms':>9s} {'points/s':>9s}")  # fmt: skip
     for gear in ("published", "consistent", "antiphase"):
-        for axis in PLANES:
-            planned = plan(compose([f"gear={gear}", f"plane=omega_{axis.replace('_', '') if axis == 'f_pm' else axis}"]))
-            x, p = planned.sweep_values, planned.parameter_values
-            model = model_at(planned, float(p[0]), 1.0)
+        for plane in PLANES:
+            planned = plan(compose([f"gear={gear}", f"plane={plane}"]))
+            x, p, axis = planned.sweep.values, planned.parameter.values, planned.parameter.name
+            model = model_at(planned, float(p[0]), float(x[0]))
             begin = time.process_time()
             starts = [e for v in p for e in row_events(sweep_row(model.replace(**{axis: v}), "omega", x), float(v))]
             sweeping = time.process_time() - begin
