@@ -96,7 +96,7 @@ def draw_backbone(plane: StoredPlane) -> Figure:
 
 
 def _tops(peaks: np.ndarray, models: dict[float, Model]) -> list[float]:
-    """Upper ends of the two amplitude axes: all peaks of the mode, and the backbone's turn where that is not far above."""
+    """Upper ends of the two amplitude axes: all peaks of the mode, and the backbone's turn if it is not far above."""
     highest = 1.12 * np.fmax.reduce(peaks[..., 1], axis=0, initial=0.0)
     turn = max(2.0 * (model.b + abs(model.f_pm) / model.rotation) for model in models.values())
     return [float(max(own, min(highest.max() or turn, turn))) for own in highest]

@@ -27,17 +27,20 @@ _HEIGHT, _BETWEEN, _TOP, _BOTTOM, _PITCH, _COLUMNS = 1.75, 0.34, 0.3, 0.45, 0.16
 _UNSTABLE = (0, (2.6, 1.3))
 _FREQUENCY = {"color": "0.45", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 1}
 _BACKBONE = {"color": "black", "linewidth": 0.6, "linestyle": (0, (1, 1.2)), "zorder": 2}
+_MARK = {"linestyle": "none", "markersize": 3.0, "markeredgewidth": 0.6, "markeredgecolor": "black", "zorder": 5}
+#: Name -> events that share a marker, and the marker.
 _MARKS = {
-    "fold": ((Event.FOLD,), {"marker": "o", "markerfacecolor": "black", "markeredgecolor": "black"}),
+    "fold": ((Event.FOLD,), {**_MARK, "marker": "o", "markerfacecolor": "black"}),
     "grazing, drive flank": (
-        (Event.MIN_AT_DRIVE, Event.MAX_AT_DRIVE), {"marker": "D", "markerfacecolor": "white", "markeredgecolor": "black"},
+        (Event.MIN_AT_DRIVE, Event.MAX_AT_DRIVE),
+        {**_MARK, "marker": "D", "markerfacecolor": "white"},
     ),
     "grazing, back flank": (
-        (Event.MIN_AT_BACK, Event.MAX_AT_BACK), {"marker": "s", "markerfacecolor": "white", "markeredgecolor": "black"},
+        (Event.MIN_AT_BACK, Event.MAX_AT_BACK),
+        {**_MARK, "marker": "s", "markerfacecolor": "white"},
     ),
-    "branch point": ((Event.BRANCH_POINT,), {"marker": "x", "markeredgecolor": "black"}),
-}  # fmt: skip
-_MARK = {"linestyle": "none", "markersize": 3.0, "markeredgewidth": 0.6, "zorder": 5}
+    "branch point": ((Event.BRANCH_POINT,), {**_MARK, "marker": "x"}),
+}
 _EXIT = {"marker": "^", "color": "black", "linestyle": "none", "markersize": 4.5, "zorder": 6}
 #: Backbones are drawn with this many amplitudes.
 _AMPLITUDES = 60
@@ -112,13 +115,13 @@ def _draw_row(axes: Axes, plane: StoredPlane, row: int, name: str) -> None:
         axes.add_collection(
             LineCollection(
                 [np.column_stack([x[piece.slice], y[piece.slice]]) for piece in pieces],
-                colors=[_state_colour(piece.impact) for piece in pieces], linewidth=1.1, **style,
+                colors=[_state_colour(ImpactState(piece.impact)) for piece in pieces], linewidth=1.1, **style,
             ),
             autolim=False,
         )  # fmt: skip
     for events, style in _MARKS.values():
         here = np.isin(points["event"], events)
-        axes.plot(x[here], y[here], **_MARK, **style)
+        axes.plot(x[here], y[here], **style)
     if name == "amplitude":
         places = _exits(plane, row, axes.get_ylim()[1])
         axes.plot(places, np.ones(len(places)), transform=axes.get_xaxis_transform(), clip_on=False, **_EXIT)
@@ -149,8 +152,8 @@ def _exits(plane: StoredPlane, row: int, top: float) -> list[float]:
     return places
 
 
-def _state_colour(impact: int) -> str:
-    return hex_colour(state_colour(ImpactState(impact).symbol))
+def _state_colour(state: ImpactState) -> str:
+    return hex_colour(state_colour(state.symbol))
 
 
 def _limits(plane: StoredPlane, rows: list[int]) -> dict[int, dict[str, tuple[float, float]]]:
@@ -187,17 +190,14 @@ def _legend_keys(plane: StoredPlane, rows: list[int]) -> dict[str, Line2D]:
     """Text and key of everything that these rows show."""
     pieces = [piece for row in rows for piece in plane.pieces[row]]
     events = [plane.row_points(row)["event"] for row in rows]
-    states = sorted({piece.impact for piece in pieces})
-    keys = {
-        f"$I$ = {ImpactState(state).symbol}: {STATE_NAMES[ImpactState(state)]}": Line2D([], [], color=_state_colour(state))
-        for state in states
-    }
+    states = [ImpactState(code) for code in sorted({piece.impact for piece in pieces})]
+    keys = {f"$I$ = {s.symbol}: {STATE_NAMES[s]}": Line2D([], [], color=_state_colour(s)) for s in states}
     for name, stable, style in (("stable", True, "solid"), ("unstable", False, _UNSTABLE)):
         if any(piece.stable == stable for piece in pieces):
             keys[name] = Line2D([], [], color="0.3", linestyle=style)
     for name, (kinds, style) in _MARKS.items():
         if any(np.any(np.isin(event, kinds)) for event in events):
-            keys[name] = Line2D([], [], **_MARK, **style)
+            keys[name] = Line2D([], [], **style)
     if np.any(plane.end_reason[rows] == EndReason.AMPLITUDE_CEILING):
         ceiling = plane.plan.solver["amplitude_max"]
         keys[rf"runs on to the ceiling $\lambda_a$ = {ceiling:g}"] = Line2D([], [], **_EXIT)

@@ -40,6 +40,7 @@ def curves_along(segments: np.ndarray) -> list[np.ndarray]:
     Parameters
     ----------
     segments : (k, 2, 2) int array
+        As `label_edges` gives them.
 
     Returns
     -------

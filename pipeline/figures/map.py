@@ -10,16 +10,8 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
 from pipeline.figures.edges import curves_along, label_edges
-from pipeline.figures.map_legend import (
-    FAILED_ROWS,
-    FOLD,
-    GRAZING,
-    MODES,
-    OPEN_CELLS,
-    draw_legend,
-    legend_entries,
-    legend_height,
-)  # fmt: skip
+from pipeline.figures.map_legend import FAILED_ROWS, FOLD, GRAZING, MODES, OPEN_CELLS
+from pipeline.figures.map_legend import draw_legend, legend_entries, legend_height
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import label_colour
 from pipeline.figures.pieces import labels_at
@@ -53,8 +45,8 @@ class _Cells:
 def draw_map(plane: StoredPlane) -> Figure:
     """Draw the map of a plane.
 
-    The large panel shows the stored cells. Where several stable motions coexist in a narrow stretch of the sweep axis, a
-    panel below shows that stretch with finer columns, from the branches: their folds and grazings are located exactly.
+    The large panel shows the stored cells. Where several stable motions coexist in a narrow stretch of the sweep axis,
+    a panel below shows that stretch with finer columns, from the branches: their events are located exactly.
 
     Parameters
     ----------
@@ -76,7 +68,7 @@ def draw_map(plane: StoredPlane) -> Figure:
 
     panels = (whole, *zooms)
     shown = np.unique(np.concatenate([cells.code.ravel() for cells in panels]))
-    folds, grazings = (any(len(edges) for edges in kind) for kind in zip(*((c.fold, c.grazing) for c in panels)))
+    folds, grazings = any(len(cells.fold) for cells in panels), any(len(cells.grazing) for cells in panels)
     entries = legend_entries(plane, [int(code) for code in shown if code], folds, grazings)
     tall = max(_HEIGHT, legend_height(entries))
     bottom = _BOTTOM + (_ZOOM_HEIGHT + _BETWEEN if zooms else 0.0)
@@ -118,9 +110,7 @@ def _fill(axes: Axes, cells: _Cells, plane: StoredPlane) -> None:
         interpolation="none", zorder=0,
     )  # fmt: skip
     for kind, segments in ((FOLD, cells.fold), (GRAZING, cells.grazing)):
-        lines = [
-            np.column_stack([cells.x[curve[:, 1]], cells.y[curve[:, 0]]]) for curve in curves_along(segments)
-        ]
+        lines = [np.column_stack([cells.x[curve[:, 1]], cells.y[curve[:, 0]]]) for curve in curves_along(segments)]
         axes.add_collection(LineCollection(lines, **kind), autolim=False)
     stored_x = _borders(plane.plan.sweep)
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)

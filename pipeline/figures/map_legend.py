@@ -17,7 +17,7 @@ __all__ = [
     "FAILED_ROWS", "FOLD", "GRAZING", "MODES", "OPEN_CELLS", "Entry", "draw_legend", "legend_entries", "legend_height",
 ]  # fmt: skip
 
-FOLD = {"color": "black", "linewidth": 0.75, "linestyle": "solid", "zorder": 3}
+FOLD = {"color": "black", "linewidth": 0.65, "linestyle": "solid", "zorder": 3}
 GRAZING = {"color": "0.2", "linewidth": 0.55, "linestyle": (0, (3.0, 1.6)), "zorder": 2}
 FAILED_ROWS = {"facecolor": "white", "edgecolor": "0.45", "linewidth": 0.0, "hatch": "//////", "zorder": 1}
 OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "....", "zorder": 1}

@@ -45,6 +45,4 @@ def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dp
                 f"figures.formats = {name!r} is not allowed: it must be a list of {', '.join(FORMATS)}"
             )
     if not _LEAST_DPI <= dpi <= _MOST_DPI:
-        raise ConfigurationError(
-            f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}"
-        )
+        raise ConfigurationError(f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}")

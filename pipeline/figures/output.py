@@ -9,7 +9,9 @@ from pipeline.figures.stored import StoredPlane
 __all__ = ["write_figure"]
 
 
-def write_figure(figure: Figure, plane: StoredPlane, folder: Path, name: str, formats: list[str], dpi: int) -> list[Path]:
+def write_figure(
+    figure: Figure, plane: StoredPlane, folder: Path, name: str, formats: list[str], dpi: int
+) -> list[Path]:
     """Write a figure in every format; the paths in that order."""
     title = f"{name}: {plane.title}"
     source = f"bevelmap configuration {plane.digest}"

@@ -1,9 +1,9 @@
 """Colours of n/I labels and impact states.
 
-The hue says which impact states coexist: 0, 1 and 2 are blue, yellow and red, and a set of states has the hue that these
-paints mix to (0-1 green, 0-2 violet, 1-2 orange). The lightness says how many stable motions there are: pale is one. The
-numbers were fitted so that all sixteen labels with n <= 3 and states 0, 1, 2 keep a CIE distance of at least 13 for normal
-and red-green blind eyes alike, the eleven of the four reference planes at least 17.
+The hue says which impact states coexist: 0, 1 and 2 are blue, yellow and red, and a set of states has the hue that
+these paints mix to (0-1 green, 0-2 violet, 1-2 orange). The lightness says how many stable motions there are: pale is
+one. The numbers were fitted so that all sixteen labels with n <= 3 and states 0, 1, 2 keep a CIE distance of at least
+13 for normal and red-green blind eyes alike, the eleven of the four reference planes at least 17.
 """
 
 import math
@@ -60,7 +60,7 @@ def label_colour(label: str) -> Colour:
     Examples
     --------
     >>> label_colour("1/0"), label_colour("2/0-1")
-    ((199, 228, 250), (32, 175, 123))
+    ((199, 228, 251), (33, 175, 123))
     """
     if not label:
         return NOT_COMPUTED
