@@ -14,7 +14,8 @@ import numpy as np
 from pipeline.config import compose
 from pipeline.plan import plan
 from pipeline.sweep import model_at
-from solver import boundary_curves, row_events, sweep_row
+from solver import sweep_row
+from solver.boundaries import boundary_curves, row_events
 
 REPEAT = 9
 PLANES = ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")

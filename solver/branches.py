@@ -16,7 +16,7 @@ import numpy as np
 from solver.condensation import axis_vectors
 from solver.continuation import Continuation, Curve, EndReason, Problem
 from solver.crossings import curve_crossings
-from solver.enumeration import enumerate_row
+from solver.enumeration import Proof, enumerate_row
 from solver.errors import ParameterError
 from solver.harmonic.first_order import (
     first_order_problem,
@@ -110,6 +110,9 @@ class ProvenSeeds:
         solutions = enumerate_row(
             span.model, span.axis, probes, omega=span.omega, amplitude_max=span.continuation.amplitude_max
         )
+        if np.any(solutions.proof == Proof.CONTINUUM):
+            where = probes[solutions.proof == Proof.CONTINUUM]
+            raise RowError(f"{Proof.CONTINUUM.sentence} First at {span.axis} = {where[0]:.9g}.")
         unknowns = np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
         wanted = ~np.isnan(solutions.mean)
         curves: list[Curve] = []

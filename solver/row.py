@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.branches import LinearSeeds, ProvenSeeds, RowError, RowSpan, missing_degree
+from solver.condensation import axis_vectors
 from solver.continuation import Continuation, Curve, EndReason, Event
 from solver.crossings import curve_crossings
 from solver.enumeration import Above, Proof, RowSolutions, enumerate_row
@@ -142,15 +143,22 @@ def sweep_row(
     frequency = grid[0] if axis == "omega" else omega
     if frequency is None or not 0.0 < frequency < np.inf:
         raise ParameterError("omega", frequency, "a finite number above 0")
+    axis_vectors(model, axis, omega)
+    if axis != "omega":
+        for value in (grid[0], grid[-1]):
+            model.replace(**{axis: float(value)})
     span = RowSpan(model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
     seeds = seeds or ProvenSeeds()
     curves, early = seeds.branches(span, grid)
     b = grid if axis == "b" else np.full(grid.size, model.b)
     row = _assemble(span, grid, b, curves, early)
-    if seeds.every_column:
-        solutions = enumerate_row(model, axis, grid, omega=omega, amplitude_max=continuation.amplitude_max)
-        return _certify(row, solutions, float(span.problem.scale[0]))
-    return row
+    if isinstance(seeds, LinearSeeds):
+        return row
+    # Enumeration knows what lies above the ceiling; it is asked where branches left, or everywhere.
+    asked = np.full(grid.size, seeds.every_column) | (row.open == 1)
+    solutions = enumerate_row(model, axis, grid[asked], omega=omega, amplitude_max=continuation.amplitude_max)
+    row.open[asked] = solutions.above != Above.EMPTY
+    return _certify(row, solutions, float(span.problem.scale[0])) if seeds.every_column else row
 
 
 def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
@@ -182,7 +190,7 @@ def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
 
 
 def _certify(row: Row, solutions: RowSolutions, scale: float) -> Row:
-    """Compare every column with its enumeration, which also knows better what lies above the ceiling.
+    """Compare every column with its enumeration.
 
     Raises
     ------
@@ -205,8 +213,7 @@ def _certify(row: Row, solutions: RowSolutions, scale: float) -> Row:
             f"enumeration and continuation disagree at {np.sum(wrong)} columns, first at {row.axis} = "
             f"{row.grid[column]:.9g}: {solutions.n_solutions[column]} solutions against {row.n_solutions[column]}"
         )
-    above = (solutions.above != Above.EMPTY).astype(np.int8)
-    return dataclasses.replace(row, open=above, certified=proven.astype(np.int8))
+    return dataclasses.replace(row, certified=proven.astype(np.int8))
 
 
 def _open(grid: np.ndarray, curves, missing: np.ndarray) -> np.ndarray:

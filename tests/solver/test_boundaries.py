@@ -6,18 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from solver import (
-    Continuation,
-    EndReason,
-    Event,
-    ParameterError,
-    SpecialPoint,
-    boundary_curves,
-    first_order_problem,
-    missed_events,
-    row_events,
-    sweep_row,
-)
+from solver import Continuation, EndReason, Event, LinearSeeds, ParameterError, first_order_problem, sweep_row
+from solver.boundaries import SpecialPoint, boundary_curves, missed_events, row_events
 from solver.boundaries.plane import Plane
 from solver.harmonic.first_order import evaluate
 from tests.conftest import MODELS, consistent, published
@@ -33,7 +23,7 @@ all_planes = pytest.mark.parametrize(("gear", "axis"), PLANES)
 
 
 def sweep(gear, axis, value):
-    return sweep_row(GEARS[gear](**{axis: value}), "omega", GRID)
+    return sweep_row(GEARS[gear](**{axis: value}), "omega", GRID, seeds=LinearSeeds())
 
 
 @functools.cache
