@@ -218,6 +218,22 @@ def test_without_the_angle_guard_the_curve_jumps_too():
     assert solutions_on(jumping, 0.6) + solutions_on(jumping, 1.2265) < 6
 
 
+def test_the_distance_guard_alone_keeps_the_branch():
+    """However far the tangent may turn, a correction that is long against its step gives the jump away."""
+    kept = swept(antiphase(), largest_angle=np.pi, **RELAXED)
+    np.testing.assert_allclose(folds(kept), folds(swept(antiphase())), rtol=0, atol=1e-7)
+
+
+def test_a_curve_that_passes_close_to_its_start_is_not_closed():
+    """The upper branch runs past the start on the lower one in the same sense, nearer than a step."""
+    for gap in (0.3, 0.1, 0.03, 0.01):
+        for angle in (0.35, 1.0, 2.0):
+            continuation = Continuation(largest_step=1.0, first_step=0.05, parameter_step=1.0, largest_angle=angle)
+            curve = continuation.trace(s_curve(gap), np.array([-np.sqrt(gap), 0.0]), -1.0, 1.0)
+            assert curve.ends[1] is EndReason.RANGE_LEFT and curve.points[-1, 1] == 1.0
+            assert np.sum(curve.event == Event.FOLD) == 2
+
+
 @pytest.mark.parametrize("first_step", [1e-6, 1e-3, 0.1])
 @pytest.mark.parametrize("largest_step", [0.02, 0.2, 2.0])
 def test_folds_do_not_depend_on_the_steps(first_step, largest_step):
