@@ -37,7 +37,8 @@ class Row:
     stable, impact : (X, S) int8 arrays
         Static stability and `ImpactState`; -1 beyond the number of solutions.
     open : (X,) int8 array
-        1 where solutions above the amplitude ceiling exist or are not excluded.
+        1 where solutions above the amplitude ceiling exist or are not excluded, and on both sides of a place where a
+        branch left through it.
     certified : (X,) int8 array
         1 where the solutions are proven to be all of them, 0 where that is undecided, -1 where it was not asked.
     early : int
@@ -158,6 +159,7 @@ def sweep_row(
     asked = np.full(grid.size, seeds.every_column) | (row.open == 1)
     solutions = enumerate_row(model, axis, grid[asked], omega=omega, amplitude_max=continuation.amplitude_max)
     row.open[asked] = solutions.above != Above.EMPTY
+    row.open[_beside(grid, _exits(curves))] = 1
     return _certify(row, solutions, float(span.problem.scale[0])) if seeds.every_column else row
 
 
@@ -216,17 +218,26 @@ def _certify(row: Row, solutions: RowSolutions, scale: float) -> Row:
     return dataclasses.replace(row, certified=proven.astype(np.int8))
 
 
-def _open(grid: np.ndarray, curves, missing: np.ndarray) -> np.ndarray:
-    """Grid values at which solutions above the ceiling exist, or lie between places where branches left through it."""
-    flags = missing.copy()
-    exits = [
+def _exits(curves) -> np.ndarray:
+    """Axis values at which branches left through the amplitude ceiling, ascending."""
+    ends = (
         curve.points[place, -1]
         for curve in curves
         for end, place in zip(curve.ends, (0, -1), strict=True)
         if end is EndReason.AMPLITUDE_CEILING
-    ]
-    if exits:
-        first = max(np.searchsorted(grid, min(exits), side="right") - 1, 0)
-        last = min(np.searchsorted(grid, max(exits), side="left"), grid.size - 1)
-        flags[first : last + 1] = True
+    )
+    return np.sort(np.fromiter(ends, dtype=float))
+
+
+def _beside(grid: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Indices of the grid values on both sides of every place."""
+    right = np.searchsorted(grid, places)
+    return np.concatenate([right - 1, right]).clip(0, grid.size - 1)
+
+
+def _open(grid: np.ndarray, curves, missing: np.ndarray) -> np.ndarray:
+    """Grid values at which solutions above the ceiling exist, or lie between places where branches left through it."""
+    flags, beside = missing.copy(), _beside(grid, _exits(curves))
+    if beside.size:
+        flags[beside.min() : beside.max() + 1] = True
     return flags
