@@ -347,6 +347,27 @@ def test_an_unbounded_branch_is_open_and_says_why(alpha):
     assert np.nanmax(row.amplitude) <= 100.0
 
 
+@pytest.mark.parametrize("columns", [4, 7, 14])
+def test_a_coarse_raster_says_too_that_a_branch_left(columns):
+    """No column need lie where the solutions are: those beside are marked."""
+    model = consistent(rotation_coupling=COS_20, variation_translation=0.0, alpha=0.4595)
+    row = sweep_row(model, "omega", grid(columns))
+    right = int(np.searchsorted(row.grid, 0.5918))
+    assert row.open[right - 1] and row.open[right] and np.sum(row.open) <= 3
+
+
+@pytest.mark.parametrize("seed, f_pm, b", [(1791, -1.103, 0.025), (14, -0.403, 0.722), (87, 0.465, 1.567)])
+def test_a_branch_that_touches_neither_end_of_the_range_is_found(seed, f_pm, b):
+    """Between two unbounded branches lies a third that comes down from above the ceiling and leaves through it again."""
+    model = random_model(seed, f_pm=f_pm, b=b)
+    row = sweep_row(model, "omega", grid(79))
+    left, up = EndReason.RANGE_LEFT, EndReason.AMPLITUDE_CEILING
+    assert [curve.ends for curve in row.curves] == [(left, up), (left, up), (up, up)]
+    for i, omega in enumerate(row.grid):
+        expected = [u for u in all_solutions(model, omega, 400) if np.hypot(u[1], u[2]) < 100.0]
+        np.testing.assert_allclose(solutions(row, i), expected, rtol=0, atol=1e-7)
+
+
 def test_below_the_threshold_the_branch_is_bounded_and_nothing_is_open():
     model = consistent(rotation_coupling=COS_20, variation_translation=0.0, alpha=0.45)
     row = sweep_row(model, "omega", grid(391))
