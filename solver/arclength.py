@@ -77,7 +77,7 @@ def _inside(y, low, high):
     return True
 
 
-@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY))
+@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY), inner=True)
 def _hides_a_pair(setup, left, right, arc, low, high):
     """Would the curve between two points fold twice, or reach a grazing or a border of the box and come back?"""
     n, m = setup.unknowns, setup.monitors
@@ -97,7 +97,7 @@ def _hides_a_pair(setup, left, right, arc, low, high):
     return False
 
 
-@kernel(types.boolean(SETUP, ARRAY, MATRIX, types.int64[::1], _I))
+@kernel(types.boolean(SETUP, ARRAY, MATRIX, types.int64[::1], _I), inner=True)
 def _contradicts(setup, left, found, kinds, count):
     """Do the points of `count` located events, in order, show signs that the located events do not explain?"""
     n, m = setup.unknowns, setup.monitors
@@ -112,7 +112,7 @@ def _contradicts(setup, left, found, kinds, count):
     return False
 
 
-@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, ARRAY, types.int64[::1]))
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, ARRAY, types.int64[::1]), inner=True)
 def _find_events(setup, left, right, arc, least, found, fractions, kinds):
     """Locate the fold and the grazings between two points, in order of arc.
 
@@ -143,7 +143,7 @@ def _find_events(setup, left, right, arc, least, found, fractions, kinds):
     return count
 
 
-@kernel(types.void(SETUP, ARRAY, _I, _F))
+@kernel(types.void(SETUP, ARRAY, _I, _F), inner=True)
 def pin(setup, point, slot, level):
     """Move a point that lies within rounding of y[slot] = level onto it, unless the curve is tangent to that plane."""
     n = setup.unknowns
@@ -160,7 +160,7 @@ def pin(setup, point, slot, level):
     point[slot] = level
 
 
-@kernel(types.Tuple((_I, _F))(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, ARRAY, ARRAY, types.boolean, ARRAY))
+@kernel(types.Tuple((_I, _F))(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, ARRAY, ARRAY, types.boolean, ARRAY), inner=True)
 def _find_end(setup, left, right, arc, ceiling, low, high, home, away, found):
     """Does the curve end between two points? Reason (0 no, -1 not located) and fraction; `found` is the last point."""
     n = setup.unknowns
@@ -200,7 +200,7 @@ def _find_end(setup, left, right, arc, ceiling, low, high, home, away, found):
     return reason, fraction
 
 
-@kernel(types.boolean(SETUP, ARRAY, _I, _F, _I, MATRIX, MATRIX, ARRAY, FLAGS, FLAGS))
+@kernel(types.boolean(SETUP, ARRAY, _I, _F, _I, MATRIX, MATRIX, ARRAY, FLAGS, FLAGS), inner=True)
 def _record(setup, point, event, arc, count, points, tangents, arclength, stable, events):
     """Write one point of the branch; False if there is no room."""
     if count >= points.shape[0]:

@@ -34,14 +34,14 @@ _NOT_DECIDED, _PROVEN, _CONTINUUM, _CONTRADICTORY = range(4)
 _EMPTY, _OCCUPIED, _OPEN = range(3)
 
 
-@kernel(types.UniTuple(MATRIX, 3)())
+@kernel(types.UniTuple(MATRIX, 3)(), inner=True)
 def workspace():
     """Arrays that `enumerate_point` needs: found (32, 13), undecided (48, 13) and its own work space."""
     boxes = MOST + _UNDECIDED
     return np.empty((MOST, _COLUMNS)), np.empty((boxes, _COLUMNS)), np.empty((ROWS + boxes + _STACK, 5))
 
 
-@kernel(types.void(MATRIX, _F, _F, _F, ARRAY))
+@kernel(types.void(MATRIX, _F, _F, _F, ARRAY), inner=True)
 def _describe(reduced, left, right, near, box):
     """Fill one box with the motions of gain between left and right."""
     mean, cosine, sine, amplitude = motion_over(reduced, left, right, near)
@@ -54,7 +54,7 @@ def _describe(reduced, left, right, near, box):
     box[STABLE] = 0.0
 
 
-@kernel(types.boolean(ARRAY, _F))
+@kernel(types.boolean(ARRAY, _F), inner=True)
 def _alone(box, b):
     """Do all motions within the bounds of the unknowns have gains within those of the gain? Then one is a solution.
 
@@ -75,7 +75,7 @@ def _alone(box, b):
     )
 
 
-@kernel(types.void(MATRIX, _I))
+@kernel(types.void(MATRIX, _I), inner=True)
 def _settle(found, last):
     """Move row `last` down to where it belongs: ascending amplitude."""
     while last > 0 and found[last - 1, AMPLITUDE] > found[last, AMPLITUDE]:
@@ -84,7 +84,7 @@ def _settle(found, last):
         last -= 1
 
 
-@kernel(types.UniTuple(_I, 5)(ARRAY, ARRAY, _F, _F, MATRIX, MATRIX, MATRIX))
+@kernel(types.UniTuple(_I, 5)(ARRAY, ARRAY, _F, _F, MATRIX, MATRIX, MATRIX), inner=True)
 def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     """All solutions at one axis value.
 
@@ -169,7 +169,8 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
 @kernel(
     types.void(
         ARRAY, ARRAY, ARRAY, _F, types.float64[:, :, ::1], MATRIX, types.int8[:, ::1], types.int64[::1], FLAGS, FLAGS
-    )
+    ),
+    inner=True,
 )  # fmt: skip
 def enumerate_points(theta, direction, grid, ceiling, unknowns, radius, stable, counts, proof, above):
     """All solutions at many axis values.

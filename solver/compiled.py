@@ -58,7 +58,7 @@ def _cache_folder() -> str | None:
 _FOLDER = _cache_folder()
 
 
-def kernel(signature, inline: bool = False):
+def kernel(signature, inline: bool = False, inner: bool = False):
     """Compile a function for one signature, without the interpreter, and cache the result on disk.
 
     Parameters
@@ -66,7 +66,10 @@ def kernel(signature, inline: bool = False):
     signature
         The numba signature; compiling happens at import, so that no call ever pays for it.
     inline
-        Let LLVM inline the function at every call (small functions of the inner loop).
+        Let LLVM inline the function at every call (small functions of the inner loop). It is then an inner one.
+    inner
+        The function is called by other kernels: it is compiled with them and is part of what they keep on disk, so that
+        a process which finds those does not load it (100 functions take a second). The signature says what it is made for.
 
     Returns
     -------
@@ -81,13 +84,15 @@ def kernel(signature, inline: bool = False):
             numba.config.CACHE_DIR = _FOLDER
         try:
             compiled = numba.njit(
-                signature,
+                None if inline or inner else signature,
                 cache=_FOLDER is not None,
                 error_model="numpy",
                 forceinline=inline,
             )(function)
         finally:
             numba.config.CACHE_DIR = previous
+        if inline or inner:
+            return compiled
         # Passed as an argument, a kernel is looked up by signature at every call, which takes 40 us. It has only one.
         (result,) = compiled.overloads.values()
         compiled.get_compile_result = lambda _: result

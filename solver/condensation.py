@@ -105,7 +105,7 @@ def rotation_coupling(theta, direction, p):
     return value, slope
 
 
-@kernel(types.UniTuple(types.complex128, 4)(ARRAY, ARRAY, types.float64, types.float64))
+@kernel(types.UniTuple(types.complex128, 4)(ARRAY, ARRAY, types.float64, types.float64), inner=True)
 def mesh_receptance(theta, direction, p, harmonic):
     """What the supports add to the mesh row at one harmonic, and its derivative along the axis.
 

@@ -64,7 +64,7 @@ def contact_law(cosine, beta):
     return force / math.pi, gain / math.pi, 16.0 * _U / math.pi * angles + 1e-22, angles
 
 
-@kernel(_F(_F, _F))
+@kernel(_F(_F, _F), inner=True)
 def _first_guess(phi, beta):
     """Starting value of `_solve` for 0 < phi < 1."""
     if beta < 1.0:
@@ -78,7 +78,7 @@ def _first_guess(phi, beta):
     return 1.0 + y * (-2.22492368 + y * (0.09332219 + y * (0.30355034 + y * (-0.39091187 + y * 0.21838701))))
 
 
-@kernel(_F(_F, _F, _F))
+@kernel(_F(_F, _F, _F), inner=True)
 def _solve(phi, beta, guess):
     """The near flank's cosine at (phi, beta) with 0 < phi < 1 by Newton's method; not proven. `guess` may be nan."""
     top = min(beta, 1.0)
@@ -100,7 +100,7 @@ def _solve(phi, beta, guess):
     return cosine
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F))
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F), inner=True)
 def _largest(phi, beta, guess):
     """A proven lower bound on the near flank's cosine and an upper one on N at (phi, beta)."""
     if phi >= 1.0:
@@ -121,7 +121,7 @@ def _largest(phi, beta, guess):
     return -1.0, 1.0
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F))
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F), inner=True)
 def _smallest(phi, beta, guess):
     """A proven upper bound on the near flank's cosine and a lower one on N at (phi, beta)."""
     if phi >= 1.0:
@@ -153,7 +153,7 @@ def _sine_over(low, high):
     return max(min(left, right) - 4.0 * _U, 0.0), min(top + 4.0 * _U, 1.0)
 
 
-@kernel(LAW(INTERVAL, INTERVAL, _F))
+@kernel(LAW(INTERVAL, INTERVAL, _F), inner=True)
 def gain_over(phi, beta, guess):
     """Bounds over a rectangle of mean force and gap.
 

@@ -24,7 +24,7 @@ def workspace_rows(unknowns: int) -> int:
     return 3 * unknowns + 6
 
 
-@kernel(types.void(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, MATRIX))
+@kernel(types.void(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
 def bordered(balance, theta, direction, scale, y, border, jacobian, residual, matrix):
     """Fill `matrix` (n+1, n+1) with the Jacobian in scaled unknowns above the row `border`, and `residual` (n,) with E(y)."""
     n = y.shape[0] - 1

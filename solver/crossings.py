@@ -19,7 +19,7 @@ _I, _F = types.int64, types.float64
 _FOLD = int(Event.FOLD)
 
 
-@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY))
+@kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
 def _meet(setup, left, right, arc, level, found):
     """Fill `found` with the point between two points at p = level; False if it cannot be found."""
     n = setup.unknowns

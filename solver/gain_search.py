@@ -34,7 +34,7 @@ _NARROWEST = 1e-15
 _ZERO, _UNKNOWN = 0.0, 2.0
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F, _F, _F, _F))
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F, _F, _F, _F), inner=True)
 def _root_free(left, cut, right, h_low, h_high, slope_low, slope_high):
     """How far to both sides of `cut`, where h lies in [h_low, h_high] without 0, the slope keeps h from 0."""
     if h_low > 0.0:
@@ -49,7 +49,7 @@ def _root_free(left, cut, right, h_low, h_high, slope_low, slope_high):
     return behind, ahead
 
 
-@kernel(types.Tuple((_F, _F, _F, _F))(MATRIX, _F, _F, _F))
+@kernel(types.Tuple((_F, _F, _F, _F))(MATRIX, _F, _F, _F), inner=True)
 def _certain_cut(reduced, left, right, guess):
     """A place inside where the sign of h is certain: place (nan if none), bounds of h, near flank's cosine."""
     for k in range(5):
@@ -69,7 +69,7 @@ def _push(stack, count, left, right, sign_left, sign_right, guess):
     stack[count, 4] = guess
 
 
-@kernel(_I(MATRIX, _I, _F, _F))
+@kernel(_I(MATRIX, _I, _F, _F), inner=True)
 def _append(boxes, count, left, right):
     """Append an interval, joined to the one before it where they touch; boxes come from left to right."""
     if count > 0 and boxes[count - 1, 1] >= left:
@@ -83,7 +83,7 @@ def _append(boxes, count, left, right):
     return count + 1
 
 
-@kernel(types.UniTuple(_I, 4)(MATRIX, MATRIX, MATRIX, MATRIX))
+@kernel(types.UniTuple(_I, 4)(MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
 def search(reduced, roots, undecided, stack):
     """Find all roots of the reduced balance.
 
@@ -183,7 +183,7 @@ def search(reduced, roots, undecided, stack):
     return found, open_boxes, flags, visits
 
 
-@kernel(types.UniTuple(_F, 4)(MATRIX, _F, _F))
+@kernel(types.UniTuple(_F, 4)(MATRIX, _F, _F), inner=True)
 def narrow(reduced, left, right):
     """Narrow an interval with one root and a slope of one sign, by interval Newton steps, as far as rounding allows.
 

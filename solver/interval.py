@@ -111,7 +111,7 @@ def length(x, y):
     return max(below(math.sqrt(max(low, 0.0))), 0.0), above(math.sqrt(high))
 
 
-@kernel(INTERVAL(INTERVAL))
+@kernel(INTERVAL(INTERVAL), inner=True)
 def cosine(x):
     """cos x; the width of x enters as it is, so this is meant for narrow x."""
     middle = 0.5 * (x[0] + x[1])
@@ -120,7 +120,7 @@ def cosine(x):
     return value - margin, value + margin
 
 
-@kernel(INTERVAL(INTERVAL))
+@kernel(INTERVAL(INTERVAL), inner=True)
 def sine(x):
     """sin x; as `cosine`."""
     middle = 0.5 * (x[0] + x[1])
@@ -141,7 +141,7 @@ def complex_subtract(x, y):
     return subtract(x[0], y[0]), subtract(x[1], y[1])
 
 
-@kernel(COMPLEX(COMPLEX, COMPLEX))
+@kernel(COMPLEX(COMPLEX, COMPLEX), inner=True)
 def complex_multiply(x, y):
     """x y."""
     return (
@@ -162,7 +162,7 @@ def complex_conjugate(x):
     return x[0], (-x[1][1], -x[1][0])
 
 
-@kernel(COMPLEX(COMPLEX))
+@kernel(COMPLEX(COMPLEX), inner=True)
 def complex_reciprocal(x):
     """1 / x; nan bounds where x contains 0."""
     size = add(square(x[0]), square(x[1]))

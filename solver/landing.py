@@ -39,7 +39,7 @@ def point_size(setup):
     return 2 * (setup.unknowns + 1) + 2 * setup.monitors + 1
 
 
-@kernel(types.boolean(SETUP, ARRAY, ARRAY))
+@kernel(types.boolean(SETUP, ARRAY, ARRAY), inner=True)
 def orient(setup, point, border):
     """Fill in tangent (on the side of `border`) and determinant at the point's y; False if the Jacobian is singular.
 
@@ -68,7 +68,7 @@ def orient(setup, point, border):
     return True
 
 
-@kernel(types.void(SETUP, ARRAY))
+@kernel(types.void(SETUP, ARRAY), inner=True)
 def observe_from(setup, point):
     """Fill in monitor values and slopes from the point's y and tangent."""
     n, m = setup.unknowns, setup.monitors
@@ -82,7 +82,7 @@ def observe_from(setup, point):
         slopes[i] = total
 
 
-@kernel(_I(SETUP, ARRAY, ARRAY))
+@kernel(_I(SETUP, ARRAY, ARRAY), inner=True)
 def land(setup, point, normal):
     """Correct the predicted y of `point` on the hyperplane across `normal` and fill in the rest; iterations, or -1."""
     iterations = setup.corrector(
@@ -95,7 +95,7 @@ def land(setup, point, normal):
     return iterations
 
 
-@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY))
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
 def land_between(setup, left, right, arc, x, point):
     """Land at fraction x of the way from `left` to `right`, guided by the cubic through both ends and their tangents."""
     n = setup.unknowns
@@ -110,7 +110,7 @@ def land_between(setup, left, right, arc, x, point):
     return land(setup, point, normal)
 
 
-@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, _F, ARRAY))
+@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, _F, ARRAY), inner=True)
 def locate(setup, left, right, arc, slot, factors, level, found):
     """Find where a linear function of the point array equals `level` between two points of the curve.
 

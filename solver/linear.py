@@ -19,7 +19,7 @@ def dot(left, right):
     return total
 
 
-@kernel(types.float64(MATRIX, MATRIX))
+@kernel(types.float64(MATRIX, MATRIX), inner=True)
 def eliminate_rows(matrix, rights):
     """Solve matrix @ x = right in place for several right-hand sides, by elimination with partial pivoting.
 
@@ -68,7 +68,7 @@ def eliminate_rows(matrix, rights):
     return determinant
 
 
-@kernel(types.float64(MATRIX, ARRAY))
+@kernel(types.float64(MATRIX, ARRAY), inner=True)
 def eliminate(matrix, right):
     """`eliminate_rows` for one right-hand side, an (n,) array."""
     return eliminate_rows(matrix, right.reshape((1, right.shape[0])))

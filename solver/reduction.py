@@ -80,7 +80,7 @@ def _put(reduced, row, value):
     reduced[row, 0], reduced[row, 1] = value[0], value[1]
 
 
-@kernel(types.void(MATRIX, types.int64, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL))
+@kernel(types.void(MATRIX, types.int64, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL), inner=True)
 def _put_cubic(reduced, row, n_0, n_1, n_2, r_0, r_1, r_2):
     """n' r - n r'/2 for n = n_0 + n_1 t + n_2 t^2 and r likewise: r^(3/2) times the slope of n/sqrt(r)."""
     half = multiply(exact(0.5), r_1)
@@ -91,7 +91,7 @@ def _put_cubic(reduced, row, n_0, n_1, n_2, r_0, r_1, r_2):
     _put(reduced, row + 3, multiply(n_2, r_2))
 
 
-@kernel(types.boolean(ARRAY, ARRAY, _F, MATRIX))
+@kernel(types.boolean(ARRAY, ARRAY, _F, MATRIX), inner=True)
 def reduce_balance(theta, direction, p, reduced):
     """Fill `reduced` (ROWS, 2) with the reduced balance at one axis value; False if it is not finite or D may be 0.
 
@@ -148,7 +148,7 @@ def reduce_balance(theta, direction, p, reduced):
     return q_0[0] > 0.0
 
 
-@kernel(types.UniTuple(INTERVAL, 2)(MATRIX, INTERVAL))
+@kernel(types.UniTuple(INTERVAL, 2)(MATRIX, INTERVAL), inner=True)
 def _l_over(reduced, t):
     """Real and imaginary part of l over an interval of gains."""
     return (
@@ -157,7 +157,7 @@ def _l_over(reduced, t):
     )
 
 
-@kernel(types.UniTuple(INTERVAL, 3)(MATRIX, INTERVAL))
+@kernel(types.UniTuple(INTERVAL, 3)(MATRIX, INTERVAL), inner=True)
 def numerators_at(reduced, t):
     """n, q and |l| at one gain; q is summed so that no digits cancel at a resonance."""
     X_real = add(_get(reduced, _D), multiply(t, _get(reduced, _A)))
@@ -177,7 +177,7 @@ def _ratio(numerator, size):
     return max(below(low / size[1]), 0.0), above(high / size[0]) if size[0] > 0.0 else math.inf
 
 
-@kernel(types.Tuple((INTERVAL, LAW))(MATRIX, _F, _F))
+@kernel(types.Tuple((INTERVAL, LAW))(MATRIX, _F, _F), inner=True)
 def gain_at(reduced, t, guess):
     """h(t) at one gain, and the contact law there; `guess` as in `solver.contact_law.gain_over`."""
     n, q, size = numerators_at(reduced, exact(t))
@@ -195,7 +195,7 @@ def _quadratic_over(reduced, first, second, t, ends, middle, radius):
     return add(middle, multiply(slope, symmetric(radius)))
 
 
-@kernel(INTERVAL(MATRIX, types.int64, _F, _F))
+@kernel(INTERVAL(MATRIX, types.int64, _F, _F), inner=True)
 def _cubic_over(reduced, row, center, radius):
     """Range of a cubic over center +- radius, from its Taylor polynomial at the center."""
     t = exact(center)
@@ -208,7 +208,7 @@ def _cubic_over(reduced, row, center, radius):
     return add(value, symmetric(above(above(above(reach * radius)))))
 
 
-@kernel(types.Tuple((INTERVAL, INTERVAL, INTERVAL, INTERVAL, types.boolean))(MATRIX, _F, _F, _F))
+@kernel(types.Tuple((INTERVAL, INTERVAL, INTERVAL, INTERVAL, types.boolean))(MATRIX, _F, _F, _F), inner=True)
 def _scaled_over(reduced, left, center, right):
     """phi, beta and their slopes over [left, right]; False (and no slopes) where l may vanish."""
     t, radius = (left, right), above(max(right - center, center - left))
@@ -256,7 +256,7 @@ def _scaled_over(reduced, left, center, right):
     return phi, beta, by_force, by_gap, True
 
 
-@kernel(types.Tuple((INTERVAL, INTERVAL, INTERVAL, types.boolean))(MATRIX, _F, _F, _F, _F))
+@kernel(types.Tuple((INTERVAL, INTERVAL, INTERVAL, types.boolean))(MATRIX, _F, _F, _F, _F), inner=True)
 def slope_over(reduced, left, center, right, guess):
     """What h does over an interval of gains.
 
@@ -285,7 +285,7 @@ def slope_over(reduced, left, center, right, guess):
     return phi, gain, subtract(slope, exact(1.0)), True
 
 
-@kernel(INTERVAL(MATRIX, _F, _F))
+@kernel(INTERVAL(MATRIX, _F, _F), inner=True)
 def determinant_over(reduced, left, right):
     """Range of q over an interval of gains."""
     center = 0.5 * (left + right)
@@ -294,7 +294,7 @@ def determinant_over(reduced, left, right):
     return _quadratic_over(reduced, _Q_1, _Q_2, (left, right), ends, middle, above(0.5 * (right - left)))
 
 
-@kernel(types.UniTuple(INTERVAL, 4)(MATRIX, _F, _F, _F))
+@kernel(types.UniTuple(INTERVAL, 4)(MATRIX, _F, _F, _F), inner=True)
 def motion_over(reduced, left, right, guess):
     """lambda_m, lambda_c, lambda_s, lambda_a of all solutions with gain in [left, right]; infinite where q may be 0."""
     center = min(max(0.5 * (left + right), left), right)

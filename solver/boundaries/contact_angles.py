@@ -64,7 +64,7 @@ COEFFICIENTS = types.Tuple((types.UniTuple(_C, 3), types.UniTuple(_F, 3)))
 _RIGHT = 0.5 * math.pi
 
 
-@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY))
+@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
 def plane_coefficients(theta, direction, y):
     """What `solver.harmonic.first_order.coefficients` gives at (x, p), with the derivatives by both."""
     model, along_x, along_p = np.empty(SIZE), theta[SIZE : 2 * SIZE], direction[:SIZE]
@@ -91,7 +91,7 @@ def _rows(values, constants, mean, fundamental, displacement):
     return constants[0] * mean + (e * fundamental.conjugate()).real, row.real, -row.imag
 
 
-@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX))
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
 def angle_rows(known, theta, y, residual, jacobian):
     """Balance and angles: fill the first five rows of residual and jacobian (., 7) at y (7,).
 
@@ -180,7 +180,7 @@ def _contract(left, right):
     return total
 
 
-@kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX))
+@kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
 def determinant(known, theta, y, gradient, square):
     """det dE/du, its derivatives by y, and dE/du itself.
 

@@ -55,7 +55,7 @@ _F = types.float64
 _RADIANS = (math.pi / 180.0 * (1.0 - 4.5e-16), math.pi / 180.0 * (1.0 + 4.5e-16))
 
 
-@kernel(types.UniTuple(COMPLEX, 2)(ARRAY, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL))
+@kernel(types.UniTuple(COMPLEX, 2)(ARRAY, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL), inner=True)
 def _receptance(parameters, omega, omega_squared, cone_cos, pressure_cos, pressure_sin):
     """T = omega^2 sum_j d_j^2 kappa_g/Z_j and U = omega^2 sum_j d_j^2 xi_hg/Z_j; the last three are squares."""
     zero = exact(0.0), exact(0.0)
@@ -85,7 +85,7 @@ def _phasor(amplitude, phase):
     return multiply(amplitude, cosine(exact(phase))), multiply(amplitude, sine(exact(phase)))
 
 
-@kernel(types.Tuple((types.UniTuple(COMPLEX, 6), INTERVAL))(ARRAY, ARRAY, _F))
+@kernel(types.Tuple((types.UniTuple(COMPLEX, 6), INTERVAL))(ARRAY, ARRAY, _F), inner=True)
 def enclosed_coefficients(theta, direction, p):
     """Enclosures of the numbers that the balance depends on at one axis value.
 

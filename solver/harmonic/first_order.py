@@ -65,7 +65,7 @@ def _phasor(theta, direction, p, amplitude, phase):
 _C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
 
 
-@kernel(types.Tuple((_C, _C, _F, _F))(ARRAY, ARRAY, types.float64))
+@kernel(types.Tuple((_C, _C, _F, _F))(ARRAY, ARRAY, types.float64), inner=True)
 def coefficients(theta, direction, p):
     """The numbers that the balance depends on at one axis value, and their derivatives along the axis.
 
@@ -178,7 +178,7 @@ def monitor(theta, direction, y, values, gradient):
         gradient[i, 3] = flank * d_b
 
 
-@kernel(types.float64(ARRAY, ARRAY, types.float64, ARRAY))
+@kernel(types.float64(ARRAY, ARRAY, types.float64, ARRAY), inner=True)
 def linear_solution(theta, direction, p, unknowns):
     """Solution of the balance without backlash (b = 0, linear), and the determinant of its Jacobian.
 
@@ -196,7 +196,7 @@ def linear_solution(theta, direction, p, unknowns):
     return determinant
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY))
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
 def linear_degree(theta, direction, grid, signs):
     """Fill `signs` with the degree at every axis value of `grid`: the sign of the determinant of `linear_solution`."""
     unknowns = np.empty(3)
