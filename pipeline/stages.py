@@ -68,7 +68,8 @@ def prepare(settings: Settings) -> Job:
     if job.asks("figures"):
         from pipeline import figures
 
-        figures.check_options(job.plan, config.figures.curves, config.figures.formats, config.figures.dpi)
+        options = config.figures
+        figures.check_options(job.plan, options.curves, options.formats, options.dpi, options.window)
     return job
 
 
@@ -232,7 +233,7 @@ def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     _note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
     folder = job.settings.output_root / "figures" / job.settings.store_name
-    paths = figures.draw(job.store_path, folder, options.curves, options.formats, options.dpi)
+    paths = figures.draw(job.store_path, folder, options.curves, options.formats, options.dpi, options.window)
     names = ", ".join(path.name for path in paths)
     reporter.line(f"figures: {names} in {folder.resolve()} ({perf_counter() - begin:.2f} s)")
     return 0

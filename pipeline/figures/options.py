@@ -11,7 +11,9 @@ FORMATS = ("png", "pdf", "svg")
 _LEAST_DPI, _MOST_DPI = 30, 1200
 
 
-def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dpi: int) -> None:
+def check_options(
+    plan: Plan, curves: list[float] | None, formats: list[str], dpi: int, window: list[float] | None = None
+) -> None:
     """Raise unless these figures can be drawn of this plane.
 
     Parameters
@@ -23,6 +25,8 @@ def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dp
         Of "png", "pdf" and "svg".
     dpi : int
         Pixels per inch of the PNG.
+    window : list of float or None
+        A part of the plane, [x low, x high, p low, p high]; None draws none.
 
     Raises
     ------
@@ -48,3 +52,20 @@ def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dp
         raise ConfigurationError(
             f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}"
         )
+    if window is not None:
+        _check_window(plan, window)
+
+
+def _check_window(plan: Plan, window: list[float]) -> None:
+    axes = (plan.sweep, plan.parameter)
+    if len(window) != 4 or not all(math.isfinite(value) for value in window):
+        names = ",".join(f"{axis.name} {end}" for axis in axes for end in ("low", "high"))
+        raise ConfigurationError(
+            f"figures.window = {window} is not allowed: it must be null or four finite numbers, [{names}]"
+        )
+    for axis, low, high in zip(axes, window[::2], window[1::2], strict=True):
+        # Narrower ones have no room for pixels between two numbers of double precision.
+        if not axis.low <= low < high <= axis.high or high - low < 1e-9 * (axis.high - axis.low):
+            raise ConfigurationError(
+                f"figures.window = {window} is not allowed: {axis.name} must ascend within {axis.low:g} ... {axis.high:g}"
+            )
