@@ -32,6 +32,8 @@ _WIDTH, _LEFT, _PANEL, _RIGHT, _TOP, _BOTTOM = 7.2, 0.56, 4.82, 0.1, 0.36, 0.42
 _HEIGHT, _ZOOM_HEIGHT, _BETWEEN, _BESIDE, _LEGEND = 3.0, 2.5, 0.72, 0.25, 5.54
 #: Images are enlarged to at least this many pixels, so that no viewer blurs the cells of a small plane.
 _PIXELS = 400
+#: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
+_NARROW = 1e-3
 
 
 def draw_map(plane: StoredPlane) -> Figure:
@@ -50,7 +52,7 @@ def draw_map(plane: StoredPlane) -> Figure:
     sweep = plane.plan.sweep
     zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
     whole = panel_of(plane)
-    figure, main, labels = _with_main_panel(plane, [whole, *zooms], _ZOOM_HEIGHT + _BETWEEN if zooms else 0.0)
+    figure, main, labels = _with_main_panel(plane, [whole, *zooms], _ZOOM_HEIGHT + _BETWEEN if zooms else 0.0, True)
     height = figure.get_figheight()
     if zooms:
         main.set_title("(a)")
@@ -80,16 +82,18 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Figure:
     -------
     Figure
     """
-    figure, axes, _ = _with_main_panel(plane, [panel_of(plane, tuple(window[:2]), tuple(window[2:]))], 0.0)
+    figure, axes, _ = _with_main_panel(plane, [panel_of(plane, tuple(window[:2]), tuple(window[2:]))], 0.0, False)
     axes.set(xlim=window[:2], ylim=window[2:])
-    # Ticks of a narrow window have many digits.
     axes.locator_params(axis="x", nbins=5)
+    for axis, low, high in ((axes.xaxis, *window[:2]), (axes.yaxis, *window[2:])):
+        # Ticks of a narrow window share most of their digits, and there is no room for them.
+        axis.get_major_formatter().set_useOffset(high - low < _NARROW * max(abs(low), abs(high)))
     return figure
 
 
-def _with_main_panel(plane: StoredPlane, panels: list[Panel], below: float) -> tuple[Figure, Axes, tuple[str, str]]:
-    """A figure with the first panel and the legend of all, with room below; the panel's axes and their labels."""
-    entries = _entries(plane, panels)
+def _with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, shares: bool):
+    """A figure with the first panel and the legend of all, with room below: figure, axes and their labels."""
+    entries = _entries(plane, panels, shares)
     tall = max(_HEIGHT, legend_height(entries))
     bottom = _BOTTOM + below
     height = bottom + tall + _TOP
@@ -109,11 +113,22 @@ def _shares(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
     return tuple(size / whole for size, whole in zip(inches, (_WIDTH, height, _WIDTH, height), strict=True))
 
 
-def _entries(plane: StoredPlane, panels: list[Panel]) -> list[Entry]:
+def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entry]:
     shown = np.unique(np.concatenate([np.unique(panel.code) for panel in panels]))
     folds, grazings = (any(len(getattr(panel, kind).vertices) for panel in panels) for kind in ("folds", "grazings"))
     marks = {kind for panel in panels for kind in panel.marks}
-    return legend_entries(plane, [int(code) for code in shown if code], folds, grazings, marks)
+    modes = np.any([_modes_within(plane, panel) for panel in panels], axis=0)
+    return legend_entries(plane, [int(code) for code in shown if code], folds, grazings, marks, modes, shares)
+
+
+def _modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
+    """Which of the two natural frequencies a panel shows, (2,) bool."""
+    if not plane.over_frequency:
+        return np.zeros(2, dtype=bool)
+    inside = (plane.rows >= panel.y[0]) & (plane.rows <= panel.y[1])
+    levels = np.concatenate([panel.y, plane.rows[inside]])
+    places = np.stack([np.interp(levels, plane.rows, mode) for mode in plane.modes.T])
+    return np.any((places >= panel.x[0]) & (places <= panel.x[1]), axis=1)
 
 
 def _fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:

@@ -55,7 +55,9 @@ class Entry:
     mark: dict | None = None
 
 
-def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: bool, marks=()) -> list[Entry]:
+def legend_entries(
+    plane: StoredPlane, codes: list[int], folds: bool, grazings: bool, marks, modes, shares: bool = True
+) -> list[Entry]:
     """Everything that the map shows, and nothing else.
 
     Parameters
@@ -67,14 +69,18 @@ def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: 
         Whether they show such edges.
     marks : collection of SpecialPoint
         What they mark.
+    modes : (bool, bool)
+        Whether they show the lower and the upper natural frequency.
+    shares : bool
+        Whether each label's share of the plane is told.
     """
     entries = []
     if codes:
         computed = plane.domain[plane.domain != 0]
         symbols = {part for code in codes for part in plane.labels[code].split("/")[1].split("-")}
         entries = [
-            Entry("$n/I$", "share"),
-            *(_label_entry(plane.labels[code], float((computed == code).mean())) for code in sorted(codes)),
+            Entry("$n/I$", "share" if shares else ""),
+            *(_label_entry(plane.labels[c], float((computed == c).mean()) if shares else None) for c in sorted(codes)),
             Entry(),
             Entry("$n$  stable motions"),
             *(Entry(f"$I$ = {s.symbol}  {STATE_NAMES[s]}") for s in ImpactState if s.symbol in symbols),
@@ -85,7 +91,7 @@ def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: 
     if grazings:
         entries.append(Entry("grazing: only $I$ changes", line=GRAZING))
     entries += [Entry(_MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
-    for name, kind, present in zip(("mesh", "shaft"), MODES, plane.resonances, strict=True):
+    for name, kind, present in zip(("mesh", "shaft"), MODES, modes, strict=True):
         if present:
             entries.append(Entry(f"natural frequency, {name}", line=kind))
     if (plane.open == 1).any():
@@ -103,9 +109,9 @@ _MARK_NAMES = {
 }
 
 
-def _label_entry(label: str, share: float) -> Entry:
+def _label_entry(label: str, share: float | None) -> Entry:
     colour = hex_colour(label_colour(label))
-    percent = "< 0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
+    percent = "" if share is None else "< 0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
     return Entry(label, percent, area={"facecolor": colour, "edgecolor": "0.3", "linewidth": 0.4})
 
 

@@ -9,6 +9,8 @@ __all__ = ["FORMATS", "check_options"]
 
 FORMATS = ("png", "pdf", "svg")
 _LEAST_DPI, _MOST_DPI = 30, 1200
+#: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
+NARROWEST = 1e-6
 
 
 def check_options(
@@ -64,8 +66,11 @@ def _check_window(plan: Plan, window: list[float]) -> None:
             f"figures.window = {window} is not allowed: it must be null or four finite numbers, [{names}]"
         )
     for axis, low, high in zip(axes, window[::2], window[1::2], strict=True):
-        # Narrower ones have no room for pixels between two numbers of double precision.
-        if not axis.low <= low < high <= axis.high or high - low < 1e-9 * (axis.high - axis.low):
+        if not axis.low <= low < high <= axis.high:
             raise ConfigurationError(
                 f"figures.window = {window} is not allowed: {axis.name} must ascend within {axis.low:g} ... {axis.high:g}"
+            )
+        if high - low < NARROWEST * (axis.high - axis.low):
+            raise ConfigurationError(
+                f"figures.window = {window} is not allowed: it must span at least {NARROWEST:g} of the axis {axis.name}"
             )
