@@ -129,8 +129,8 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
     }  # fmt: skip
 
 
-def _drafts(path: Path) -> Path:
-    return path.with_name(f".{path.name}.{GROUP}")
+def _beside(path: Path, what: str) -> Path:
+    return path.with_name(f".{path.name}.{GROUP}.{what}")
 
 
 def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> None:
@@ -152,7 +152,7 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> No
         **{f"{name}_slope": column for name, column in zip(names, slopes.T, strict=True)},
         **{name: along(name) for name in ("amplitude", "arclength", "stable", "special")},
     }
-    draft = _drafts(path)
+    draft = _beside(path, "draft")
     shutil.rmtree(draft, ignore_errors=True)
     # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
     group = zarr.create_group(
@@ -174,20 +174,22 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> No
 
 
 def remove_boundaries(path: Path) -> None:
-    """Take the group away, if there is one."""
+    """Take the group away, if there is one or the metadata still lists one that a killed run has taken away."""
+    old = _beside(path, "old")
+    shutil.rmtree(old, ignore_errors=True)
     if (path / GROUP).exists():
-        old = _drafts(path).with_suffix(".old")
-        shutil.rmtree(old, ignore_errors=True)
         (path / GROUP).rename(old)
         store.consolidate(path)
         shutil.rmtree(old)
+    elif GROUP in zarr.open_group(path, mode="r"):
+        store.consolidate(path)
 
 
 def read_boundaries(path: Path, plan: Plan) -> StoredBoundaries | None:
     """The boundaries of a stored plane; None if they have not been traced since its rows were computed."""
-    # By the consolidated metadata: a group that was moved in but is not listed was cut short.
+    # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
     root = zarr.open_group(path, mode="r")
-    if GROUP not in root:
+    if GROUP not in root or not (path / GROUP).exists():
         return None
     group = root[GROUP]
     if group.attrs["configuration_hash"] != plan.digest:

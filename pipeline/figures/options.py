@@ -10,7 +10,7 @@ __all__ = ["FORMATS", "check_options"]
 FORMATS = ("png", "pdf", "svg")
 _LEAST_DPI, _MOST_DPI = 30, 1200
 #: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
-NARROWEST = 1e-6
+NARROWEST = 1e-5
 
 
 def check_options(
