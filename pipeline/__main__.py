@@ -43,7 +43,8 @@ examples
   python -m pipeline plane=omega_fe stages=[boundaries]
   python -m pipeline stages=[tables]
 
-exit status: 0 all well; 1 some rows or boundaries failed (the store or a line says why); 2 the input is not allowed (nothing was written)
+exit status: 0 all well; 1 some rows or boundaries failed (the store or a line says why);
+             2 the input is not allowed (nothing was written)
 """
 
 

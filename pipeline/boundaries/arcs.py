@@ -1,8 +1,8 @@
 """Curves between their stored points: cubics through points and slopes.
 
-The error of such a cubic falls with the fourth power of the distance between points. Boundaries are traced with so short
-steps that it stays below 1e-8 of the plane's axes, so that a stored curve can be drawn at any magnification that double
-precision allows for and nothing has to be solved again.
+The error of such a cubic falls with the fourth power of the distance between points. Boundaries are traced with so
+short steps that it stays below 1e-8 of the plane's axes, so that a stored curve can be drawn at a hundred thousandfold
+magnification and nothing has to be solved again.
 """
 
 from dataclasses import dataclass

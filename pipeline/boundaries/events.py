@@ -1,4 +1,4 @@
-"""The folds and grazings that the rows of a store have located: where boundaries are started, and which side is which."""
+"""The folds and grazings that the rows of a store have located: starts of boundaries, and which side is which."""
 
 import hashlib
 from dataclasses import dataclass
@@ -34,8 +34,8 @@ class RowEvents:
     points : (k, 5) array
         lambda_m, lambda_c, lambda_s, x, p.
     ahead : (k,) array
-        In which direction of x, +1 or -1, a fold's pair of solutions exists, and the margin of a grazing is positive where
-        the grazing solution is stable (negative where it is not); 0 where that cannot be told.
+        In which direction of x, +1 or -1, a fold's pair of solutions exists, and the margin of a grazing is positive
+        where the grazing solution is stable (negative where it is not); 0 where that cannot be told.
     rows : int
         Number of complete rows.
     """

@@ -1,7 +1,7 @@
 """The group `boundaries` of a store: curves one after the other, CF's contiguous ragged arrays.
 
-It is written beside the store and moved into it whole, and counts only once the store's metadata lists it, so that a run
-killed at any moment leaves either the group or nothing. A sweep that computes rows takes it away first.
+It is written beside the store and moved into it whole, and counts only once the store's metadata lists it, so that a
+run killed at any moment leaves either the group or nothing. A sweep that computes rows takes it away first.
 """
 
 import shutil
@@ -36,8 +36,8 @@ class StoredCurve:
     kind : Event
     ends : tuple of EndReason
     side : int
-        On which side of the curve, looking along it in the (x, p) plane, a fold's pair of solutions exists and the margin
-        of a stable grazing is positive: 1 left, -1 right, 0 unknown.
+        On which side of the curve, looking along it in the (x, p) plane, a fold's pair of solutions exists and the
+        margin of a stable grazing is positive: 1 left, -1 right, 0 unknown.
     points, slopes : (k, 5) arrays
         lambda_m, lambda_c, lambda_s, x, p and their derivatives by arc length.
     arclength : (k,) array

@@ -22,7 +22,7 @@ def write_sheets(boundaries: StoredBoundaries, plan: Plan, folder: Path, name: s
         lines = [
             [number, kind, place[3], place[4], place[0], size, stable, SpecialPoint(code).name.lower()]
             for place, size, stable, code in zip(
-                curve.points.tolist(), curve.amplitude.tolist(), curve.stable.tolist(), curve.special.tolist(), strict=True
+                *(part.tolist() for part in (curve.points, curve.amplitude, curve.stable, curve.special)), strict=True
             )
         ]
         points += lines

@@ -38,8 +38,8 @@ def draw(
     Returns
     -------
     list of Path
-        map, map-window, curves and backbone, each in all formats. The backbone is left out where the plane's rows do not run over the
-        mesh frequency, or without mean load.
+        map, map-window, curves and backbone, each in all formats. The backbone is left out where the plane's rows do
+        not run over the mesh frequency, or without mean load.
 
     Raises
     ------

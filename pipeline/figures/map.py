@@ -1,4 +1,4 @@
-"""The n/I map: labels as colours, folds and grazings as lines, narrow regions enlarged below; and any part of it alone."""
+"""The n/I map: labels as colours, folds and grazings as lines, narrow regions enlarged below; and parts of it alone."""
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -68,7 +68,8 @@ def _check_window(plan: Plan, window: list[float]) -> None:
     for axis, low, high in zip(axes, window[::2], window[1::2], strict=True):
         if not axis.low <= low < high <= axis.high:
             raise ConfigurationError(
-                f"figures.window = {window} is not allowed: {axis.name} must ascend within {axis.low:g} ... {axis.high:g}"
+                f"figures.window = {window} is not allowed: {axis.name} must ascend "
+                f"within {axis.low:g} ... {axis.high:g}"
             )
         if high - low < NARROWEST * (axis.high - axis.low):
             raise ConfigurationError(

@@ -1,7 +1,7 @@
 """What a panel of the map shows: an image of labels, the lines between them and marked points, from either source.
 
-With boundary curves in the store, lines are the curves themselves and labels are exact at every pixel; without, lines are
-the borders between neighbouring cells of the raster.
+With boundary curves in the store, lines are the curves themselves and labels are exact at every pixel; without, lines
+are the borders between neighbouring cells of the raster.
 """
 
 from dataclasses import dataclass, field

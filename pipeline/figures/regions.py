@@ -1,10 +1,10 @@
 """Labels at any points of the plane, from the stored rows and the boundary curves between them; nothing is solved.
 
-In a stored row the pieces of its branches say exactly which motions are stable at any place. From the row upwards, at a fixed
-place on the sweep axis, the set of stable motions changes only where the line crosses a boundary: at a fold a stable
-motion comes or goes, at a grazing one changes its impact state, and the stored side of the curve says which way. The walk
-must arrive at the next stored row with the set found there; where it does not (a branch that leaves through the amplitude
-ceiling, a boundary that could not be followed) the nearer row is taken, so that only there a cell's blur remains.
+In a stored row the pieces of its branches say exactly which motions are stable at any place. From the row upwards, at a
+fixed place on the sweep axis, the set of stable motions changes only where the line crosses a boundary: at a fold a
+stable motion comes or goes, at a grazing one changes its impact state, and the stored side of the curve says which way.
+The walk must arrive at the next stored row with the set found there; where it does not (a branch that leaves through the
+amplitude ceiling, a boundary that could not be followed) the nearer row is taken: only there a cell's blur remains.
 """
 
 import numpy as np
@@ -121,7 +121,7 @@ def _set_of(lowest: np.ndarray, highest: np.ndarray, b: np.ndarray) -> np.ndarra
 
 
 def _codes(sets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Codes of the labels of sets, and whether these are sets at all: no state is taken away more often than it is there."""
+    """Codes of the labels of sets, and whether these are sets: no state was taken away more often than it was there."""
     present, place = np.unique(sets, return_inverse=True)
     counts = present[:, None] >> _BITS * np.arange(_STATES) & (1 << _BITS) - 1
     possible = (present >= 0) & np.all(counts < 1 << _BITS - 1, axis=1)

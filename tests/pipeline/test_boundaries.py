@@ -81,7 +81,7 @@ def test_every_event_of_the_rows_lies_on_a_stored_curve(made):
 
 
 def along_rows(curve, plan):
-    """Where a curve crosses the rows: row, number of the interval between columns, and what changes towards growing x."""
+    """Where a curve crosses the rows, in which interval between columns, and whether its side lies towards growing x."""
     rows = plan.parameter.values.copy()
     # On the first row a curve only begins.
     rows[0] += 1e-12 * (rows[-1] - rows[0])
@@ -92,8 +92,8 @@ def along_rows(curve, plan):
 
 
 def check_raster_against_curves(path, plan):
-    """Number of solutions and multiset of stable impact states: what differs between neighbouring cells of a row is the sum
-    over the curves that pass between them."""
+    """Number of solutions and of stable ones in each impact state: what differs between neighbouring cells of a row is the
+    sum over the curves that pass between them."""
     plane = xr.open_zarr(path).load()
     count = plane.n_solutions.values.astype(int)
     stable = (plane.stable.values == 1)[..., None] & (plane.impact.values[..., None] == np.arange(6))
@@ -270,7 +270,8 @@ def test_the_stage(tmp_path, monkeypatch, capsys):
     assert main([*SMALL, "figures.window=[0.5,0.7,0.1,0.4]"]) == 0
     said = capsys.readouterr().out
     assert "fold curves" in said and "cusp" in said and "map-window.png" in said
-    assert {path.name for path in (tmp_path / "outputs/boundaries").iterdir()} == {"omega_fe.csv", "omega_fe-special.csv"}
+    names = {path.name for path in (tmp_path / "outputs/boundaries").iterdir()}
+    assert names == {"omega_fe.csv", "omega_fe-special.csv"}
     assert main([*SMALL, "stages=[boundaries]"]) == 0
     assert "nothing to do" in capsys.readouterr().out
 
@@ -280,11 +281,12 @@ def test_the_stage(tmp_path, monkeypatch, capsys):
     boundaries.remove_boundaries(tmp_path / "outputs/store/omega_fe.zarr")
     monkeypatch.setattr("pipeline.boundaries.tracing.boundary_curves", fails)
     shutil.rmtree(tmp_path / "outputs/figures")
-    assert main(SMALL) == 1
+    assert main([*SMALL, "figures.window=[0.5,0.7,0.1,0.4]"]) == 1
     caught = capsys.readouterr()
     assert "cannot be traced: the corrector fails" in caught.err and len(caught.err.splitlines()) == 1
     # The figures come from the raster then.
-    assert (tmp_path / "outputs/figures/omega_fe/map.png").stat().st_size > 0
+    for name in ("map", "map-window"):
+        assert (tmp_path / f"outputs/figures/omega_fe/{name}.png").stat().st_size > 0
 
 
 def test_incomplete_rows_are_left_out_and_said(tmp_path, monkeypatch, capsys):
