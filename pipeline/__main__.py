@@ -17,11 +17,14 @@ groups
   cluster  local none scheduler                      (default local: two worker processes)
 
 keys people need
-  stages=[sweep,figures,tables]      what to do, default [sweep,figures]; each reads what the one before stored
+  stages=[sweep,boundaries,figures]  what to do (this is the default; there is also tables); each reads what the ones
+                                     before it stored
   gear.b=0.5 gear.alpha=0.3          any parameter of the gear that is not an axis of the plane
   plane.parameter.name=kappa         any scalar parameter as an axis, with plane.parameter.min, .max and .num
   plane.sweep.num=800                columns
   figures.curves=[0.1,0.5,1.0]       parameter values whose amplitude-frequency curves are drawn
+  figures.window=[0.5,0.7,0.1,0.3]   a part of the plane, drawn in addition, as sharp as the whole: lowest and highest
+                                     column value, then row value
   store.name=mine                    name of the store and of its figures' folder
   store.overwrite=true               replace a store of another configuration
   solver.corrector=broyden           the study's corrector instead of Newton's
@@ -37,9 +40,11 @@ options
 examples
   python -m pipeline plane=omega_b quality=draft
   python -m pipeline -m plane=omega_b,omega_alpha,omega_fe,omega_fpm
+  python -m pipeline plane=omega_fe stages=[boundaries]
   python -m pipeline stages=[tables]
 
-exit status: 0 all well; 1 some rows failed (the store says why); 2 the input is not allowed (nothing was written)
+exit status: 0 all well; 1 some rows or boundaries failed (the store or a line says why);
+             2 the input is not allowed (nothing was written)
 """
 
 

@@ -124,6 +124,7 @@ class Figures:
     curves: list[float] | None = MISSING
     formats: list[str] = MISSING
     dpi: int = MISSING
+    window: list[float] | None = MISSING
 
 
 @dataclass

@@ -68,7 +68,8 @@ def prepare(settings: Settings) -> Job:
     if job.asks("figures"):
         from pipeline import figures
 
-        figures.check_options(job.plan, config.figures.curves, config.figures.formats, config.figures.dpi)
+        options = config.figures
+        figures.check_options(job.plan, options.curves, options.formats, options.dpi, options.window)
     return job
 
 
@@ -122,7 +123,12 @@ def _sweep(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         return 0
     where = workforce.start()
     _open_log(job, reporter)
-    if not present:
+    if present:
+        from pipeline import boundaries
+
+        # They belong to the rows as they were.
+        boundaries.remove_boundaries(path)
+    else:
         shutil.rmtree(path, ignore_errors=True)
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
@@ -185,17 +191,49 @@ def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, repo
     return lost, points
 
 
+def _trace(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import boundaries
+
+    path, plan = job.store_path, job.plan
+    _note_unfinished(job, reporter, "boundaries start from the others")
+    begin = perf_counter()
+    try:
+        summary = boundaries.trace(path, plan)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
+        return 1
+    folder = job.settings.output_root / "boundaries"
+    names = boundaries.write_sheets(boundaries.read_boundaries(path, plan), plan, folder, job.settings.store_name)
+    seconds = perf_counter() - begin
+    counts = [f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in summary.curves.items()] or ["no boundaries"]
+    special = ", ".join(f"{n} {kind.replace('_', '-')}" for kind, n in sorted(summary.special.items())) or "none"
+    for text in summary.cut_short:
+        reporter.error(text)
+    if summary.found_done:
+        reporter.line(f"boundaries: {', '.join(counts)} are in {path} already, nothing to do")
+    else:
+        reporter.line(
+            f"boundaries: {', '.join(counts)} of {summary.points} points into {path}; special points: {special} "
+            f"({seconds:.2f} s)"
+        )
+    reporter.line(f"boundaries: {', '.join(name.name for name in names)} in {folder.resolve()}")
+    return 1 if summary.cut_short else 0
+
+
+def _note_unfinished(job: Job, reporter: Reporter, consequence: str) -> None:
+    unfinished = int(np.sum(store.statuses(job.store_path) != store.COMPLETE))
+    if unfinished:
+        reporter.line(f"note: {unfinished} rows of {job.store_path} are not complete, {consequence}")
+
+
 def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline import figures
 
     options = job.settings.config.figures
-    unfinished = store.pending_blocks(job.store_path, job.plan)
-    if unfinished:
-        rows = sum(block.stop - block.start for block in unfinished)
-        reporter.line(f"note: up to {rows} rows of {job.store_path} are not complete, the figures leave them blank")
+    _note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
     folder = job.settings.output_root / "figures" / job.settings.store_name
-    paths = figures.draw(job.store_path, folder, options.curves, options.formats, options.dpi)
+    paths = figures.draw(job.store_path, folder, options.curves, options.formats, options.dpi, options.window)
     names = ", ".join(path.name for path in paths)
     reporter.line(f"figures: {names} in {folder.resolve()} ({perf_counter() - begin:.2f} s)")
     return 0
@@ -231,7 +269,11 @@ def _open_log(job: Job, reporter: Reporter) -> None:
     reporter.line(f"run: configuration and log in {folder.resolve()}")
 
 
-PLANE_STAGES: dict[str, Callable[[Job, Workforce, Reporter], int]] = {"sweep": _sweep, "figures": _draw}
+PLANE_STAGES: dict[str, Callable[[Job, Workforce, Reporter], int]] = {
+    "sweep": _sweep,
+    "boundaries": _trace,
+    "figures": _draw,
+}
 SHARED_STAGES: dict[str, Callable[[Job, Reporter], int]] = {"tables": _tabulate}
 
 

@@ -18,11 +18,13 @@ from pipeline.plan import SCHEMA_VERSION, Block, Plan, numbers_digest, plan_of
 from solver import EndReason, Event, ImpactState, Row, domain_labels
 
 __all__ = [
+    "axis_attributes",
     "certified_rows",
     "check",
     "consolidate",
     "create",
     "failures",
+    "flags",
     "pending_blocks",
     "read_numbers",
     "read_plan",
@@ -60,7 +62,8 @@ _LONG_NAMES = {
 _UNITS = {"alpha_phase": "rad", "f_e_phase": "rad", "pitch_cone_angle": "degree", "pressure_angle": "degree"}
 
 
-def _flags(members, labels=None) -> dict:
+def flags(members, labels=None) -> dict:
+    """CF attributes of an enumeration."""
     return {
         "flag_values": [int(member) for member in members],
         "flag_meanings": " ".join(member.name.lower() for member in members),
@@ -73,7 +76,7 @@ def _arrays(plan: Plan) -> dict[str, dict]:
     row, column = plan.parameter.name, plan.sweep.name
     labels = domain_labels(plan.max_solutions)
     cell, solution, point = (row, column), (row, column, "solution"), (row, "point")
-    states = _flags(ImpactState, [state.symbol for state in ImpactState])
+    states = flags(ImpactState, [state.symbol for state in ImpactState])
 
     def spec(dims, dtype, fill, long_name, units="1", **attributes):
         return {
@@ -118,9 +121,9 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "branches/impact": spec(point, "int8", -1, "impact state; -1: no point", None, **states),
         "branches/branch": spec(point, "int16", -1, "which connected curve the point belongs to; -1: no point"),
         "branches/event": spec(point, "int8", -1, "what is special about the point; -1: no point", None,
-                               **_flags(Event)),
+                               **flags(Event)),
         "branches/end_reason": spec((row, "branch_number", "end"), "int8", 0, "why the branch ends; 0: no such branch",
-                                    None, **_flags(EndReason)),
+                                    None, **flags(EndReason)),
         "message": spec((row,), "str", "", "why the row failed, else empty", None),
         "status": spec((row,), "uint8", PENDING, "state of the row", None,
                        flag_values=[PENDING, COMPLETE, FAILED], flag_meanings="pending complete failed"),
@@ -133,7 +136,8 @@ def _meaning(label: str) -> str:
     return f"n{n}" if states == "-" else f"n{n}_I{states}"
 
 
-def _axis_attributes(name: str) -> dict:
+def axis_attributes(name: str) -> dict:
+    """Name and unit of a parameter."""
     return {"long_name": _LONG_NAMES[name], "units": _UNITS.get(name, "1")}
 
 
@@ -173,7 +177,7 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     for place in (row.name, column.name, f"branches/{row.name}"):
         axis = column if place == column.name else row
         root.create_array(
-            place, data=axis.values, dimension_names=[axis.name], attributes=_axis_attributes(axis.name)
+            place, data=axis.values, dimension_names=[axis.name], attributes=axis_attributes(axis.name)
         )
     sizes = {
         row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,

@@ -13,8 +13,15 @@ __all__ = ["check_options", "draw"]
 _STYLE = Path(__file__).with_name("bevelmap.mplstyle")
 
 
-def draw(store_path: Path, folder: Path, curves: list[float] | None, formats: list[str], dpi: int) -> list[Path]:
-    """Draw the map, the amplitude-frequency curves and the backbone of a stored plane.
+def draw(
+    store_path: Path,
+    folder: Path,
+    curves: list[float] | None,
+    formats: list[str],
+    dpi: int,
+    window: list[float] | None = None,
+) -> list[Path]:
+    """Draw the map, the amplitude-frequency curves and the backbone of a stored plane, and a part of the map if asked.
 
     Parameters
     ----------
@@ -29,22 +36,24 @@ def draw(store_path: Path, folder: Path, curves: list[float] | None, formats: li
         Of "png", "pdf" and "svg".
     dpi : int
         Pixels per inch of the PNG.
+    window : list of float or None
+        A part of the plane, [x low, x high, p low, p high], drawn in addition as map-window.
 
     Returns
     -------
     list of Path
-        map, curves and backbone, each in all formats. The backbone is left out where the plane's rows do not run over
-        the mesh frequency, or without mean load.
+        map, map-window, curves and backbone, each in all formats. The backbone is left out where the plane's rows do
+        not run over the mesh frequency, or without mean load.
 
     Raises
     ------
     ConfigurationError
         If the options are not allowed for this plane, or there is no store of ours.
     """
-    check_options(read_plan(store_path), curves, formats, dpi)
+    check_options(read_plan(store_path), curves, formats, dpi, window)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
-        return _draw(store_path, folder, curves, formats, dpi)
+        return _draw(store_path, folder, curves, formats, dpi, window)
 
 
 @contextmanager
@@ -62,13 +71,13 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(store_path: Path, folder: Path, curves: list[float] | None, formats: list[str], dpi: int) -> list[Path]:
+def _draw(store_path, folder, curves, formats, dpi, window) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from matplotlib import style
 
     from pipeline.figures.backbone import draw_backbone, has_backbone
     from pipeline.figures.curves import draw_curves
-    from pipeline.figures.map import draw_map
+    from pipeline.figures.map import draw_map, draw_window
     from pipeline.figures.output import write_figure
     from pipeline.figures.stored import read_stored
 
@@ -77,6 +86,8 @@ def _draw(store_path: Path, folder: Path, curves: list[float] | None, formats: l
     # A user's own matplotlibrc must not change our figures.
     with style.context(_STYLE, after_reset=True):
         paths += write_figure(draw_map(plane), plane, folder, "map", formats, dpi)
+        if window is not None:
+            paths += write_figure(draw_window(plane, window), plane, folder, "map-window", formats, dpi)
         paths += write_figure(draw_curves(plane, curves), plane, folder, "curves", formats, dpi)
         if has_backbone(plane):
             paths += write_figure(draw_backbone(plane), plane, folder, "backbone", formats, dpi)

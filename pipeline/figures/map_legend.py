@@ -12,9 +12,11 @@ from pipeline.figures.palette import hex_colour, label_colour
 from pipeline.figures.stored import StoredPlane
 from pipeline.store import FAILED
 from solver import ImpactState
+from solver.boundaries import SpecialPoint
 
 __all__ = [
-    "FAILED_ROWS", "FOLD", "GRAZING", "MODES", "OPEN_CELLS", "Entry", "draw_legend", "legend_entries", "legend_height",
+    "FAILED_ROWS", "FOLD", "GRAZING", "MARKS", "MODES", "OPEN_CELLS", "Entry", "draw_legend", "legend_entries",
+    "legend_height",
 ]  # fmt: skip
 
 FOLD = {"color": "black", "linewidth": 0.65, "linestyle": "solid", "zorder": 3}
@@ -27,6 +29,16 @@ _MODE = {
 }  # fmt: skip
 #: Lower and upper mode: mesh-frequency and shaft-frequency resonance.
 MODES = ({**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5))}, {**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5, 1, 1.5))})
+_MARK = {
+    "linestyle": "none", "markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.6, "zorder": 5,
+    "clip_on": False,
+}  # fmt: skip
+MARKS = {
+    SpecialPoint.CUSP: {**_MARK, "marker": "^", "markersize": 4.2},
+    SpecialPoint.FOLD_GRAZING: {**_MARK, "marker": "D", "markersize": 3.0},
+    SpecialPoint.ISOLA: {**_MARK, "marker": "o", "markersize": 3.6},
+    SpecialPoint.MERGER: {**_MARK, "marker": "P", "markersize": 4.4},
+}
 
 #: Inches: from line to line, width and height of a key, from key to text, right end of the shares.
 _PITCH, _KEY, _KEY_HEIGHT, _TEXT, _SHARE = 0.15, 0.24, 0.095, 0.32, 1.32
@@ -34,15 +46,18 @@ _PITCH, _KEY, _KEY_HEIGHT, _TEXT, _SHARE = 0.15, 0.24, 0.095, 0.32, 1.32
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of the legend: its text, a number at the right, and the style of its key, an area or a line."""
+    """One line of the legend: its text, a number at the right, and the style of its key: area, line or mark."""
 
     text: str = ""
     share: str = ""
     area: dict | None = None
     line: dict | None = None
+    mark: dict | None = None
 
 
-def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: bool) -> list[Entry]:
+def legend_entries(
+    plane: StoredPlane, codes: list[int], folds: bool, grazings: bool, marks, modes, shares: bool = True
+) -> list[Entry]:
     """Everything that the map shows, and nothing else.
 
     Parameters
@@ -52,14 +67,20 @@ def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: 
         Codes of the labels that the panels show.
     folds, grazings : bool
         Whether they show such edges.
+    marks : collection of SpecialPoint
+        What they mark.
+    modes : (bool, bool)
+        Whether they show the lower and the upper natural frequency.
+    shares : bool
+        Whether each label's share of the plane is told.
     """
     entries = []
     if codes:
         computed = plane.domain[plane.domain != 0]
         symbols = {part for code in codes for part in plane.labels[code].split("/")[1].split("-")}
         entries = [
-            Entry("$n/I$", "share"),
-            *(_label_entry(plane.labels[code], float((computed == code).mean())) for code in sorted(codes)),
+            Entry("$n/I$", "share" if shares else ""),
+            *(_label_entry(plane.labels[c], float((computed == c).mean()) if shares else None) for c in sorted(codes)),
             Entry(),
             Entry("$n$  stable motions"),
             *(Entry(f"$I$ = {s.symbol}  {STATE_NAMES[s]}") for s in ImpactState if s.symbol in symbols),
@@ -69,7 +90,8 @@ def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: 
         entries.append(Entry("fold: $n$ changes", line=FOLD))
     if grazings:
         entries.append(Entry("grazing: only $I$ changes", line=GRAZING))
-    for name, kind, present in zip(("mesh", "shaft"), MODES, plane.resonances, strict=True):
+    entries += [Entry(_MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
+    for name, kind, present in zip(("mesh", "shaft"), MODES, modes, strict=True):
         if present:
             entries.append(Entry(f"natural frequency, {name}", line=kind))
     if (plane.open == 1).any():
@@ -79,9 +101,17 @@ def legend_entries(plane: StoredPlane, codes: list[int], folds: bool, grazings: 
     return entries
 
 
-def _label_entry(label: str, share: float) -> Entry:
+_MARK_NAMES = {
+    SpecialPoint.CUSP: "cusp: two folds end",
+    SpecialPoint.FOLD_GRAZING: "fold meets grazing",
+    SpecialPoint.ISOLA: "isola: a branch is born",
+    SpecialPoint.MERGER: "merger: branches touch",
+}
+
+
+def _label_entry(label: str, share: float | None) -> Entry:
     colour = hex_colour(label_colour(label))
-    percent = "< 0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
+    percent = "" if share is None else "< 0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
     return Entry(label, percent, area={"facecolor": colour, "edgecolor": "0.3", "linewidth": 0.4})
 
 
@@ -101,5 +131,7 @@ def draw_legend(figure: Figure, entries: list[Entry], left: float, top: float) -
             sheet.add_patch(Rectangle((left, y - 0.5 * _KEY_HEIGHT), _KEY, _KEY_HEIGHT, **entry.area))
         if entry.line is not None:
             sheet.add_line(Line2D([left, left + _KEY], [y, y], **entry.line))
+        if entry.mark is not None:
+            sheet.add_line(Line2D([left + 0.5 * _KEY], [y], **entry.mark))
         sheet.text(left + _TEXT, y, entry.text, va="center_baseline", fontsize=8)
         sheet.text(left + _SHARE, y, entry.share, va="center_baseline", ha="right", fontsize=8)

@@ -9,9 +9,13 @@ __all__ = ["FORMATS", "check_options"]
 
 FORMATS = ("png", "pdf", "svg")
 _LEAST_DPI, _MOST_DPI = 30, 1200
+#: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
+NARROWEST = 1e-5
 
 
-def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dpi: int) -> None:
+def check_options(
+    plan: Plan, curves: list[float] | None, formats: list[str], dpi: int, window: list[float] | None = None
+) -> None:
     """Raise unless these figures can be drawn of this plane.
 
     Parameters
@@ -23,6 +27,8 @@ def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dp
         Of "png", "pdf" and "svg".
     dpi : int
         Pixels per inch of the PNG.
+    window : list of float or None
+        A part of the plane, [x low, x high, p low, p high]; None draws none.
 
     Raises
     ------
@@ -45,4 +51,27 @@ def check_options(plan: Plan, curves: list[float] | None, formats: list[str], dp
                 f"figures.formats = {name!r} is not allowed: it must be a list of {', '.join(FORMATS)}"
             )
     if not _LEAST_DPI <= dpi <= _MOST_DPI:
-        raise ConfigurationError(f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}")
+        raise ConfigurationError(
+            f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}"
+        )
+    if window is not None:
+        _check_window(plan, window)
+
+
+def _check_window(plan: Plan, window: list[float]) -> None:
+    axes = (plan.sweep, plan.parameter)
+    if len(window) != 4 or not all(math.isfinite(value) for value in window):
+        names = ",".join(f"{axis.name} {end}" for axis in axes for end in ("low", "high"))
+        raise ConfigurationError(
+            f"figures.window = {window} is not allowed: it must be null or four finite numbers, [{names}]"
+        )
+    for axis, low, high in zip(axes, window[::2], window[1::2], strict=True):
+        if not axis.low <= low < high <= axis.high:
+            raise ConfigurationError(
+                f"figures.window = {window} is not allowed: {axis.name} must ascend "
+                f"within {axis.low:g} ... {axis.high:g}"
+            )
+        if high - low < NARROWEST * (axis.high - axis.low):
+            raise ConfigurationError(
+                f"figures.window = {window} is not allowed: it must span at least {NARROWEST:g} of the axis {axis.name}"
+            )

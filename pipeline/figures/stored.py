@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline import store
+from pipeline.boundaries import StoredBoundaries, read_boundaries
 from pipeline.figures.pieces import Piece, pieces_of_row
 from pipeline.plan import Plan
 from pipeline.sweep import model_at
@@ -38,6 +39,8 @@ class StoredPlane:
         Name -> (P, point) array of the branches; "position" is where on the sweep axis a point is.
     n_points : (P,) array
     end_reason : (P, branch, 2) array
+    boundaries : StoredBoundaries or None
+        None where they have not been traced.
     """
 
     plan: Plan
@@ -52,6 +55,7 @@ class StoredPlane:
     points: dict[str, np.ndarray]
     n_points: np.ndarray
     end_reason: np.ndarray
+    boundaries: StoredBoundaries | None
 
     @property
     def rows(self) -> np.ndarray:
@@ -117,4 +121,5 @@ def read_stored(path: Path) -> StoredPlane:
         points=points,
         n_points=n_points,
         end_reason=branches["end_reason"].values,
+        boundaries=read_boundaries(path, plan),
     )

@@ -30,7 +30,7 @@ def run(folder: Path, *arguments: str, **options) -> subprocess.CompletedProcess
 def planes(tmp_path_factory):
     """All four planes by one command, tables included."""
     folder = tmp_path_factory.mktemp("planes")
-    result = run(folder, "-m", f"plane={','.join(PLANES)}", "stages=[sweep,figures,tables]", *SMALL)
+    result = run(folder, "-m", f"plane={','.join(PLANES)}", "stages=[sweep,boundaries,figures,tables]", *SMALL)
     assert result.returncode == 0, result.stderr
     return folder, result
 
@@ -60,7 +60,7 @@ def test_all_four_planes(planes):
 def test_nothing_else_is_written(planes):
     folder, _ = planes
     assert [path.name for path in folder.iterdir()] == ["outputs"]
-    assert sorted(path.name for path in (folder / "outputs").iterdir()) == ["figures", "runs", "store", "tables"]
+    assert sorted(path.name for path in (folder / "outputs").iterdir()) == ["boundaries", "figures", "runs", "store", "tables"]
 
 
 def test_a_second_run_finds_the_work_done(planes):

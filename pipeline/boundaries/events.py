@@ -1,0 +1,94 @@
+"""The folds and grazings that the rows of a store have located: starts of boundaries, and which side is which."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.plan import Plan
+from pipeline.store import COMPLETE
+from pipeline.sweep import model_at
+from solver import Event
+
+__all__ = ["MARGINS", "RowEvents", "half_backlash", "read_events"]
+
+#: Grazing -> (sign of the amplitude, sign of b) in its margin lambda_m +- lambda_a -+ b.
+MARGINS = {
+    Event.MIN_AT_DRIVE: (-1.0, 1.0),
+    Event.MIN_AT_BACK: (-1.0, -1.0),
+    Event.MAX_AT_DRIVE: (1.0, 1.0),
+    Event.MAX_AT_BACK: (1.0, -1.0),
+}
+
+
+@dataclass(frozen=True)
+class RowEvents:
+    """All events of the complete rows, in the order of rows and points.
+
+    Parameters
+    ----------
+    kind : (k,) int array
+        `Event`: folds and grazings.
+    points : (k, 5) array
+        lambda_m, lambda_c, lambda_s, x, p.
+    ahead : (k,) array
+        In which direction of x, +1 or -1, a fold's pair of solutions exists, and the margin of a grazing is positive
+        where the grazing solution is stable (negative where it is not); 0 where that cannot be told.
+    rows : int
+        Number of complete rows.
+    """
+
+    kind: np.ndarray
+    points: np.ndarray
+    ahead: np.ndarray
+    rows: int
+
+    @property
+    def digest(self) -> str:
+        """Digest of what boundaries depend on besides the configuration."""
+        parts = (np.int64(self.rows), self.kind.astype(np.int8), self.points, self.ahead.astype(np.int8))
+        return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
+
+    def starts(self) -> list[tuple[Event, np.ndarray]]:
+        """As `solver.boundaries.boundary_curves` takes them."""
+        return [(Event(kind), point) for kind, point in zip(self.kind.tolist(), self.points, strict=True)]
+
+
+def half_backlash(plan: Plan, x, p) -> np.ndarray:
+    """b at places of the plane, arrays of one shape."""
+    axes = {plan.sweep.name: x, plan.parameter.name: p}
+    b = axes["b"] if "b" in axes else model_at(plan, plan.parameter.low, plan.sweep.low).b
+    return np.broadcast_to(np.asarray(b, dtype=float), np.shape(x))
+
+
+def read_events(path: Path, plan: Plan) -> RowEvents:
+    """Read the events of the complete rows of a store."""
+    root = zarr.open_group(path, mode="r")
+    complete = root["status"][:] == COMPLETE
+    used = slice(int(root["branches/n_points"][:].max(initial=0)))
+    names = ("mean", "cos", "sin", plan.sweep.name, "stable", "branch", "event")
+    table = {name: root[f"branches/{name}"][:, used] for name in names}
+    row, point = np.nonzero(np.isin(table["event"], (Event.FOLD, *MARGINS)) & complete[:, None])
+    kind = table["event"][row, point].astype(np.int64)
+    columns = [table[name][row, point] for name in names[:4]]
+    points = np.column_stack([*columns, plan.parameter.values[row]]).reshape(-1, 5)
+    x, p = table[plan.sweep.name], np.broadcast_to(plan.parameter.values[:, None], table["mean"].shape)
+    size, b = np.hypot(table["cos"], table["sin"]), half_backlash(plan, x, p)
+    # Of the two neighbours on the branch the one that tells more decides.
+    ahead, telling = np.zeros(row.size), np.zeros(row.size)
+    for step in (-1, 1):
+        other = np.clip(point + step, 0, max(x.shape[1] - 1, 0))
+        same = (other != point) & (table["branch"][row, other] == table["branch"][row, point])
+        move = x[row, other] - points[:, 3]
+        weight = np.abs(move)
+        side = np.sign(move)
+        for grazing, (of_size, of_b) in MARGINS.items():
+            here = kind == grazing
+            margin = (table["mean"] + of_size * size - of_b * b)[row[here], other[here]]
+            weight[here] = np.abs(margin)
+            side[here] *= np.sign(margin) * np.where(table["stable"][row[here], point[here]] == 1, 1.0, -1.0)
+        better = same & (weight > telling)
+        ahead[better], telling[better] = side[better], weight[better]
+    return RowEvents(kind, points, ahead, int(complete.sum()))

@@ -1,0 +1,136 @@
+"""What a panel of the map shows: an image of labels, the lines between them and marked points, from either source.
+
+With boundary curves in the store, lines are the curves themselves and labels are exact at every pixel; without, lines
+are the borders between neighbouring cells of the raster.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.path import Path as Outline
+
+from pipeline.boundaries import special_places
+from pipeline.boundaries.group import StoredBoundaries
+from pipeline.figures.edges import curves_along, label_edges
+from pipeline.figures.pieces import labels_at
+from pipeline.figures.regions import region_codes
+from pipeline.figures.stored import StoredPlane
+from pipeline.plan import Axis
+from pipeline.store import COMPLETE
+from solver import Event
+from solver.boundaries import SpecialPoint
+
+__all__ = ["MARKED", "Panel", "panel_of"]
+
+#: Points that panels mark.
+MARKED = (SpecialPoint.CUSP, SpecialPoint.FOLD_GRAZING, SpecialPoint.ISOLA, SpecialPoint.MERGER)
+
+#: Pixels of an image with exact labels, across and up: as fine as print shows.
+_FINE = (1440, 900)
+#: Columns of an enlargement without boundaries.
+_COLUMNS = 240
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One part of the plane.
+
+    Parameters
+    ----------
+    code : (m, n) array
+        Labels, evenly over the panel.
+    x, y : (float, float)
+        What the image covers.
+    folds, grazings : Outline
+        Lines.
+    marks : dict
+        SpecialPoint -> (k, 2) array of places.
+    """
+
+    code: np.ndarray
+    x: tuple[float, float]
+    y: tuple[float, float]
+    folds: Outline
+    grazings: Outline
+    marks: dict[SpecialPoint, np.ndarray] = field(default_factory=dict)
+
+
+def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[float, float] | None = None) -> Panel:
+    """A part of the plane, all of it unless told.
+
+    Parameters
+    ----------
+    plane : StoredPlane
+    x, y : (low, high), optional
+        On the sweep axis and on the parameter axis.
+    """
+    sweep, parameter = plane.plan.sweep, plane.plan.parameter
+    if plane.boundaries is not None:
+        return _exact_panel(plane, x or (sweep.low, sweep.high), y or (parameter.low, parameter.high))
+    rows, columns = cell_borders(parameter), cell_borders(sweep)
+    code, n = plane.domain, plane.n_stable
+    if x is not None:
+        # Folds and grazings of the rows are located exactly, so that columns may be as fine as one likes.
+        columns = np.linspace(*x, _COLUMNS + 1)
+        code, n = labels_at(plane.pieces, 0.5 * (columns[1:] + columns[:-1]))
+        code[plane.status != COMPLETE] = 0
+    if y is not None:
+        inside = slice(np.searchsorted(rows, y[0], side="right") - 1, np.searchsorted(rows, y[1], side="left"))
+        code, n, rows = code[inside], n[inside], rows[inside.start : inside.stop + 1]
+    return Panel(code, _ends(columns), _ends(rows), *(_polygons(e, columns, rows) for e in label_edges(code, n)))
+
+
+def cell_borders(axis: Axis) -> np.ndarray:
+    """Borders of the cells, which are centred on the axis's values, (num + 1,)."""
+    half = 0.5 * (axis.high - axis.low) / (axis.num - 1)
+    return np.linspace(axis.low - half, axis.high + half, axis.num + 1)
+
+
+def _ends(borders: np.ndarray) -> tuple[float, float]:
+    return float(borders[0]), float(borders[-1])
+
+
+def _polygons(segments: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
+    """Cell borders, joined where they meet."""
+    lines = [Outline(np.column_stack([x[corner[:, 1]], y[corner[:, 0]]])) for corner in curves_along(segments)]
+    return Outline.make_compound_path(*lines) if lines else Outline(np.empty((0, 2)))
+
+
+def _exact_panel(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> Panel:
+    middles = [low + (np.arange(count) + 0.5) / count * (high - low) for (low, high), count in zip((x, y), _FINE)]
+    code, _ = region_codes(plane, *middles)
+    kinds = [_outline(plane.boundaries, folds, x, y) for folds in (True, False)]
+    return Panel(code, x, y, *kinds, _marks(plane.boundaries, x, y))
+
+
+def _outline(boundaries: StoredBoundaries, folds: bool, x: tuple[float, float], y: tuple[float, float]) -> Outline:
+    """The curves within a window as Bezier curves, which are the stored cubics and stay smooth at any magnification."""
+    vertices, codes = [np.empty((0, 2))], [np.empty(0, Outline.code_type)]
+    for curve in boundaries.curves:
+        if (curve.kind is Event.FOLD) != folds or len(curve.points) < 2:
+            continue
+        controls = curve.arcs.controls()
+        # An arc lies within the hull of its control points. What lies outside would only cost dashes.
+        lowest, highest = controls.min(axis=1), controls.max(axis=1)
+        near = np.all((highest >= (x[0], y[0])) & (lowest <= (x[1], y[1])), axis=1) & curve.arc_shows
+        for first, stop in _runs(near):
+            vertices.append(np.concatenate([controls[first, :1], controls[first:stop, 1:].reshape(-1, 2)]))
+            codes.append(np.full(len(vertices[-1]), Outline.CURVE4, Outline.code_type))
+            codes[-1][0] = Outline.MOVETO
+    return Outline(np.concatenate(vertices), np.concatenate(codes))
+
+
+def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
+    """First and one past the last index of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _marks(boundaries: StoredBoundaries, x, y) -> dict[SpecialPoint, np.ndarray]:
+    places: dict[SpecialPoint, list] = {kind: [] for kind in MARKED}
+    for curve in boundaries.curves:
+        for place in special_places(curve):
+            at = curve.points[place, 3:]
+            if curve.special[place] in places and x[0] <= at[0] <= x[1] and y[0] <= at[1] <= y[1]:
+                places[SpecialPoint(curve.special[place])].append(at)
+    return {kind: np.array(found) for kind, found in places.items() if found}
