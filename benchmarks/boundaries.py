@@ -9,7 +9,6 @@ import time
 
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
-import numpy as np
 
 from pipeline.config import compose
 from pipeline.plan import plan
