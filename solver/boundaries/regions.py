@@ -24,12 +24,17 @@ __all__ = ["Frontier", "LabelledSlab", "Occurrence", "RegionError", "Regions", "
 
 # Where in a slab solutions are enumerated, and elsewhere if they are too close to be told apart there; where between
 # two crossings. One place would do: the others show whether a boundary is missing.
-_ROWS = (np.array([0.1, 0.5, 0.9]), np.array([0.02, 0.3, 0.7, 0.98]))
+_ROWS = (np.array([1e-4, 0.1, 0.5, 0.9, 0.9999]), np.array([0.02, 0.3, 0.7, 0.98]))
 _PLACES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 # Relative to the plane's area or the range of p.
 _TOLERANCE = 1e-9
 _JOINED = 1e-7
 _MOST_ROUNDS = 5
+_MOST_LEVELS = 100
+# How closely a boundary along a row is found, as a fraction of the slab, and where solutions may be too close to tell.
+_NARROW, _BLURRED = 1e-12, 1e-6
+# Slope below which a boundary belongs to one row.
+_LEVEL = 1e-6
 # The code of no label.
 _UNDECIDED = 0
 
@@ -234,15 +239,19 @@ def regions(
 
 
 def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: float) -> Regions:
-    for curve in curves:
-        for end, place in zip(curve.ends, (0, -1), strict=True):
-            if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
-                x, p = curve.points[place, 3:]
-                raise RegionError(f"a {curve.kind.name} boundary ends early, at ({x!r}, {p!r}): {end.sentence}")
+    _refuse_early_ends(plane, curves)
     crossings = RowCrossings(curves, plane.x_range)
     width, height = np.ptp(plane.x_range), np.ptp(plane.p_range)
-    found, areas, error = _measured(crossings, plane.p_range, _TOLERANCE * width * height)
-    codes = [_codes(plane, crossings, slab, amplitude_max) for slab in found]
+    levels: list[float] = []
+    labeller = _Labeller(plane, crossings, amplitude_max)
+    while True:
+        found, areas, error = _measured(crossings, plane.p_range, _TOLERANCE * width * height, levels)
+        codes = [labeller.sequence(slab) for slab in found]
+        levels, before = levels + [level for level in codes if isinstance(level, float)], len(levels)
+        if len(levels) == before:
+            break
+        if len(levels) > _MOST_LEVELS:
+            raise RegionError(f"too many boundaries run along rows, the last one at {plane.p_axis} = {levels[-1]!r}")
     # Slabs leave out what lies between critical values too close to be told apart: their neighbours share it.
     stops = [0.5 * (a.high + b.low) for a, b in zip(found[:-1], found[1:], strict=True)]
     heights = np.diff([plane.p_range[0], *stops, plane.p_range[1]])
@@ -275,11 +284,22 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
     )  # fmt: skip
 
 
-def _measured(crossings: RowCrossings, p_range: tuple[float, float], tolerance: float):
+def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:
+    """Raise if a boundary was not followed to its end, unless it is level there: then it is a critical value as it is."""
+    for curve in curves:
+        for end, place in zip(curve.ends, (0, -1), strict=True):
+            if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
+                along_x, along_p = np.abs(curve.slopes[place, 3:]) / [np.ptp(plane.x_range), np.ptp(plane.p_range)]
+                if not along_p < _LEVEL * along_x:
+                    x, p = (float(v) for v in curve.points[place, 3:])
+                    raise RegionError(f"a {curve.kind.name} boundary ends early, at {(x, p)}: {end.sentence}")
+
+
+def _measured(crossings: RowCrossings, p_range: tuple[float, float], tolerance: float, levels: list[float]):
     """Slabs, their areas and the error of these; what the quadrature finds out of order is divided further."""
     extra: list[float] = []
     for _ in range(_MOST_ROUNDS):
-        found = slabs(crossings, p_range, extra)
+        found = slabs(crossings, p_range, extra, levels)
         areas, error, disorder = slab_areas(crossings, found, tolerance)
         if not disorder:
             return found, areas, error
@@ -287,36 +307,76 @@ def _measured(crossings: RowCrossings, p_range: tuple[float, float], tolerance: 
     raise RegionError(f"the boundaries intersect too often near {extra[-1]!r}")
 
 
-def _codes(plane: Plane, crossings: RowCrossings, slab: Slab, amplitude_max: float) -> list[int]:
-    """Code of the label between every two neighbouring arcs of a slab.
+class _Labeller:
+    """Finds the label between every two neighbouring arcs of a slab."""
 
-    Raises
-    ------
-    RegionError
-        If places between the same two arcs have different labels, or none can be decided.
-    """
-    seen: list[dict[int, tuple[float, float]]] = [{} for _ in slab.arcs[1:]]
-    for fractions in _ROWS:
+    def __init__(self, plane: Plane, crossings: RowCrossings, amplitude_max: float):
+        self.plane, self.crossings, self.amplitude_max = plane, crossings, amplitude_max
+
+    def codes(self, slab: Slab, fractions, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there."""
         values = slab.rows(fractions)
-        arcs, x = crossings.matrix(values)
+        arcs, x = self.crossings.matrix(values)
         x = x[:, [arcs.index(arc) for arc in slab.arcs]]
-        places = x[:, :-1, None] + np.diff(x)[:, :, None] * _PLACES
-        for value, row in zip(values, places, strict=True):
-            codes = _row_codes(plane, value, row.ravel(), amplitude_max).reshape(row.shape)
-            for labels, here, at in zip(seen, codes, row, strict=True):
-                labels.update({int(code): (float(place), float(value)) for code, place in zip(here, at, strict=True)})
-        for labels in seen:
-            labels.pop(_UNDECIDED, None)
-            if len(labels) > 1:
-                where = "; ".join(f"{domain_label(code)} at {labels[code]}" for code in sorted(labels))
-                raise RegionError(f"no boundary parts different labels: {where} of ({plane.x_axis}, {plane.p_axis})")
-        if all(seen):
-            return [next(iter(labels)) for labels in seen]
-    nowhere = places[len(places) // 2, [not labels for labels in seen]][0]
-    raise RegionError(
-        f"the solutions between {plane.x_axis} = {nowhere[0]!r} and {nowhere[-1]!r} next to {plane.p_axis} = "
-        f"{values[len(places) // 2]!r} cannot be told apart"
-    )
+        at = x[:, :-1, None] + np.diff(x)[:, :, None] * np.asarray(places)
+        codes = [_row_codes(self.plane, value, row.ravel(), self.amplitude_max) for value, row in zip(values, at, strict=True)]
+        return values, at, np.reshape(codes, at.shape)
+
+    def sequence(self, slab: Slab) -> list[int] | float:
+        """The codes, or a value of p inside the slab at which a boundary runs along the row.
+
+        Raises
+        ------
+        RegionError
+            If places between the same two arcs have different labels for another reason, or none can be decided.
+        """
+        seen: list[dict[int, tuple[float, float]]] = [{} for _ in slab.arcs[1:]]
+        for fractions in _ROWS:
+            values, at, codes = self.codes(slab, fractions, _PLACES)
+            for gap, labels in enumerate(seen):
+                for row, place in zip(*np.nonzero(codes[:, gap] != _UNDECIDED), strict=True):
+                    labels.setdefault(int(codes[row, gap, place]), (float(at[row, gap, place]), float(values[row])))
+                if len(labels) > 1:
+                    level = self._level(slab, gap, fractions)
+                    if level is not None:
+                        return level
+                    where = "; ".join(f"{domain_label(code)} at {labels[code]}" for code in sorted(labels))
+                    raise RegionError(
+                        f"no boundary parts different labels: {where} of ({self.plane.x_axis}, {self.plane.p_axis})"
+                    )
+            if all(seen):
+                return [next(iter(labels)) for labels in seen]
+        nowhere = next(gap for gap, labels in enumerate(seen) if not labels)
+        raise RegionError(
+            f"the solutions next to {(float(at[1, nowhere, 0]), float(values[1]))} of "
+            f"({self.plane.x_axis}, {self.plane.p_axis}) cannot be told apart"
+        )
+
+    def _level(self, slab: Slab, gap: int, fractions) -> float | None:
+        """Where a whole gap changes its label at once: no row crosses such a boundary. None if it does not."""
+
+        def labels(fraction: float) -> set[int]:
+            return {int(code) for code in self.codes(slab, [fraction], [0.02, 0.5, 0.98])[2][0, gap]}
+
+        steps = [(a, b) for a, b in zip(fractions[:-1], fractions[1:], strict=True) if labels(a) != labels(b)]
+        if not steps:
+            return None
+        low, high = steps[0]
+        below, above = labels(low), labels(high)
+        if len(below) > 1 or len(above) > 1 or _UNDECIDED in below | above:
+            return None
+        while high - low > _NARROW:
+            middle = 0.5 * (low + high)
+            here = labels(middle)
+            if here == below:
+                low = middle
+            elif here == above:
+                high = middle
+            elif _UNDECIDED in here and high - low < _BLURRED:
+                break
+            else:
+                return None
+        return float(slab.rows(0.5 * (low + high)))
 
 
 def _row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:

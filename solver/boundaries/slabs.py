@@ -120,7 +120,9 @@ class RowCrossings:
         return float(self.curves[arc[0]].crossings([value])[1][arc[1], 3])
 
 
-def slabs(crossings: RowCrossings, p_range: tuple[float, float], extra: Sequence[float] = ()) -> tuple[Slab, ...]:
+def slabs(
+    crossings: RowCrossings, p_range: tuple[float, float], extra: Sequence[float] = (), levels: Sequence[float] = ()
+) -> tuple[Slab, ...]:
     """The slabs of a plane, ascending.
 
     Parameters
@@ -129,6 +131,8 @@ def slabs(crossings: RowCrossings, p_range: tuple[float, float], extra: Sequence
     p_range : (low, high)
     extra : sequence of float
         Rows next to which arcs are looked at more closely.
+    levels : sequence of float
+        More critical values: rows along which a boundary runs.
 
     Raises
     ------
@@ -136,7 +140,7 @@ def slabs(crossings: RowCrossings, p_range: tuple[float, float], extra: Sequence
         If rows between two critical values meet different boundaries.
     """
     height = p_range[1] - p_range[0]
-    turning = np.unique(np.clip(np.concatenate([p_range, *map(_turning_points, crossings.curves)]), *p_range))
+    turning = np.unique(np.clip(np.concatenate([p_range, levels, *map(_turning_points, crossings.curves)]), *p_range))
     ranges = _between(turning, _SAME_P * height)
     extra = np.array(extra, dtype=float)
     for _ in range(_MOST_ROUNDS):
