@@ -34,8 +34,8 @@ def thresholds(
     Returns
     -------
     tuple of Occurrence
-        With `label`, `appears`, `disappears` and `share`: one for every unbroken range of the row parameter, by label
-        and ascending. The shares of all labels add up to 1.
+        With `label`, `appears`, `disappears` and `share`: one for every unbroken range of the row parameter, by
+        label and ascending. The shares of all labels add up to 1.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def thresholds(
 
     Examples
     --------
-    Up to which backlash can the published gear strike both flanks at the mesh-frequency resonance and also run smoothly?
+    Between which backlashes can the published gear, at its mesh-frequency resonance, strike both flanks or run smoothly?
 
     >>> import tempfile, pipeline
     >>> from pipeline import store
@@ -58,8 +58,8 @@ def thresholds(
     >>> for block in swept.blocks:
     ...     _ = sweep_block(str(path), swept, block)
     >>> for found in pipeline.thresholds(path, "2/0-2", window=(0.05, 0.9)):
-    ...     print(f"{found.label} from b = {found.appears:.6f} to {found.disappears:.6f}: {found.share:.4%} of the window")
-    2/0-2 from b = 0.082305 to 1.010830: 2.0645% of the window
+    ...     print(f"b = {found.appears:.6f} to {found.disappears:.6f}: {found.share:.4%} of the window")
+    b = 0.082305 to 1.010830: 2.0645% of the window
     >>> folder.cleanup()
     """
     try:

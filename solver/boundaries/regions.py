@@ -12,31 +12,22 @@ import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.plane import Plane
+from solver.boundaries.labelling import Labeller
 from solver.boundaries.slabs import RegionError, RowCrossings, Slab, slabs
 from solver.boundaries.widths import slab_areas
 from solver.continuation import EndReason, Event
-from solver.enumeration import Proof, enumerate_row
 from solver.errors import ParameterError
-from solver.impact import domain_code, domain_label, impact_state
+from solver.impact import domain_label
 from solver.model import Model
 
 __all__ = ["Frontier", "LabelledSlab", "Occurrence", "RegionError", "Regions", "regions"]
 
-# Where in a slab solutions are enumerated, and elsewhere if they are too close to be told apart there; where between
-# two crossings. One place would do: the others show whether a boundary is missing.
-_ROWS = (np.array([1e-4, 0.1, 0.5, 0.9, 0.9999]), np.array([0.02, 0.3, 0.7, 0.98]))
-_PLACES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 # Relative to the plane's area or the range of p.
 _TOLERANCE = 1e-9
 _JOINED = 1e-7
-_MOST_ROUNDS = 5
-_MOST_LEVELS = 100
-# How closely a boundary along a row is found, as a fraction of the slab, and where solutions may be too close to tell.
-_NARROW, _BLURRED = 1e-12, 1e-6
+_MOST_ROUNDS = 100
 # Slope below which a boundary belongs to one row.
 _LEVEL = 1e-6
-# The code of no label.
-_UNDECIDED = 0
 
 
 @dataclass(frozen=True)
@@ -66,7 +57,7 @@ class Frontier:
     labels : (str, str)
         The one with fewer stable solutions, or lower states, first.
     kind : Event
-        FOLD, or the grazing that happens along it.
+        FOLD, or the grazing that happens along it; NONE where a motion passes the amplitude ceiling.
     length : float
         Height in p over which the boundary parts the two.
     """
@@ -113,6 +104,7 @@ class Regions:
         The plane, from its lowest row upwards.
     plane : Plane
     curves : tuple of BoundaryCurve
+        Those given, and where branches pass the ceiling.
     amplitude_max : float
     """
 
@@ -221,7 +213,7 @@ def regions(
     omega : float, optional
         The frequency; needed unless it is an axis.
     amplitude_max : float
-        Solutions of larger amplitude do not count.
+        Solutions of larger amplitude do not count; where a branch passes this ceiling is a boundary as well.
 
     Returns
     -------
@@ -240,18 +232,25 @@ def regions(
 
 def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: float) -> Regions:
     _refuse_early_ends(plane, curves)
-    crossings = RowCrossings(curves, plane.x_range)
     width, height = np.ptp(plane.x_range), np.ptp(plane.p_range)
     levels: list[float] = []
-    labeller = _Labeller(plane, crossings, amplitude_max)
-    while True:
-        found, areas, error = _measured(crossings, plane.p_range, _TOLERANCE * width * height, levels)
-        codes = [labeller.sequence(slab) for slab in found]
-        levels, before = levels + [level for level in codes if isinstance(level, float)], len(levels)
-        if len(levels) == before:
-            break
-        if len(levels) > _MOST_LEVELS:
-            raise RegionError(f"too many boundaries run along rows, the last one at {plane.p_axis} = {levels[-1]!r}")
+    watched: list[float] = []
+    for _ in range(_MOST_ROUNDS):
+        crossings = RowCrossings(curves, plane.x_range)
+        found = slabs(crossings, plane.p_range, watched, levels)
+        codes, further = _labelled(Labeller(plane, crossings, amplitude_max), found)
+        if isinstance(further, BoundaryCurve):
+            curves = (*curves, further)
+        elif further is not None:
+            levels.append(further)
+        else:
+            areas, error, disorder = slab_areas(crossings, found, _TOLERANCE * width * height)
+            if not disorder:
+                break
+            # Arcs that intersect twice between two samples: these are looked at as well.
+            watched += disorder
+    else:
+        raise RegionError(f"the plane is divided too often, last next to {plane.p_axis} = {found[len(codes) - 1].high!r}")
     # Slabs leave out what lies between critical values too close to be told apart: their neighbours share it.
     stops = [0.5 * (a.high + b.low) for a, b in zip(found[:-1], found[1:], strict=True)]
     heights = np.diff([plane.p_range[0], *stops, plane.p_range[1]])
@@ -269,16 +268,17 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
             merged.append([code, size])
             arcs.append(arc)
         for code, size in merged:
-            shares[code] = shares.get(code, 0.0) + float(size) / (width * height)
+            shares[code] = shares.get(code, 0.0) + float(size / (width * height))
         arcs.append(slab.arcs[-1])
         labels = tuple(domain_label(code) for code, _ in merged)
         parts.append(LabelledSlab(replace(slab, arcs=tuple(arcs)), labels, np.array([size for _, size in merged])))
     return Regions(
         tuple(domain_label(code) for code in sorted(shares)),
         {domain_label(code): shares[code] for code in sorted(shares)},
-        error / (width * height),
+        float(error / (width * height)),
         tuple(
-            Frontier((domain_label(a), domain_label(b)), kind, length) for (a, b, kind), length in sorted(borders.items())
+            Frontier((domain_label(a), domain_label(b)), kind, length)
+            for (a, b, kind), length in sorted(borders.items())
         ),
         tuple(parts), plane, curves, amplitude_max,
     )  # fmt: skip
@@ -295,100 +295,12 @@ def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:
                     raise RegionError(f"a {curve.kind.name} boundary ends early, at {(x, p)}: {end.sentence}")
 
 
-def _measured(crossings: RowCrossings, p_range: tuple[float, float], tolerance: float, levels: list[float]):
-    """Slabs, their areas and the error of these; what the quadrature finds out of order is divided further."""
-    extra: list[float] = []
-    for _ in range(_MOST_ROUNDS):
-        found = slabs(crossings, p_range, extra, levels)
-        areas, error, disorder = slab_areas(crossings, found, tolerance)
-        if not disorder:
-            return found, areas, error
-        extra += disorder
-    raise RegionError(f"the boundaries intersect too often near {extra[-1]!r}")
-
-
-class _Labeller:
-    """Finds the label between every two neighbouring arcs of a slab."""
-
-    def __init__(self, plane: Plane, crossings: RowCrossings, amplitude_max: float):
-        self.plane, self.crossings, self.amplitude_max = plane, crossings, amplitude_max
-
-    def codes(self, slab: Slab, fractions, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there."""
-        values = slab.rows(fractions)
-        arcs, x = self.crossings.matrix(values)
-        x = x[:, [arcs.index(arc) for arc in slab.arcs]]
-        at = x[:, :-1, None] + np.diff(x)[:, :, None] * np.asarray(places)
-        codes = [_row_codes(self.plane, value, row.ravel(), self.amplitude_max) for value, row in zip(values, at, strict=True)]
-        return values, at, np.reshape(codes, at.shape)
-
-    def sequence(self, slab: Slab) -> list[int] | float:
-        """The codes, or a value of p inside the slab at which a boundary runs along the row.
-
-        Raises
-        ------
-        RegionError
-            If places between the same two arcs have different labels for another reason, or none can be decided.
-        """
-        seen: list[dict[int, tuple[float, float]]] = [{} for _ in slab.arcs[1:]]
-        for fractions in _ROWS:
-            values, at, codes = self.codes(slab, fractions, _PLACES)
-            for gap, labels in enumerate(seen):
-                for row, place in zip(*np.nonzero(codes[:, gap] != _UNDECIDED), strict=True):
-                    labels.setdefault(int(codes[row, gap, place]), (float(at[row, gap, place]), float(values[row])))
-                if len(labels) > 1:
-                    level = self._level(slab, gap, fractions)
-                    if level is not None:
-                        return level
-                    where = "; ".join(f"{domain_label(code)} at {labels[code]}" for code in sorted(labels))
-                    raise RegionError(
-                        f"no boundary parts different labels: {where} of ({self.plane.x_axis}, {self.plane.p_axis})"
-                    )
-            if all(seen):
-                return [next(iter(labels)) for labels in seen]
-        nowhere = next(gap for gap, labels in enumerate(seen) if not labels)
-        raise RegionError(
-            f"the solutions next to {(float(at[1, nowhere, 0]), float(values[1]))} of "
-            f"({self.plane.x_axis}, {self.plane.p_axis}) cannot be told apart"
-        )
-
-    def _level(self, slab: Slab, gap: int, fractions) -> float | None:
-        """Where a whole gap changes its label at once: no row crosses such a boundary. None if it does not."""
-
-        def labels(fraction: float) -> set[int]:
-            return {int(code) for code in self.codes(slab, [fraction], [0.02, 0.5, 0.98])[2][0, gap]}
-
-        steps = [(a, b) for a, b in zip(fractions[:-1], fractions[1:], strict=True) if labels(a) != labels(b)]
-        if not steps:
-            return None
-        low, high = steps[0]
-        below, above = labels(low), labels(high)
-        if len(below) > 1 or len(above) > 1 or _UNDECIDED in below | above:
-            return None
-        while high - low > _NARROW:
-            middle = 0.5 * (low + high)
-            here = labels(middle)
-            if here == below:
-                low = middle
-            elif here == above:
-                high = middle
-            elif _UNDECIDED in here and high - low < _BLURRED:
-                break
-            else:
-                return None
-        return float(slab.rows(0.5 * (low + high)))
-
-
-def _row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
-    """Codes of the labels at places of one row; 0 where the solutions are not proven to be all."""
-    model, omega = plane.model, plane.omega
-    if plane.p_axis == "omega":
-        omega = value
-    else:
-        model = model.replace(**{plane.p_axis: value})
-    found = enumerate_row(model, plane.x_axis, x, omega=omega, amplitude_max=amplitude_max)
-    b = np.array([plane.half_backlash(place, value) for place in x])
-    states = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, b[:, None]).astype(np.int64)
-    stable = found.stable == 1
-    bits = np.bitwise_or.reduce(np.where(stable, 1 << states.clip(0), 0), axis=1, initial=0)
-    return np.where(found.proof == Proof.PROVEN, domain_code(np.sum(stable, axis=1), bits), _UNDECIDED)
+def _labelled(labeller: Labeller, found: tuple[Slab, ...]) -> tuple[list[list[int]], float | BoundaryCurve | None]:
+    """Codes of the labels of all slabs; or of the first ones, and what divides the next one further."""
+    codes: list[list[int]] = []
+    for slab in found:
+        sequence = labeller.sequence(slab)
+        if not isinstance(sequence, list):
+            return codes, sequence
+        codes.append(sequence)
+    return codes, None

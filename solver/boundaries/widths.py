@@ -1,4 +1,4 @@
-"""Areas between neighbouring arcs: Gauss-Legendre quadrature over slabs, with the square roots of turning points removed."""
+"""Areas between neighbouring arcs: Gauss-Legendre quadrature over slabs, without the square roots of turning points."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Regions of equal label: thresholds, shares and neighbours against rows and enumeration, which know no boundary curves."""
+"""Regions of equal label: thresholds, shares and neighbours against rows and enumeration."""
 
 import dataclasses
 import functools
@@ -17,7 +17,7 @@ from solver import (
 )
 from solver.boundaries import boundary_curves, row_events
 from solver.boundaries.regions import RegionError, regions
-from tests.conftest import published
+from tests.conftest import consistent, published
 
 OMEGA = (0.05, 2.0)
 GRID = np.linspace(*OMEGA, 60)
@@ -35,9 +35,8 @@ def row(axis, value):
 
 @functools.cache
 def curves_of(axis):
-    starts = [
-        event for value in np.linspace(*RANGES[axis], ROWS) for event in row_events(row(axis, float(value)), float(value))
-    ]
+    values = np.linspace(*RANGES[axis], ROWS).tolist()
+    starts = [event for value in values for event in row_events(row(axis, value), value)]
     return boundary_curves(published(), "omega", axis, OMEGA, RANGES[axis], starts)
 
 
@@ -168,6 +167,33 @@ def test_shares_against_enumeration(axis):
             counts[label] += 1
     for label, share in regions_of(axis).shares.items():
         assert counts[label] / (rows * columns) == pytest.approx(share, abs=3e-4)
+
+
+def test_branches_that_leave_through_the_ceiling():
+    """Beyond alpha = 0.6 the consistent gear has branches of infinite amplitude; what lies above 100 does not count."""
+    values, bounds = np.linspace(0.6, 0.72, 13), (0.6, 0.72)
+    starts = [
+        event for v in values for event in row_events(sweep_row(consistent(alpha=float(v)), "omega", GRID), float(v))
+    ]
+    curves = boundary_curves(consistent(), "omega", "alpha", OMEGA, bounds, starts)
+    whole = regions(consistent(), "omega", "alpha", OMEGA, bounds, curves)
+    added = whole.curves[len(curves) :]
+    assert len(added) == 2
+    for curve in added:
+        np.testing.assert_allclose(curve.amplitude, 100.0, rtol=1e-12)
+        for point in curve.points[::9]:
+            found = enumerate_row(consistent(alpha=point[4]), "omega", [point[3]], amplitude_max=200.0)
+            assert np.nanmin(np.abs(found.amplitude[0] - 100.0)) < 1e-6
+    assert "2/1-2" in whole.neighbours("1/1") and Event.NONE in whole.neighbours("1/1")["2/1-2"]
+    rows, columns = 60, 400
+    counts = dict.fromkeys(whole.labels, 0)
+    for i in range(rows):
+        shift = (i * (5**0.5 - 1.0) / 2.0) % 1.0
+        x = OMEGA[0] + np.ptp(OMEGA) * (np.arange(columns) + shift) / columns
+        for label in labels_at(consistent(alpha=bounds[0] + np.ptp(bounds) * (i + 0.5) / rows), x):
+            counts[label] += 1
+    for label, share in whole.shares.items():
+        assert counts[label] / (rows * columns) == pytest.approx(share, abs=5e-4)
 
 
 @each_plane
