@@ -40,11 +40,13 @@ def thresholds(
     Raises
     ------
     StoreError
-        If there is no such store, it has no complete row, its boundaries do not divide it, or the window is not allowed.
+        If there is no such store, it has no complete row, its boundaries do not divide it, or the window is not
+        allowed.
 
     Examples
     --------
-    Between which backlashes can the published gear, at its mesh-frequency resonance, strike both flanks or run smoothly?
+    Between which backlashes can the published gear, at its mesh-frequency resonance, run smoothly or strike both
+    flanks?
 
     >>> import tempfile, pipeline
     >>> from pipeline import store

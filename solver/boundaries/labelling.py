@@ -99,7 +99,8 @@ class Labeller:
 
     def _ceiling(self, values: np.ndarray, at: np.ndarray, codes: np.ndarray) -> BoundaryCurve | None:
         """The curve along which a branch passes the ceiling between two places of a gap; None if there is none."""
-        jumps = np.argwhere((codes[:, 1:] != codes[:, :-1]) & (codes[:, 1:] != _UNDECIDED) & (codes[:, :-1] != _UNDECIDED))
+        known = codes != _UNDECIDED
+        jumps = np.argwhere((codes[:, 1:] != codes[:, :-1]) & known[:, 1:] & known[:, :-1])
         if not len(jumps):
             return None
         row, place = jumps[0]

@@ -1,8 +1,8 @@
 """Regions of equal n/I label in a plane: their shares of the area, where they begin and end, and what parts them.
 
-The labels of a row change only where boundary curves cross it, and the order of these crossings changes only at critical
-values of the row parameter (`solver.boundaries.slabs`). Between two of those the sequence of labels is the same in every
-row, so that enumerating every solution once between every two neighbouring crossings gives the whole plane.
+The labels of a row change only where boundary curves cross it, and the order of these crossings changes only at
+critical values of the row parameter (`solver.boundaries.slabs`). Between two of those the sequence of labels is the
+same in every row, so that enumerating every solution between every two neighbouring crossings gives the whole plane.
 """
 
 from collections.abc import Sequence
@@ -121,10 +121,7 @@ class Regions:
     def thresholds(self, label: str, x_window: tuple[float, float] | None = None) -> tuple[tuple[float, float], ...]:
         """The ranges (appears, disappears) of p in which a label occurs; see `occurrences`.
 
-        Examples
-        --------
-        `boundary_curves` shows how the curves come about; in the plane of omega and b the region 2/0-2 of the published
-        gear ends at b = 1.010829919: ``regions(...).thresholds("2/0-2")``.
+        In the plane of omega and b of the published gear, "2/0-2" gives ((0.047920441, 1.010829919),).
         """
         return tuple((found.appears, found.disappears) for found in self.occurrences(label, x_window))
 
@@ -235,10 +232,11 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
     width, height = np.ptp(plane.x_range), np.ptp(plane.p_range)
     levels: list[float] = []
     watched: list[float] = []
+    known: dict[Slab, list[int]] = {}
     for _ in range(_MOST_ROUNDS):
         crossings = RowCrossings(curves, plane.x_range)
         found = slabs(crossings, plane.p_range, watched, levels)
-        codes, further = _labelled(Labeller(plane, crossings, amplitude_max), found)
+        codes, further = _labelled(Labeller(plane, crossings, amplitude_max), found, known)
         if isinstance(further, BoundaryCurve):
             curves = (*curves, further)
         elif further is not None:
@@ -250,7 +248,8 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
             # Arcs that intersect twice between two samples: these are looked at as well.
             watched += disorder
     else:
-        raise RegionError(f"the plane is divided too often, last next to {plane.p_axis} = {found[len(codes) - 1].high!r}")
+        slab = found[min(len(codes), len(found) - 1)]
+        raise RegionError(f"the plane is divided too often, last above {plane.p_axis} = {slab.low!r}")
     # Slabs leave out what lies between critical values too close to be told apart: their neighbours share it.
     stops = [0.5 * (a.high + b.low) for a, b in zip(found[:-1], found[1:], strict=True)]
     heights = np.diff([plane.p_range[0], *stops, plane.p_range[1]])
@@ -285,7 +284,7 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
 
 
 def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:
-    """Raise if a boundary was not followed to its end, unless it is level there: then it is a critical value as it is."""
+    """Raise if a boundary was not followed to its end, unless it is level there: it is a critical value anyway."""
     for curve in curves:
         for end, place in zip(curve.ends, (0, -1), strict=True):
             if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
@@ -295,12 +294,18 @@ def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:
                     raise RegionError(f"a {curve.kind.name} boundary ends early, at {(x, p)}: {end.sentence}")
 
 
-def _labelled(labeller: Labeller, found: tuple[Slab, ...]) -> tuple[list[list[int]], float | BoundaryCurve | None]:
-    """Codes of the labels of all slabs; or of the first ones, and what divides the next one further."""
+def _labelled(
+    labeller: Labeller, found: tuple[Slab, ...], known: dict[Slab, list[int]]
+) -> tuple[list[list[int]], float | BoundaryCurve | None]:
+    """Codes of the labels of all slabs; or of the first ones, and what divides the next one further.
+
+    What is `known` of slabs that no further boundary has divided is kept.
+    """
     codes: list[list[int]] = []
     for slab in found:
-        sequence = labeller.sequence(slab)
+        sequence = known.get(slab) or labeller.sequence(slab)
         if not isinstance(sequence, list):
             return codes, sequence
+        known[slab] = sequence
         codes.append(sequence)
     return codes, None
