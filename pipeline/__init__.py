@@ -1,0 +1,12 @@
+"""From a configuration to stored planes, and from these to figures and tables."""
+
+__all__ = ["thresholds"]
+
+
+def __getattr__(name: str):
+    # The solver takes seconds to load, which a refused configuration need not wait for.
+    if name == "thresholds":
+        from pipeline.regions import thresholds
+
+        return thresholds
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

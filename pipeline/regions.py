@@ -1,0 +1,113 @@
+"""Regions of equal n/I label in a stored plane: shares and thresholds from the boundary curves, not from the raster."""
+
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.errors import StoreError
+from pipeline.plan import Plan
+from pipeline.store import COMPLETE, read_plan
+from pipeline.sweep import continuation_of, model_at
+from solver import Event, ParameterError
+from solver.boundaries import BoundaryCurve, boundary_curves
+from solver.boundaries.plane import KINDS
+from solver.boundaries.regions import Occurrence, RegionError, Regions, regions
+
+__all__ = ["stored_regions", "thresholds"]
+
+
+def thresholds(
+    path: Path | str, label: str | None = None, window: tuple[float, float] | None = None
+) -> tuple[Occurrence, ...]:
+    """Where in the row parameter the labels of a stored plane appear and disappear, and their shares of the area.
+
+    Parameters
+    ----------
+    path : Path or str
+        The store of a plane that was swept.
+    label : str, optional
+        For example "2/0-1"; all labels unless given.
+    window : (low, high), optional
+        Only this part of the swept axis counts, for example that of one resonance.
+
+    Returns
+    -------
+    tuple of Occurrence
+        With `label`, `appears`, `disappears` and `share`: one for every unbroken range of the row parameter, by
+        label and ascending. The shares of all labels add up to 1.
+
+    Raises
+    ------
+    StoreError
+        If there is no such store, it has no complete row, its boundaries do not divide it, or the window is not
+        allowed.
+
+    Examples
+    --------
+    Between which backlashes can the published gear, at its mesh-frequency resonance, run smoothly or strike both
+    flanks?
+
+    >>> import tempfile, pipeline
+    >>> from pipeline import store
+    >>> from pipeline.config import compose
+    >>> from pipeline.plan import plan
+    >>> from pipeline.sweep import sweep_block
+    >>> swept = plan(compose(["plane=omega_b", "plane.sweep.num=40", "plane.parameter.num=15"]))
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name) / "omega_b.zarr"
+    >>> store.create(path, swept, "omega_b", "")
+    >>> for block in swept.blocks:
+    ...     _ = sweep_block(str(path), swept, block)
+    >>> for found in pipeline.thresholds(path, "2/0-2", window=(0.05, 0.9)):
+    ...     print(f"b = {found.appears:.6f} to {found.disappears:.6f}: {found.share:.4%} of the window")
+    b = 0.082305 to 1.010830: 2.0645% of the window
+    >>> folder.cleanup()
+    """
+    try:
+        whole = stored_regions(Path(path))
+        whole = whole if window is None else whole.within(window)
+    except RegionError as error:
+        raise StoreError(f"{path} has no regions of one label: {error}") from error
+    except ParameterError as error:
+        raise StoreError(f"{path}: {error}") from error
+    labels = whole.labels if label is None else (label,)
+    return tuple(found for name in labels for found in whole.occurrences(name))
+
+
+def stored_regions(path: Path) -> Regions:
+    """The regions of a stored plane.
+
+    Raises
+    ------
+    StoreError
+        If there is no such store, or it has no complete row.
+    RegionError
+        If the boundaries do not divide the plane.
+    """
+    plan = read_plan(path)
+    return regions(
+        *_frame(plan), _curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
+    )  # fmt: skip
+
+
+def _frame(plan: Plan) -> tuple:
+    """Model, names and ranges of both axes."""
+    sweep, parameter = plan.sweep, plan.parameter
+    model = model_at(plan, parameter.low, sweep.low)
+    return model, sweep.name, parameter.name, (sweep.low, sweep.high), (parameter.low, parameter.high)
+
+
+def _curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
+    """All boundaries on which the events of the stored branches lie."""
+    root = zarr.open_group(path, mode="r")
+    complete = root["status"][:] == COMPLETE
+    if not np.any(complete):
+        raise StoreError(f"{path} has no complete row: run stages=[sweep] first")
+    events = root["branches/event"][:]
+    rows, points = np.nonzero(np.isin(events, KINDS) & complete[:, None])
+    columns = [root[f"branches/{name}"][:][rows, points] for name in ("mean", "cos", "sin", plan.sweep.name)]
+    starts = zip(
+        map(Event, events[rows, points].tolist()), np.column_stack([*columns, plan.parameter.values[rows]]), strict=True
+    )
+    return boundary_curves(*_frame(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))
