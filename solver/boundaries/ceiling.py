@@ -12,7 +12,7 @@ from numba import types
 from solver.boundaries.contact_angles import GRAZED_ANGLE, MONITORS, ZONE, angle_rows, determinant, plane_coefficients
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.plane import Plane
-from solver.boundaries.trace import _Tracer
+from solver.boundaries.trace import Tracer
 from solver.compiled import ARRAY, MATRIX, kernel
 from solver.continuation import Continuation, Event, Problem
 
@@ -86,4 +86,4 @@ def ceiling_curve(
     """
     own = _CeilingPlane(plane.model, plane.x_axis, plane.p_axis, plane.x_range, plane.p_range, plane.omega)
     object.__setattr__(own, "ceiling", float(ceiling))
-    return _Tracer(own, Event.NONE, continuation or Continuation()).boundary(point)
+    return Tracer(own, Event.NONE, continuation or Continuation()).boundary(point)

@@ -87,7 +87,7 @@ def boundary_curves(
     kinds, points = _sorted(plane, starts)
     curves = []
     for kind in KINDS:
-        tracer = _Tracer(plane, kind, continuation)
+        tracer = Tracer(plane, kind, continuation)
         waiting = points[kinds == kind]
         while len(waiting):
             curve = tracer.boundary(waiting[0])
@@ -123,7 +123,7 @@ def _sorted(plane: Plane, starts) -> tuple[np.ndarray, np.ndarray]:
     return kinds[order], points[order]
 
 
-class _Tracer:
+class Tracer:
     """Follows boundaries of one kind through the zones of the contact angles."""
 
     def __init__(self, plane: Plane, kind: Event, continuation: Continuation):
