@@ -1,5 +1,6 @@
 """Regions of equal n/I label in a stored plane: shares and thresholds from the boundary curves, not from the raster."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from solver.boundaries import BoundaryCurve, boundary_curves
 from solver.boundaries.plane import KINDS
 from solver.boundaries.regions import Occurrence, RegionError, Regions, regions
 
-__all__ = ["stored_regions", "thresholds"]
+__all__ = ["label_occurrences", "stored_regions", "thresholds"]
 
 
 def thresholds(
@@ -64,15 +65,28 @@ def thresholds(
     b = 0.082305 to 1.010830: 2.0645% of the window
     >>> folder.cleanup()
     """
+    (found,) = label_occurrences(Path(path), [window])
+    return tuple(one for name in (found if label is None else (label,)) for one in found.get(name, ()))
+
+
+def label_occurrences(
+    path: Path, windows: Sequence[tuple[float, float] | None]
+) -> list[dict[str, tuple[Occurrence, ...]]]:
+    """For every window of the swept axis (None: all of it), the unbroken ranges of the row parameter of every label.
+
+    Raises
+    ------
+    StoreError
+        As `thresholds`.
+    """
     try:
-        whole = stored_regions(Path(path))
-        whole = whole if window is None else whole.within(window)
+        whole = stored_regions(path)
+        parts = [whole if window is None else whole.within(window) for window in windows]
+        return [{label: tuple(part.occurrences(label)) for label in part.labels} for part in parts]
     except RegionError as error:
         raise StoreError(f"{path} has no regions of one label: {error}") from error
     except ParameterError as error:
         raise StoreError(f"{path}: {error}") from error
-    labels = whole.labels if label is None else (label,)
-    return tuple(found for name in labels for found in whole.occurrences(name))
 
 
 def stored_regions(path: Path) -> Regions:

@@ -2,7 +2,7 @@ r"""A table as LaTeX: two floats to \input, in plain LaTeX without any package, 
 
 import re
 
-from pipeline.tables.sheets import Sheet, class_sheet, measured_sheet, notes
+from pipeline.tables.sheets import Sheet, class_sheet, label_sheet, measured_sheet, notes
 from pipeline.tables.table import Table
 
 __all__ = ["escape", "latex"]
@@ -25,9 +25,10 @@ def latex(table: Table) -> str:
     number = table.article.number
     head = f"% bevelmap, from {escape(table.store)}; use with \\input{{table{number}.tex}}"
     measured = _float(measured_sheet(table), f"tab:bevelmap-{number}-measured", "")
+    labels = _float(label_sheet(table), f"tab:bevelmap-{number}-labels", "")
     remarks = "\n".join(f"\\par {escape(note)}" for note in notes(table))
     classes = _float(class_sheet(table), f"tab:bevelmap-{number}-words", f"\\medskip\\raggedright\n{remarks}\n")
-    return f"{head}\n{measured}\n{classes}"
+    return f"{head}\n{measured}\n{labels}\n{classes}"
 
 
 def _float(sheet: Sheet, label: str, below: str) -> str:

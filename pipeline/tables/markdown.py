@@ -1,8 +1,8 @@
-"""A table as Markdown: two pipe tables and a list of notes."""
+"""A table as Markdown: three pipe tables and a list of notes."""
 
 import re
 
-from pipeline.tables.sheets import Sheet, class_sheet, measured_sheet, notes, title
+from pipeline.tables.sheets import Sheet, class_sheet, label_sheet, measured_sheet, notes, title
 from pipeline.tables.table import Table
 
 __all__ = ["markdown"]
@@ -18,6 +18,8 @@ def markdown(table: Table) -> str:
         _pipes(measured_sheet(table)),
         "## In words",
         _pipes(class_sheet(table)),
+        "## Labels",
+        _pipes(label_sheet(table)),
         "## Notes",
         "\n".join(f"- {_escape(note)}" for note in notes(table)),
     ]

@@ -7,7 +7,7 @@ from pipeline.tables.classes import RULES, percent
 from pipeline.tables.peaks import REGION_LEVEL
 from pipeline.tables.table import Line, Table
 
-__all__ = ["Sheet", "class_sheet", "measured_sheet", "notes", "title"]
+__all__ = ["Sheet", "class_sheet", "label_sheet", "measured_sheet", "notes", "title"]
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,18 @@ def measured_sheet(table: Table) -> Sheet:
         rows.append((_band(line), f"{line.resonance.name}, Ω = {line.resonance.natural:.4f}", *cells))
     widths = (0.09, 0.12, 0.17, 0.10, 0.10, 0.15, 0.10, 0.17)
     return Sheet(f"{title(table)}, as measured", headings, widths, tuple(rows))
+
+
+def label_sheet(table: Table) -> Sheet:
+    """One row per n/I label with its share of the plane and where it appears and disappears at either resonance."""
+    mesh, shaft = table.lines[0].resonance, table.lines[1].resonance
+    headings = ("Label n/I", "Share of the plane", *(f"{r.name.capitalize()} resonance" for r in (mesh, shaft)))
+    rows = [
+        (entry.label, f"{100.0 * entry.share:.4f} %", *(wording.ranges(part) for part in entry.ranges))
+        for entry in table.labels
+    ] or [("–", "–", table.undivided, "–")]
+    caption = f"{title(table)}: labels n/I from the boundary curves, in {table.article.sign}"
+    return Sheet(caption, headings, (0.15, 0.2, 0.325, 0.325), tuple(rows))
 
 
 def class_sheet(table: Table) -> Sheet:
@@ -105,6 +117,9 @@ def notes(table: Table) -> tuple[str, ...]:
         f"Appears and ends: middle ± half the distance of the two rows between which it happens, in {sign}; within the "
         "band, or else nearest to it on either side. Contact loss and double-sided impact: of stable motions "
         "anywhere in the resonance's part of the Ω axis.",
+        f"Labels: values of {sign} at which a label appears and disappears in the resonance's part of the Ω axis, and its "
+        "share of the whole plane's area, from the boundary curves (fold and grazing, continued in two parameters) and the "
+        "enumeration of all solutions between them, not from the raster. At the ends of the plane a label may go on.",
         *(RULES[aspect] for aspect in aspects),
         *([f"Solutions above the amplitude ceiling are not excluded in {unbounded} cells."] if unbounded else []),
     )

@@ -5,14 +5,16 @@ from pathlib import Path
 
 import xarray as xr
 
+from pipeline.errors import StoreError
 from pipeline.plan import Plan
+from pipeline.regions import label_occurrences
 from pipeline.store import read_plan
 from pipeline.tables.article import ArticleTable, Band, band_rows
 from pipeline.tables.bands import BandAtResonance, band_at_resonance
 from pipeline.tables.classes import ASPECTS
 from pipeline.tables.rows import Resonance, measure_rows, resonances
 
-__all__ = ["Line", "Table", "build_table"]
+__all__ = ["LabelRange", "Line", "Table", "build_table"]
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,24 @@ class Line:
 
 
 @dataclass(frozen=True)
+class LabelRange:
+    """Where one n/I label exists, from the boundary curves.
+
+    Parameters
+    ----------
+    label : str
+    share : float
+        Of the area of the plane.
+    ranges : tuple of tuple of (float, float)
+        For the mesh and the shaft resonance: the unbroken ranges of the row parameter, ascending.
+    """
+
+    label: str
+    share: float
+    ranges: tuple[tuple[tuple[float, float], ...], ...]
+
+
+@dataclass(frozen=True)
 class Table:
     """One table: what the study says, what the store shows, and where that comes from.
 
@@ -51,6 +71,9 @@ class Table:
         Every band at the mesh and then at the shaft resonance.
     failed : int
         Rows of the whole plane that failed.
+    labels : tuple of LabelRange
+        Empty where the boundaries do not divide the plane; `undivided` says why.
+    undivided : str
     """
 
     article: ArticleTable
@@ -59,6 +82,8 @@ class Table:
     configuration_hash: str
     lines: tuple[Line, ...]
     failed: int
+    labels: tuple[LabelRange, ...]
+    undivided: str
 
 
 def build_table(article: ArticleTable, path: Path) -> Table:
@@ -90,7 +115,27 @@ def build_table(article: ArticleTable, path: Path) -> Table:
             lines.append(Line(band, resonance, measured, "", classes))
     with xr.open_zarr(path, chunks=None) as plane:
         digest = plane.attrs["configuration_hash"]
-    return Table(article, plan, path.name, digest, tuple(lines), sum(row is None for row in rows))
+    failed = sum(row is None for row in rows)
+    return Table(article, plan, path.name, digest, tuple(lines), failed, *_labels(path, plan))
+
+
+def _labels(path: Path, plan: Plan) -> tuple[tuple[LabelRange, ...], str]:
+    """Where every label exists, or why that cannot be told."""
+    halves = [(max(r.low, plan.sweep.low), min(r.high, plan.sweep.high)) for r in resonances(plan)]
+    if any(low >= high for low, high in halves):
+        return (), "the plane does not cover both resonances"
+    try:
+        whole, *parts = label_occurrences(path, [None, *halves])
+    except StoreError as error:
+        return (), str(error)
+    return tuple(
+        LabelRange(
+            label,
+            sum(found.share for found in occurrences),
+            tuple(tuple((o.appears, o.disappears) for o in part.get(label, ())) for part in parts),
+        )
+        for label, occurrences in whole.items()
+    ), ""
 
 
 def _gap(article: ArticleTable, band: Band, plan: Plan, resonance: Resonance, chosen) -> str:

@@ -11,6 +11,11 @@ __all__ = ["changes", "impact_states", "jump_size", "jumps", "labels", "peak_shi
 NONE, NO_REGION = "none", "no region"
 
 
+def ranges(parts) -> str:
+    """Ranges of the row parameter to 1e-6, or a dash."""
+    return "; ".join(f"{low:.6f}–{high:.6f}" for low, high in parts) or "–"
+
+
 def jumps(band: BandAtResonance) -> str:
     """Multivalued intervals in the first and the last row, and the envelope of all rows where it says more."""
     first, last = _intervals(band.rows[0]), _intervals(band.rows[-1])

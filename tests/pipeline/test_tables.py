@@ -273,13 +273,13 @@ def test_formats(texts):
         assert text.endswith("\n") and "\r" not in text
         if name.endswith("md"):
             blocks = re.findall(r"(?:^\|.*\|\n)+", text, flags=re.M)
-            assert len(blocks) == 2
+            assert len(blocks) == 3
             for block in blocks:
                 assert len({len(re.findall(r"(?<!\\)\|", line)) for line in block.splitlines()}) == 1
             assert "configuration_hash" in text and "kappa = 0.5" in text and not re.search(r"\bnan\b", text)
         elif name.endswith("tex"):
             assert text.isascii() and text.count("{") == text.count("}")
-            assert len(re.findall(r"\\begin", text)) == len(re.findall(r"\\end\b", text)) == 4
+            assert len(re.findall(r"\\begin", text)) == len(re.findall(r"\\end\b", text)) == 6
             bare = re.sub(r"\\[%_#&]|\$[^$\n]*\$|\\[a-z]+", "", "\n".join(text.splitlines()[1:]))
             assert not set("_#%$^~") & set(bare.replace("~", "")), "everything special is escaped"
             for body in re.findall(r"\\hline\n(.*?)\\end{tabular}", text, flags=re.S):
@@ -291,6 +291,23 @@ def test_formats(texts):
                 numbers = [key for key in line if not re.match(words, key)]
                 assert len(numbers) == 48
                 assert all(np.isfinite(float(line[key])) or line[key] == "nan" for key in numbers)
+
+
+def test_labels_are_the_regions(stores, texts, plane):
+    """Independent of the sheet: every label of the raster, and thresholds between the rows where the raster changes."""
+    article, data = plane[0], plane[2]
+    sheet = texts[f"table{article.number}.md"].split("## Labels")[1].split("## Notes")[0]
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in sheet.strip().splitlines()[2:]]
+    shares = {row[0]: float(row[1].rstrip(" %")) / 100.0 for row in cells}
+    assert sum(shares.values()) == pytest.approx(1.0, abs=1e-5)
+    labels = dict(zip(data.domain.attrs["flag_values"], data.domain.attrs["labels"], strict=True))
+    assert {labels[int(code)] for code in np.unique(data.domain)} <= set(shares)
+    axis = data[article.parameter].values
+    for row in cells:
+        present = axis[np.any(data.domain.values == next(k for k, v in labels.items() if v == row[0]), axis=1)]
+        bounds = [tuple(map(float, part.split("–"))) for text in row[2:] if text != "–" for part in text.split("; ")]
+        for value in present:
+            assert any(low - 1e-6 <= value <= high + 1e-6 for low, high in bounds), row
 
 
 def test_latex_escapes():
