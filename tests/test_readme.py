@@ -30,15 +30,15 @@ def folder(tmp_path_factory):
 
 
 def test_there_is_something_to_check():
-    assert len(SNIPPETS) == 3 and len(COMMANDS) >= 7
+    assert len(SNIPPETS) == 4 and len(COMMANDS) >= 7
 
 
-@pytest.mark.parametrize("snippet", SNIPPETS, ids=["store", "boundaries", "solver"])
+@pytest.mark.parametrize("snippet", SNIPPETS, ids=["store", "boundaries", "solver", "thresholds"])
 def test_snippets_run(snippet, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     exec(compile(snippet, "README.md", "exec"), {})
     said = capsys.readouterr().out
-    assert any(text in said for text in ("1/0", "2/0-1", "fold"))
+    assert any(text in said for text in ("1/0", "2/0-1", "fold", "2/0-2 from"))
 
 
 @pytest.mark.parametrize("command", COMMANDS)
