@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from solver import LinearSeeds, ProvenSeeds, RowError, sweep_row
+from solver import LinearSeeds, ProvenSeeds, RowError, all_solutions, sweep_row
+from solver.boundaries import SpecialPoint, boundary_curves, row_events
 from tests.conftest import consistent, published
 from tests.solver.test_row import grid
 
@@ -55,3 +56,25 @@ def test_enumeration_and_continuation_must_agree(monkeypatch):
 def test_free_play_without_load_is_no_number():
     with pytest.raises(RowError, match="continuum"):
         sweep_row(published(f_pm=0.0, f_e=0.05), "omega", grid(40))
+
+
+@pytest.mark.parametrize("columns", [61, 150, 397])
+def test_the_solutions_do_not_depend_on_where_seeds_are_taken(columns):
+    model = consistent(rotation_coupling=0.93969262, alpha=0.44)
+    usual, other = (sweep_row(model, "omega", grid(200), seeds=ProvenSeeds(n)) for n in (197, columns))
+    np.testing.assert_array_equal(usual.stable, other.stable)
+    np.testing.assert_array_equal(usual.domain, other.domain)
+    for name in ("mean", "cos", "sin"):
+        np.testing.assert_allclose(getattr(usual, name), getattr(other, name), rtol=0, atol=1e-11)
+
+
+def test_an_isola_is_born_where_enumeration_first_finds_it():
+    """The fold curve's turning point, from rows on one side of it only, against counts of proven solutions."""
+    model = consistent(rotation_coupling=0.93969262)
+    rows = [(alpha, sweep_row(model.replace(alpha=alpha), "omega", grid(200))) for alpha in (0.41, 0.42)]
+    starts = [event for alpha, row in rows for event in row_events(row, alpha)]
+    curves = boundary_curves(model, "omega", "alpha", (0.05, 2.0), (0.3, 0.43), starts)
+    (birth,) = [c.points[i] for c in curves for i in np.flatnonzero(c.special == SpecialPoint.ISOLA)]
+    omega, alpha = birth[3:]
+    counts = [len(all_solutions(model.replace(alpha=alpha + d), omega).mean) for d in (-1e-6, -1e-9, 1e-9, 1e-6)]
+    assert counts == [1, 1, 3, 3] and 0.40 < alpha < 0.41
