@@ -94,6 +94,9 @@ def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
     from pipeline.cluster import Workforce
     from pipeline.errors import ConfigurationError
+    from pipeline.warmup import compile_beside
+
+    helper = compile_beside()
     from pipeline.stages import prepare, run_plane_stages, run_shared_stages
 
     status, jobs = 0, []
@@ -106,6 +109,8 @@ def _run_all(all_settings, reporter) -> int:
         except ConfigurationError as error:
             reporter.error(str(error))
             status = 2
+    if helper is not None:
+        helper.wait()
     if not jobs:
         return status
     with Workforce(jobs[0].settings.config.cluster) as workforce:

@@ -4,6 +4,7 @@ Tasks are independent and write their own results; only small receipts come back
 """
 
 import contextlib
+import importlib
 import importlib.util
 import logging
 import signal
@@ -105,6 +106,8 @@ class Workforce:
                 silence_logs=logging.CRITICAL,
             )
         self._client = Client(self._cluster, set_as_default=False)
+        # Loading the kernels takes a worker a second, all of them at once here and not when the first rows are due.
+        self._client.run(importlib.import_module, "solver")
 
     def _reach_scheduler(self) -> None:
         from distributed import Client

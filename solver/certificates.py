@@ -170,7 +170,6 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     types.void(
         ARRAY, ARRAY, ARRAY, _F, types.float64[:, :, ::1], MATRIX, types.int8[:, ::1], types.int64[::1], FLAGS, FLAGS
     ),
-    inner=True,
 )  # fmt: skip
 def enumerate_points(theta, direction, grid, ceiling, unknowns, radius, stable, counts, proof, above):
     """All solutions at many axis values.

@@ -13,7 +13,7 @@ from pathlib import Path
 import numba
 from numba import types
 
-__all__ = ["ARRAY", "BALANCE", "CORRECTOR", "FLAGS", "MATRIX", "MONITOR", "kernel"]
+__all__ = ["ARRAY", "BALANCE", "CORRECTOR", "FLAGS", "MATRIX", "MONITOR", "cache_folder", "kernel"]
 
 ARRAY = types.float64[::1]
 MATRIX = types.float64[:, ::1]
@@ -41,7 +41,7 @@ def _source_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def _cache_folder() -> str | None:
+def cache_folder() -> str | None:
     """Where compiled kernels are kept, or None where no folder can be written (then they are compiled every time)."""
     homes = [os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME"), Path.home() / ".cache"]
     for home in [Path(h) for h in homes if h] + [Path(tempfile.gettempdir()) / f"bevelmap-{os.getuid()}"]:
@@ -55,7 +55,7 @@ def _cache_folder() -> str | None:
     return None
 
 
-_FOLDER = _cache_folder()
+_FOLDER = cache_folder()
 
 
 def kernel(signature, inline: bool = False, inner: bool = False):

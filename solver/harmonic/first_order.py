@@ -38,9 +38,9 @@ from solver.condensation import (
     mesh_receptance,
     rotation_coupling,
 )
-from solver.continuation import Problem
 from solver.linear import eliminate
 from solver.model import Model
+from solver.problem import Problem
 
 __all__ = [
     "balance",
@@ -178,7 +178,7 @@ def monitor(theta, direction, y, values, gradient):
         gradient[i, 3] = flank * d_b
 
 
-@kernel(types.float64(ARRAY, ARRAY, types.float64, ARRAY), inner=True)
+@kernel(types.float64(ARRAY, ARRAY, types.float64, ARRAY))
 def linear_solution(theta, direction, p, unknowns):
     """Solution of the balance without backlash (b = 0, linear), and the determinant of its Jacobian.
 
@@ -196,7 +196,7 @@ def linear_solution(theta, direction, p, unknowns):
     return determinant
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY))
 def linear_degree(theta, direction, grid, signs):
     """Fill `signs` with the degree at every axis value of `grid`: the sign of the determinant of `linear_solution`."""
     unknowns = np.empty(3)

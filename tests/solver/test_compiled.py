@@ -23,7 +23,7 @@ def test_kernels_divide_as_numpy_does():
 
 def test_the_cache_belongs_to_the_sources(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    folder = compiled._cache_folder()
+    folder = compiled.cache_folder()
     assert folder.startswith(str(tmp_path)) and folder.endswith(compiled._source_digest())
     package = tmp_path / "copy"
     package.mkdir()

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import (
-    Continuation, EndReason, Event, ImpactState, ParameterError, RowError, domain_label, impact_state, sweep_row,
-    uncondensed_balance,
+    Continuation, EndReason, Event, ImpactState, LinearSeeds, ParameterError, ProvenSeeds, RowError, domain_label,
+    impact_state, sweep_row, uncondensed_balance,
 )  # fmt: skip
 from solver.condensation import AXES
 from solver.harmonic.first_order import evaluate
@@ -356,11 +356,15 @@ def test_a_coarse_raster_says_too_that_a_branch_left(columns):
     assert row.open[right - 1] and row.open[right] and np.sum(row.open) <= 3
 
 
+@pytest.mark.parametrize("seeds", [ProvenSeeds(), LinearSeeds()], ids=["proven", "linear"])
 @pytest.mark.parametrize("seed, f_pm, b", [(1791, -1.103, 0.025), (14, -0.403, 0.722), (87, 0.465, 1.567)])
-def test_a_branch_that_touches_neither_end_of_the_range_is_found(seed, f_pm, b):
-    """Between two unbounded branches lies a third that comes down from above the ceiling and leaves through it again."""
+def test_a_branch_that_touches_neither_end_of_the_range_is_found(seed, f_pm, b, seeds):
+    """Between two unbounded branches lies a third that comes down from above the ceiling and leaves through it again.
+
+    Proven seeds know it is there; to linear ones only the degree says that something is missing.
+    """
     model = random_model(seed, f_pm=f_pm, b=b)
-    row = sweep_row(model, "omega", grid(79))
+    row = sweep_row(model, "omega", grid(79), seeds=seeds)
     left, up = EndReason.RANGE_LEFT, EndReason.AMPLITUDE_CEILING
     assert [curve.ends for curve in row.curves] == [(left, up), (left, up), (up, up)]
     for i, omega in enumerate(row.grid):
