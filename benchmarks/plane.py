@@ -29,7 +29,7 @@ def run(folder: Path, *arguments: str, **environment: str) -> tuple[float, float
                 peak = max(peak, member.memory_info().rss / 1e6)
         except psutil.NoSuchProcess:
             pass
-        time.sleep(0.02)
+        time.sleep(0.1)
     seconds = time.perf_counter() - begin
     said = process.stdout.read()
     if process.returncode != 0:
