@@ -36,7 +36,7 @@ def compile_beside() -> subprocess.Popen | None:
     module = importlib.util.spec_from_file_location("_kernel_cache", folder / "compiled.py")
     compiled = importlib.util.module_from_spec(module)
     module.loader.exec_module(compiled)
-    cache = compiled.cache_folder()
+    cache = compiled.cache_folder(folder / "arclength.py")
     if cache is None or any(Path(cache).rglob("*.nbi")):
         return None
     return subprocess.Popen([sys.executable, "-c", _HELPER, str(folder)], stdout=subprocess.DEVNULL)

@@ -16,7 +16,7 @@ import numpy as np
 
 from solver.errors import ParameterError
 
-__all__ = ["GEOMETRIC", "Model", "SCALAR_PARAMETERS"]
+__all__ = ["GEOMETRIC", "Harmonics", "Model", "SCALAR_PARAMETERS", "harmonic_pairs"]
 
 GEOMETRIC = "geometric"
 
@@ -107,7 +107,7 @@ class Model:
         ):
             self._set(name, _numbers(name, getattr(self, name), count, bound))
         for name in ("alpha_harmonics", "f_e_harmonics"):
-            self._set(name, _harmonics(name, getattr(self, name)))
+            self._set(name, harmonic_pairs(name, getattr(self, name)))
         for name, top in (("pitch_cone_angle", 180.0), ("pressure_angle", 90.0)):
             value = _number(name, getattr(self, name), None)
             if not 0.0 <= value < top:
@@ -237,8 +237,8 @@ def _numbers(name: str, value, count: int, bound) -> tuple[float, ...]:
     return tuple(_number(f"{name}[{i}]", entry, bound) for i, entry in enumerate(value))
 
 
-def _harmonics(name: str, value) -> Harmonics:
-    allowed = "a list of [amplitude, phase] pairs for the harmonics 2, 3, ..."
+def harmonic_pairs(name: str, value) -> Harmonics:
+    allowed = "a list of [amplitude, phase] pairs"
     if isinstance(value, str) or not hasattr(value, "__len__"):
         raise ParameterError(name, value, allowed)
     for pair in value:

@@ -21,19 +21,37 @@ def test_kernels_divide_as_numpy_does():
     np.testing.assert_array_equal(values, [np.inf, -np.inf, np.nan, 1.5])
 
 
-def test_the_cache_belongs_to_the_sources(tmp_path, monkeypatch):
+def test_the_cache_of_a_module_belongs_to_its_sources(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled, "_ROOT", tmp_path)
+    texts = {
+        "user.py": "from solver.used import f\nfrom solver.part import other\n",
+        "used.py": "from solver.deep.inner import g\n",
+        "deep/__init__.py": "",
+        "deep/inner.py": "x = 1\n",
+        "part/__init__.py": "",
+        "part/other.py": "x = 1\n",
+        "stranger.py": "x = 1\n",
+    }
+
+    def digest(**changes):
+        for name, text in {**texts, **changes}.items():
+            (tmp_path / name).parent.mkdir(exist_ok=True)
+            (tmp_path / name).write_text(text)
+        compiled._digest.cache_clear()
+        return compiled._digest(tmp_path / "user.py")
+
+    assert digest() == digest() == digest(**{"stranger.py": "x = 2\n"})
+    for name in set(texts) - {"stranger.py", "deep/__init__.py"}:
+        assert digest(**{name: texts[name] + "y = 2\n"}) != digest()
+    compiled._digest.cache_clear()
+
+
+def test_the_cache_goes_where_numba_is_told(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    folder = compiled.cache_folder()
-    assert folder.startswith(str(tmp_path)) and folder.endswith(compiled._source_digest())
-    package = tmp_path / "copy"
-    package.mkdir()
-    monkeypatch.setattr(compiled, "__file__", str(package / "compiled.py"))
-    digests = set()
-    for name, text in (("a.py", "x = 1"), ("a.py", "x = 2"), ("sub/b.py", "x = 2"), ("notes.txt", "x")):
-        (package / name).parent.mkdir(exist_ok=True)
-        (package / name).write_text(text)
-        digests.add(compiled._source_digest())
-    assert len(digests) == 3
+    compiled.cache_root.cache_clear()
+    assert compiled.cache_folder(compiled._ROOT / "linear.py").startswith(str(tmp_path))
+    assert compiled.cache_folder(tmp_path / "missing.py") is None
+    compiled.cache_root.cache_clear()
 
 
 def test_the_solver_is_numerics_alone():
