@@ -42,7 +42,7 @@ REFUSED = [
     ("rotation_coupling", 0.0, "rotation_coupling", 0.0, "above 0"),
     ("rotation_coupling", "", "rotation_coupling", "", "a number or the word geometric"),
     *(
-        (name, bad, name, bad, "a list of [amplitude, phase] pairs for the harmonics 2, 3, ...")
+        (name, bad, name, bad, "a list of [amplitude, phase] pairs")
         for name in ("alpha_harmonics", "f_e_harmonics")
         for bad in (0.1, None, "0.1", [0.1], [[0.1]], [[0.1, 0.2, 0.3]], ["ab"])
     ),
