@@ -105,27 +105,27 @@ def rotation_coupling(theta, direction, p):
     return value, slope
 
 
-@kernel(types.UniTuple(types.complex128, 4)(ARRAY, ARRAY, types.float64, types.float64), inner=True)
-def mesh_receptance(theta, direction, p, harmonic):
-    """What the supports add to the mesh row at one harmonic, and its derivative along the axis.
+@kernel(
+    types.UniTuple(types.complex128, 4)(ARRAY, ARRAY, types.float64, types.complex128, types.complex128), inner=True
+)  # fmt: skip
+def mesh_receptance(theta, direction, p, s, d_s):
+    """What the supports add to the mesh row at one complex frequency, and its derivative.
 
     Parameters
     ----------
     theta, direction : (34,) arrays
     p : float
         Axis value.
-    harmonic : float
-        k; the row is taken at omega = k Omega.
+    s, d_s : complex
+        Motion like exp(s tau), s = i k Omega for harmonic k, and how s itself moves.
 
     Returns
     -------
     T, U, dT, dU : complex
-        T = omega^2 sum_j d_j^2 kappa_g/Z_j and U = omega^2 sum_j d_j^2 xi_hg/Z_j with
-        Z_j = k_j - omega^2 + 2i xi_j omega, and their derivatives.
+        T = -s^2 sum_j d_j^2 kappa_g/Z_j and U = -s^2 sum_j d_j^2 xi_hg/Z_j with Z_j = k_j + 2 xi_j s + s^2 (for s = i omega
+        those of PHYSICS, section 3), and their derivatives along the axis, s moving by d_s.
     """
     radians = math.pi / 180.0
-    omega = harmonic * (theta[OMEGA] + p * direction[OMEGA])
-    d_omega = harmonic * direction[OMEGA]
     cone, pressure = (theta[CONE] + p * direction[CONE]) * radians, (theta[PRESSURE] + p * direction[PRESSURE]) * radians
     d_cone, d_pressure = direction[CONE] * radians, direction[PRESSURE] * radians
     sigma, d_sigma = theta[SIGMA] + p * direction[SIGMA], direction[SIGMA]
@@ -150,17 +150,16 @@ def mesh_receptance(theta, direction, p, harmonic):
             # Supports that are alike, as they mostly are, share one 1/Z_j. Those that differ may not share d_j either,
             # but an axis moves all supports of one kind together, so that equal supports have equal derivatives.
             xi, d_xi, k, d_k = xi_j, direction[XI_SUPPORT + j], k_j, direction[K_SUPPORT + j]
-            real, imaginary = k - omega * omega, 2.0 * xi * omega
+            stiffness = k + 2.0 * xi * s + s * s
             # By the reciprocal: numba raises where a complex number is divided by 0, and this may be a resonance.
-            reciprocal = 1.0 / (real * real + imaginary * imaginary)
-            inverse = complex(real * reciprocal, -imaginary * reciprocal)
-            d_stiffness = complex(d_k - 2.0 * omega * d_omega, 2.0 * (d_xi * omega + xi * d_omega))
-            d_inverse = -d_stiffness * inverse * inverse
+            reciprocal = 1.0 / (stiffness.real * stiffness.real + stiffness.imag * stiffness.imag)
+            inverse = complex(stiffness.real * reciprocal, -stiffness.imag * reciprocal)
+            d_inverse = -(d_k + 2.0 * d_xi * s + 2.0 * (xi + s) * d_s) * inverse * inverse
         total_t += weight * kappa * inverse
         total_u += weight * xi_g * inverse
         d_total_t += (d_weight * kappa + weight * d_kappa) * inverse + weight * kappa * d_inverse
         d_total_u += (d_weight * xi_g + weight * d_xi_g) * inverse + weight * xi_g * d_inverse
-    square, d_square = omega * omega, 2.0 * omega * d_omega
+    square, d_square = -s * s, -2.0 * s * d_s
     return (
         square * total_t,
         square * total_u,

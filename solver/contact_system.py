@@ -100,6 +100,14 @@ class ContactSystem:
         return self.contact.size
 
     @property
+    def motion_size(self) -> float:
+        """Size of lambda to expect, for the scaling of continuation: gap and static response, or 1 where both are 0."""
+        closed = self.stiffness + np.outer(self.force, self.contact)
+        static = self.contact @ np.linalg.lstsq(closed, self.load[0].real, rcond=None)[0]
+        size = abs(self.front_gap) + abs(float(static))
+        return size if size > 0.0 else 1.0
+
+    @property
     def two_sided(self) -> bool:
         """Whether there is a contact at the back."""
         return math.isfinite(self.back_gap)

@@ -143,6 +143,15 @@ class Model:
         half = np.array([radial, -axial, -math.cos(pressure)])
         return math.sqrt(self.sigma) * np.concatenate([half, -half])
 
+    @property
+    def motion_size(self) -> float:
+        """Size of lambda to expect, for the scaling of continuation: b + |f_pm|/c + |f_pv| + |f_e|, or 1 where that is 0.
+
+        It is homogeneous of degree one in (b, f_pm, f_pv, f_e), as lambda itself is.
+        """
+        size = self.b + abs(self.f_pm) / self.rotation + abs(self.f_pv) + abs(self.f_e)
+        return size if size > 0.0 else 1.0
+
     def stiffness_harmonics(self) -> Harmonics:
         """All (alpha_l, Phi_kl), l = 1 ... N."""
         return ((self.alpha, self.alpha_phase), *self.alpha_harmonics)

@@ -31,7 +31,6 @@ from solver.compiled import ARRAY, MATRIX, kernel
 from solver.condensation import AXES, SIZE, axis_vectors
 from solver.continuation import Event, Problem
 from solver.errors import ParameterError
-from solver.harmonic.first_order import unknown_scale
 from solver.model import Model
 
 __all__ = ["KINDS", "Plane"]
@@ -130,7 +129,7 @@ class Plane:
         model = self.model.replace(**middle)
         first, along_x = axis_vectors(model, self.x_axis, self.omega or 0.0)
         second, along_p = axis_vectors(model, self.p_axis, self.omega or 0.0)
-        size = unknown_scale(model)
+        size = model.motion_size
         theta, direction = np.zeros(PACKED), np.zeros(PACKED)
         # What either axis sets is 0 in the vector that belongs to it.
         theta[:SIZE] = np.where(second == 0.0, 0.0, first)

@@ -50,7 +50,6 @@ __all__ = [
     "linear_degree",
     "linear_solution",
     "monitor",
-    "unknown_scale",
 ]
 
 
@@ -82,9 +81,9 @@ def coefficients(theta, direction, p):
     constants, d_constants : 3 floats each
         c, f_pm and b.
     """
-    T, U, d_T, d_U = mesh_receptance(theta, direction, p, 1.0)
-    c, d_c = rotation_coupling(theta, direction, p)
     omega, d_omega = theta[OMEGA] + p * direction[OMEGA], direction[OMEGA]
+    T, U, d_T, d_U = mesh_receptance(theta, direction, p, 1j * omega, 1j * d_omega)
+    c, d_c = rotation_coupling(theta, direction, p)
     xi, d_xi = theta[XI_MESH] + p * direction[XI_MESH], direction[XI_MESH]
     eps_t, d_eps_t = theta[VARIATION_T] + p * direction[VARIATION_T], direction[VARIATION_T]
     eps_r, d_eps_r = theta[VARIATION_R] + p * direction[VARIATION_R], direction[VARIATION_R]
@@ -204,15 +203,6 @@ def linear_degree(theta, direction, grid, signs):
         signs[i] = np.sign(linear_solution(theta, direction, grid[i], unknowns))
 
 
-def unknown_scale(model: Model) -> float:
-    """Size of lambda to expect, for the scaling of continuation: b + |f_pm|/c + |f_pv| + |f_e|, or 1 where that is 0.
-
-    It is homogeneous of degree one in (b, f_pm, f_pv, f_e), as lambda itself is.
-    """
-    size = model.b + abs(model.f_pm) / model.rotation + abs(model.f_pv) + abs(model.f_e)
-    return size if size > 0.0 else 1.0
-
-
 def first_order_problem(model: Model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
     """The balance of one gear pair as a curve over one axis.
 
@@ -231,7 +221,7 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     Problem
     """
     theta, direction = axis_vectors(model, axis, omega)
-    size = unknown_scale(model)
+    size = model.motion_size
     scale = np.array([size, size, size, 0.1 * (high - low)])
     return Problem(balance, monitor, theta, direction, scale, monitors=5)
 

@@ -5,7 +5,7 @@ from numba import types
 
 from solver.compiled import ARRAY, MATRIX, kernel
 from solver.condensation import axis_vectors
-from solver.harmonic.first_order import balance, linear_solution, unknown_scale
+from solver.harmonic.first_order import balance, linear_solution
 from solver.linear import eliminate
 from solver.model import Model
 
@@ -42,7 +42,7 @@ def _search(theta, direction, p, starts, size, found):
 def all_solutions(model: Model, omega: float, starts: int = 300, seed: int = 0) -> np.ndarray:
     """(k, 3) array of (lambda_m, lambda_c, lambda_s), ascending in amplitude."""
     theta, direction = axis_vectors(model, "omega")
-    size, linear = unknown_scale(model), np.empty(3)
+    size, linear = model.motion_size, np.empty(3)
     linear_solution(theta, direction, omega, linear)
     reach = max(size, 2.0 * float(np.max(np.abs(linear))))
     draw = np.random.default_rng(seed)

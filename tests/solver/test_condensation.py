@@ -12,6 +12,12 @@ from tests.solver.independent import difference
 from tests.solver.strategies import frequencies, models, value_on
 
 
+def receptance(theta, direction, p, harmonic):
+    """`mesh_receptance` at a harmonic of the frequency in theta."""
+    s, d_s = 1j * harmonic * (theta[0] + p * direction[0]), 1j * harmonic * direction[0]
+    return mesh_receptance(theta, direction, p, s, d_s)
+
+
 def schur(model, omega):
     """T and U of PHYSICS, section 3, by eliminating the translations from K - omega^2 M + i omega C."""
     mass, damping, stiffness = model.matrices()
@@ -26,7 +32,7 @@ def schur(model, omega):
 
 @given(models(), frequencies, st.sampled_from([1, 2, 3]))
 def test_mesh_receptance_is_the_schur_complement(model, omega, harmonic):
-    T, U, *_ = mesh_receptance(*axis_vectors(model, "omega"), omega, float(harmonic))
+    T, U, *_ = receptance(*axis_vectors(model, "omega"), omega, harmonic)
     expected_T, expected_U = schur(model, harmonic * omega)
     assert abs(T - expected_T) < 1e-11 * max(1.0, abs(expected_T))
     assert abs(U - expected_U) < 1e-11 * max(1.0, abs(expected_U))
@@ -35,7 +41,7 @@ def test_mesh_receptance_is_the_schur_complement(model, omega, harmonic):
 def test_mesh_receptance_of_the_published_pair():
     # 2 sigma omega^2 (kappa, xi_hg)/Z with all supports alike.
     omega = 0.7
-    T, U, *_ = mesh_receptance(*axis_vectors(published(), "omega"), omega, 1.0)
+    T, U, *_ = receptance(*axis_vectors(published(), "omega"), omega, 1)
     factor = 2.0 * 0.3173 * omega**2 / (1.0 - omega**2 + 0.02j * omega)
     assert T == pytest.approx(0.5 * factor, abs=1e-15) and U == pytest.approx(0.0125 * factor, abs=1e-15)
 
@@ -48,14 +54,25 @@ def test_derivatives_along_every_axis(axis, model, omega, harmonic):
     p = value_on(model, axis)
 
     def values(x):
-        return [*mesh_receptance(theta, direction, x, harmonic)[:2], rotation_coupling(theta, direction, x)[0]]
+        return [*receptance(theta, direction, x, harmonic)[:2], rotation_coupling(theta, direction, x)[0]]
 
-    T, U, d_T, d_U = mesh_receptance(theta, direction, p, harmonic)
+    T, U, d_T, d_U = receptance(theta, direction, p, harmonic)
     found = np.array([d_T, d_U, rotation_coupling(theta, direction, p)[1]])
     expected = difference(values, p, 1e-4 if axis in ("xi_support", "omega", "k_support") else 1e-3)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 * max(1.0, *np.abs(expected), abs(T), abs(U)))
     if axis in ("omega", "k_support", "xi_support") and model.sigma > 0.0:
         assert abs(d_T) > 0.0
+
+
+@given(models(), st.complex_numbers(min_magnitude=0.1, max_magnitude=3.0))
+def test_mesh_receptance_is_analytic_in_the_complex_frequency(model, s):
+    theta, _ = axis_vectors(model, "omega")
+    still = np.zeros_like(theta)
+    values = [np.array(mesh_receptance(theta, still, 0.5, s + step, 1.0)) for step in (0.0, 1e-5, -1e-5, 1e-5j, -1e-5j)]
+    near = min(abs(k + 2.0 * xi * s + s * s) for k, xi in zip(model.k_support, model.xi_support, strict=True))
+    for forward, backward, step in ((values[1], values[2], 2e-5), (values[3], values[4], 2e-5j)):
+        expected = (forward - backward)[:2] / step
+        np.testing.assert_allclose(values[0][2:], expected, rtol=0, atol=1e-6 * max(1.0, near**-4))
 
 
 @pytest.mark.parametrize("axis", AXES)

@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 
 from solver import first_order_problem
 from solver.condensation import AXES, axis_vectors
-from solver.harmonic.first_order import balance, coefficients, evaluate, linear_solution, monitor, unknown_scale
+from solver.harmonic.first_order import balance, coefficients, evaluate, linear_solution, monitor
 from tests.conftest import published
 from tests.solver.independent import difference, linear_response, projected_balance
 from tests.solver.strategies import frequencies, models, motions, value_on
@@ -161,15 +161,15 @@ def test_the_middle_one_of_three_solutions_is_unstable():
 
 @given(models())
 def test_scales_are_positive_and_homogeneous(model):
-    size = unknown_scale(model)
+    size = model.motion_size
     assert size > 0.0
     larger = model.replace(b=3 * model.b, f_pm=3 * model.f_pm, f_pv=3 * model.f_pv, f_e=3 * model.f_e)
     if any((model.b, model.f_pm, model.f_pv, model.f_e)):
-        assert unknown_scale(larger) == pytest.approx(3.0 * size, rel=1e-14)
+        assert larger.motion_size == pytest.approx(3.0 * size, rel=1e-14)
     problem = first_order_problem(model, "omega", 0.2, 1.2)
     np.testing.assert_allclose(problem.scale, [size, size, size, 0.1], rtol=1e-14)
     assert problem.unknowns == 3 and problem.monitors == 5
 
 
 def test_a_pair_without_load_and_gap_has_a_scale():
-    assert unknown_scale(published(b=0.0, f_pm=0.0, f_e=0.0)) == 1.0
+    assert published(b=0.0, f_pm=0.0, f_e=0.0).motion_size == 1.0

@@ -1,0 +1,273 @@
+"""Harmonic balance of order H on the contact coordinate, with exact Fourier coefficients of the contact force.
+
+With theta = Omega tau/nu, lambda = Lambda_0 + Re sum_{k=1}^{H} Lambda_k exp(i k theta), Lambda_k = c_k - i s_k, the unknowns
+are (Lambda_0, c_1, s_1, ..., c_H, s_H). The force of a motion with the contact spectra chi, chi+ (front) and chi- (back) is
+
+    f_k = sum_m chi_(k-m) L_m - front chi+_k + back chi-_k,    L_0 = Lambda_0, L_m = Lambda_m/2, L_-m = conj L_m
+
+for every k (PHYSICS, section 4), and q = s f follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows are E_0, then
+Re E_k and -Im E_k with E_k = D_k Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable solution has a positive
+Jacobian determinant. f vanishes where contact switches, so that the derivatives of f are those at fixed contact.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import types
+
+from solver.compiled import ARRAY, MATRIX, kernel
+from solver.contact_system import ContactSystem
+from solver.errors import ParameterError
+from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spectrum, extremes
+from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
+from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES, packed
+from solver.linear import eliminate
+from solver.model import Model
+from solver.problem import Problem
+
+__all__ = ["Galerkin", "contact_of", "linear_solution", "modulated"]
+
+_I, _F = types.int64, types.float64
+_COMPLEX = np.complex128
+
+
+@kernel(types.complex128(COMPLEX, _I), inline=True)
+def _at(coefficients, k):
+    """Coefficient k of a real function whose coefficients k >= 0 are given."""
+    return coefficients[k] if k >= 0 else coefficients[-k].conjugate()
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
+def contact_of(theta, direction, u, p, contact, ahead, behind):
+    """Fill the spectra chi, chi+ and chi- of a motion u at one axis value."""
+    room = 2 * u.shape[0] + 8
+    angles, zones = np.empty(room), np.empty(room, np.int64)
+    front, back = theta[FRONT] + p * direction[FRONT], theta[BACK] + p * direction[BACK]
+    count = contact_arcs(u, front, back, angles, zones)
+    contact_spectrum(count, angles, zones, contact, ahead, behind)
+
+
+@kernel(types.void(ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
+def modulated(theta, direction, p, spectrum, product, slope):
+    """Coefficients of s(tau) times a real function: fill `product`, and `slope` with the derivative along the axis.
+
+    `spectrum` must reach N nu further than `product`.
+    """
+    period = int(theta[PERIOD])
+    for k in range(product.shape[0]):
+        product[k], slope[k] = 0j, 0j
+    for l in range(1, int(theta[STIFFNESSES]) + 1):
+        S, d_S = stiffness_phasor(theta, direction, p, l)
+        if S == 0.0 and d_S == 0.0:
+            continue
+        for k in range(product.shape[0]):
+            before, after = _at(spectrum, k - l * period), spectrum[k + l * period]
+            product[k] += 0.5 * (S * before + S.conjugate() * after)
+            slope[k] += 0.5 * (d_S * before + d_S.conjugate() * after)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _balance(theta, direction, y, residual, jacobian):
+    """Residual (n,) and Jacobian (n, n + 1) at y = (unknowns, axis value), n = 2 H + 1; see the module."""
+    n = y.shape[0] - 1
+    order, period = n // 2, int(theta[PERIOD])
+    u, p = y[:n], y[n]
+    reach = order + int(theta[STIFFNESSES]) * period
+    size = order + reach + 1
+    work = np.empty((4, size), _COMPLEX)
+    chi, ahead, behind, psi = work[0], work[1], work[2], work[3][: 2 * order + 1]
+    contact_of(theta, direction, u, p, chi, ahead, behind)
+    front, d_front, back, d_back = theta[FRONT] + p * direction[FRONT], direction[FRONT], 0.0, direction[BACK]
+    if math.isfinite(theta[BACK]):
+        back = theta[BACK] + p * d_back
+
+    force = np.empty((4, reach + 1), _COMPLEX)
+    f, d_f, q, dump = force[0], force[1], force[2][: order + 1], force[3][: order + 1]
+    for k in range(reach + 1):
+        total = chi[k] * u[0] - front * ahead[k] + back * behind[k]
+        for m in range(1, order + 1):
+            half = 0.5 * complex(u[2 * m - 1], -u[2 * m])
+            total += _at(chi, k - m) * half + chi[k + m] * half.conjugate()
+        f[k], d_f[k] = total, d_back * behind[k] - d_front * ahead[k]
+    d_q = np.empty(order + 1, _COMPLEX)
+    modulated(theta, direction, p, d_f, q, dump)
+    for k in range(order + 1):
+        d_q[k] = q[k]
+    modulated(theta, direction, p, f, q, dump)
+    for k in range(order + 1):
+        d_q[k] += dump[k]
+    slope = np.empty(2 * order + 1, _COMPLEX)
+    modulated(theta, direction, p, chi, psi, slope)
+
+    omega, d_omega = base_frequency(theta, direction, p)
+    for k in range(order + 1):
+        l = k // period if k % period == 0 else -1
+        (D, A, B, G), (d_D, d_A, d_B, d_G) = impedance(theta, direction, p, 1j * k * omega, 1j * k * d_omega, l)
+        if k == 0:
+            residual[0] = (D * u[0] + A * f[0] + B * q[0] - G).real
+            jacobian[0, 0] = (D + A * chi[0] + B * psi[0]).real
+            for m in range(1, order + 1):
+                jacobian[0, 2 * m - 1] = (A * chi[m].real + B * psi[m].real).real
+                jacobian[0, 2 * m] = -(A * chi[m].imag + B * psi[m].imag).real
+            jacobian[0, n] = (d_D * u[0] + d_A * f[0] + A * d_f[0] + d_B * q[0] + B * d_q[0] - d_G).real
+            continue
+        motion = complex(u[2 * k - 1], -u[2 * k])
+        row = D * motion + 2.0 * (A * f[k] + B * q[k]) - G
+        residual[2 * k - 1], residual[2 * k] = row.real, -row.imag
+        row = d_D * motion + 2.0 * (d_A * f[k] + A * d_f[k] + d_B * q[k] + B * d_q[k]) - d_G
+        jacobian[2 * k - 1, n], jacobian[2 * k, n] = row.real, -row.imag
+        row = 2.0 * (A * chi[k] + B * psi[k])
+        jacobian[2 * k - 1, 0], jacobian[2 * k, 0] = row.real, -row.imag
+        for m in range(1, order + 1):
+            near, far = A * _at(chi, k - m) + B * _at(psi, k - m), A * chi[k + m] + B * psi[k + m]
+            if m == k:
+                near += D
+            row = near + far
+            jacobian[2 * k - 1, 2 * m - 1], jacobian[2 * k, 2 * m - 1] = row.real, -row.imag
+            row = -1j * (near - far)
+            jacobian[2 * k - 1, 2 * m], jacobian[2 * k, 2 * m] = row.real, -row.imag
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _monitor(theta, direction, y, values, gradient):
+    """Size of the oscillation and the four contact margins with their gradients.
+
+    values (5,) = sqrt(sum_k |Lambda_k|^2), then lambda_min - front, lambda_min + back, lambda_max - front, lambda_max +
+    back from the true extremes of lambda; gradient (5, n + 1). Without a back contact its margins are 1.
+    """
+    n = y.shape[0] - 1
+    low, low_at, high, high_at = extremes(y[:n])
+    size = 0.0
+    for j in range(1, n):
+        size += y[j] * y[j]
+    size = math.sqrt(size)
+    values[0] = size
+    gradient[0, 0], gradient[0, n] = 0.0, 0.0
+    for j in range(1, n):
+        gradient[0, j] = y[j] / size if size > 0.0 else 0.0
+    for i in range(1, 5):
+        value, angle = (low, low_at) if i <= 2 else (high, high_at)
+        slot, sense = (FRONT, -1.0) if i % 2 == 1 else (BACK, 1.0)
+        if not math.isfinite(theta[slot]):
+            values[i] = 1.0
+            gradient[i, :] = 0.0
+            continue
+        values[i] = value + sense * (theta[slot] + y[n] * direction[slot])
+        gradient[i, 0], gradient[i, n] = 1.0, sense * direction[slot]
+        turn = complex(math.cos(angle), math.sin(angle))
+        z = 1.0 + 0j
+        for k in range(1, n // 2 + 1):
+            z *= turn
+            gradient[i, 2 * k - 1], gradient[i, 2 * k] = z.real, z.imag
+
+
+@kernel(_F(ARRAY, ARRAY, _F, ARRAY))
+def linear_solution(theta, direction, p, unknowns):
+    """Solution of the balance without backlash (f = lambda), and the sign of its Jacobian's determinant.
+
+    As the dead zone of a two-sided gap differs from lambda by at most the gap, the sign is the topological degree of the
+    balance for every gap: the signs of det J over all solutions add up to it.
+    """
+    base, along = theta.copy(), direction.copy()
+    n = unknowns.shape[0]
+    for slot in (FRONT, BACK):
+        base[slot], along[slot] = 0.0, 0.0
+    y, residual, jacobian = np.zeros(n + 1), np.empty(n), np.empty((n, n + 1))
+    y[0], y[n] = 1.0, p
+    _balance(base, along, y, residual, jacobian)
+    square = jacobian[:, :n].copy()
+    right = residual.copy()
+    determinant = eliminate(square, right)
+    unknowns[:] = -right
+    unknowns[0] += 1.0
+    return np.sign(determinant)
+
+
+@kernel(types.void(MATRIX, MATRIX))
+def _extremes(motions, found):
+    """Lowest and highest lambda of every motion: fill found (k, 2)."""
+    for i in range(motions.shape[0]):
+        found[i, 0], _, found[i, 1], _ = extremes(motions[i])
+
+
+@dataclass(frozen=True)
+class Galerkin:
+    """Full Galerkin balance of any order, on the forcing period or a multiple of it.
+
+    Parameters
+    ----------
+    order : int
+        H of PHYSICS: harmonics of the mesh frequency, 1 to 64. Order 1 differs from `FirstOrder`, which truncates the
+        force before it is multiplied by the stiffness.
+    period : int
+        nu: motions may repeat after that many forcing periods only; 1 to 4. There are then nu * order harmonics of Omega/nu.
+    """
+
+    order: int = 5
+    period: int = 1
+
+    def __post_init__(self):
+        for name, top in (("order", 64), ("period", 4)):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= top:
+                raise ParameterError(name, value, f"a whole number from 1 to {top}")
+
+    @property
+    def harmonics(self) -> int:
+        """Harmonics of the base frequency Omega/nu."""
+        return self.order * self.period
+
+    @property
+    def unknowns(self) -> int:
+        """Number n of unknowns (Lambda_0, c_1, s_1, ...)."""
+        return 2 * self.harmonics + 1
+
+    @property
+    def fundamental(self) -> tuple[int, int]:
+        """Slots of the cosine and sine amplitude of the mesh frequency among the unknowns."""
+        return 2 * self.period - 1, 2 * self.period
+
+    def problem(
+        self, system: Model | ContactSystem, axis: str, low: float, high: float, omega: float | None = None
+    ) -> Problem:
+        """The balance as a curve over one axis.
+
+        Parameters
+        ----------
+        system : Model or ContactSystem
+        axis : str
+            "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+        low, high : float
+            Range of the axis, for scaling.
+        omega : float, optional
+            The mesh frequency; needed unless it is the axis.
+        """
+        theta, direction = packed(system, axis, omega, self.order, self.period)
+        scale = np.full(self.unknowns + 1, system.motion_size)
+        scale[-1] = 0.1 * (high - low)
+        return Problem(_balance, _monitor, theta, direction, scale, monitors=5)
+
+    def lifted(self, motions: np.ndarray) -> np.ndarray:
+        """First-order motions (..., 3) as starting values (..., n) of this balance."""
+        found = np.zeros((*np.shape(motions)[:-1], self.unknowns))
+        found[..., [0, *self.fundamental]] = motions
+        return found
+
+    def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest lambda over the period of motions (k, n): two (k,) arrays."""
+        found = np.empty((len(motions), 2))
+        _extremes(np.ascontiguousarray(motions, dtype=float), found)
+        return found[:, 0], found[:, 1]
+
+    def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
+        """Degree of the balance and solution (n,) without backlash at one axis value."""
+        unknowns = np.empty(self.unknowns)
+        return linear_solution(problem.theta, problem.direction, p, unknowns), unknowns
+
+    def displacement(self, motion: np.ndarray, angle) -> np.ndarray:
+        """lambda of one motion (n,) at base angles Omega tau/nu of any shape."""
+        angle = np.asarray(angle, dtype=float)
+        k = np.arange(1, self.harmonics + 1)
+        turns = angle[..., None] * k
+        return motion[0] + np.cos(turns) @ motion[1::2] + np.sin(turns) @ motion[2::2]

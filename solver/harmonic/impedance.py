@@ -1,0 +1,155 @@
+"""What one harmonic of the motion and of the contact force means for the contact coordinate: the exact condensation.
+
+Everything but lambda is linear, so that a motion like exp(s tau) obeys, with the force f and the modulated force q = s f,
+
+    D Lambda + A f + B q = G
+
+Gear pair (PHYSICS, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the mesh row.
+Other systems, closed by a contact of stiffness 1 so that a free rigid motion does no harm, Z = K + s C + s^2 M + h w^T:
+A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A.
+"""
+
+import cmath
+
+import numpy as np
+from numba import types
+
+from solver.compiled import ARRAY, kernel
+from solver.condensation import F_PM, F_PV, SIZE, VARIATION_R, VARIATION_T, XI_MESH, mesh_receptance, rotation_coupling
+from solver.harmonic.layout import DEGREES, GEAR, KIND, LOADS, OMEGA, PAIRS, PERIOD, SIGN, STIFFNESSES
+from solver.linear import eliminate_rows
+
+__all__ = ["base_frequency", "impedance", "stiffness_phasor"]
+
+_I, _F, _C = types.int64, types.float64, types.complex128
+_FOUR = types.UniTuple(_C, 4)
+_COMPLEX = np.complex128
+
+
+@kernel(types.UniTuple(_F, 2)(ARRAY, ARRAY, _F), inline=True)
+def base_frequency(theta, direction, p):
+    """Omega/nu at one axis value, and its derivative."""
+    return (theta[OMEGA] + p * direction[OMEGA]) / theta[PERIOD], direction[OMEGA] / theta[PERIOD]
+
+
+@kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
+def _phasor(theta, direction, p, slot):
+    """amplitude exp(i phase) of a pair of numbers, and its derivative."""
+    unit = cmath.exp(1j * (theta[slot + 1] + p * direction[slot + 1]))
+    size = theta[slot] + p * direction[slot]
+    return size * unit, (direction[slot] + 1j * size * direction[slot + 1]) * unit
+
+
+@kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
+def stiffness_phasor(theta, direction, p, l):
+    """S_l = alpha_l exp(i Phi_kl), l >= 1, and its derivative along the axis."""
+    return _phasor(theta, direction, p, PAIRS + 2 * (l - 1))
+
+
+@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
+def _gear_impedance(theta, direction, p, s, d_s, l):
+    """`impedance` of a gear pair."""
+    start = PAIRS + 2 * int(theta[STIFFNESSES])
+    model, along = theta[start : start + SIZE], direction[start : start + SIZE]
+    T, U, d_T, d_U = mesh_receptance(model, along, p, s, d_s)
+    c, d_c = rotation_coupling(model, along, p)
+    xi, d_xi = model[XI_MESH] + p * along[XI_MESH], along[XI_MESH]
+    eps_t, d_eps_t = model[VARIATION_T] + p * along[VARIATION_T], along[VARIATION_T]
+    eps_r, d_eps_r = model[VARIATION_R] + p * along[VARIATION_R], along[VARIATION_R]
+    damping, d_damping = c * xi - U, d_c * xi + c * d_xi - d_U
+    load, d_load = 0j, 0j
+    if l == 0:
+        load, d_load = complex(model[F_PM] + p * along[F_PM]), complex(along[F_PM])
+    elif l == 1:
+        load, d_load = complex(model[F_PV] + p * along[F_PV]), complex(along[F_PV])
+    if 0 < l <= int(theta[LOADS]):
+        omega, d_omega = l * (theta[OMEGA] + p * direction[OMEGA]), l * direction[OMEGA]
+        error, d_error = _phasor(theta, direction, p, start + SIZE + 2 * (l - 1))
+        load += omega * omega * error
+        d_load += omega * omega * d_error + 2.0 * omega * d_omega * error
+    return (
+        (s * s + 2.0 * s * damping, c - T, c * eps_r - T * eps_t, load),
+        (
+            2.0 * s * d_s + 2.0 * (d_s * damping + s * d_damping),
+            d_c - d_T,
+            d_c * eps_r + c * d_eps_r - d_T * eps_t - T * d_eps_t,
+            d_load,
+        ),
+    )
+
+
+@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
+def _system_impedance(theta, direction, p, s, d_s, l):
+    """`impedance` of a `ContactSystem`."""
+    n, loads = int(theta[DEGREES]), int(theta[LOADS])
+    start = PAIRS + 2 * int(theta[STIFFNESSES])
+    square = n * n
+    mass, damping, stiffness = theta[start:], theta[start + square :], theta[start + 2 * square :]
+    contact, force, varying = (
+        theta[start + 3 * square :], theta[start + 3 * square + n :], theta[start + 3 * square + 2 * n :],
+    )  # fmt: skip
+    fixed = start + 3 * square + 3 * n
+    inertial = fixed + 2 * n * (loads + 1)
+    forward, backward, change = np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX)
+    # Right-hand sides h, h_v, F and (for the derivative alone) dF; across solves the transposed system for w.
+    rights, across = np.zeros((4, n), _COMPLEX), np.empty((1, n), _COMPLEX)
+    omega, d_omega = l * (theta[OMEGA] + p * direction[OMEGA]), l * direction[OMEGA]
+    for i in range(n):
+        rights[0, i], rights[1, i], across[0, i] = force[i], varying[i], contact[i]
+        if 0 <= l <= loads:
+            at, at_inertial = fixed + 2 * (n * l + i), inertial + 2 * (n * l + i)
+            steady = complex(theta[at] + p * direction[at], theta[at + 1] + p * direction[at + 1])
+            d_steady = complex(direction[at], direction[at + 1])
+            growing = complex(
+                theta[at_inertial] + p * direction[at_inertial], theta[at_inertial + 1] + p * direction[at_inertial + 1]
+            )
+            d_growing = complex(direction[at_inertial], direction[at_inertial + 1])
+            rights[2, i] = steady + omega * omega * growing
+            rights[3, i] = d_steady + omega * omega * d_growing + 2.0 * omega * d_omega * growing
+        for j in range(n):
+            at = i * n + j
+            closed = stiffness[at] + s * damping[at] + s * s * mass[at] + force[i] * contact[j]
+            forward[i, j], backward[j, i] = closed, closed
+            change[i, j] = (damping[at] + 2.0 * s * mass[at]) * d_s
+    eliminate_rows(forward, rights)
+    eliminate_rows(backward, across)
+    A, B, G, d_A, d_B, d_G = 0j, 0j, 0j, 0j, 0j, 0j
+    for i in range(n):
+        A += contact[i] * rights[0, i]
+        B += contact[i] * rights[1, i]
+        G += contact[i] * rights[2, i]
+        d_G += contact[i] * rights[3, i]
+        for j in range(n):
+            weight = across[0, i] * change[i, j]
+            d_A -= weight * rights[0, j]
+            d_B -= weight * rights[1, j]
+            d_G -= weight * rights[2, j]
+    factor = theta[SIGN] if l == 0 else 1.0
+    return (
+        (factor * (1.0 - A), factor * A, factor * B, factor * G),
+        (-factor * d_A, factor * d_A, factor * d_B, factor * d_G),
+    )
+
+
+@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inline=True)
+def impedance(theta, direction, p, s, d_s, l):
+    """D, A, B and G of the module at one complex frequency, and their derivatives along the axis.
+
+    Parameters
+    ----------
+    theta, direction : arrays
+        Of `solver.harmonic.layout.packed`.
+    p : float
+        Axis value.
+    s, d_s : complex
+        Complex frequency, and how it moves along the axis.
+    l : int
+        Which harmonic of the load acts: -1 for none.
+
+    Returns
+    -------
+    values, slopes : 4 complex numbers each
+    """
+    if theta[KIND] == GEAR:
+        return _gear_impedance(theta, direction, p, s, d_s, l)
+    return _system_impedance(theta, direction, p, s, d_s, l)
