@@ -359,9 +359,10 @@ def _fill_branches(values: dict, i: int, row: Row, axis: str) -> None:
     start = 0
     for number, curve in enumerate(row.curves):
         here = slice(start, start + len(curve.points))
-        for column, name in enumerate(("mean", "cos", "sin", axis)):
-            values[f"branches/{name}"][i, here] = curve.points[:, column]
-        values["branches/amplitude"][i, here] = curve.amplitude
+        mean, cos, sin = row.branch_motions(curve)
+        for name, value in (("mean", mean), ("cos", cos), ("sin", sin), (axis, curve.points[:, -1])):
+            values[f"branches/{name}"][i, here] = value
+        values["branches/amplitude"][i, here] = np.hypot(cos, sin)
         values["branches/arclength"][i, here] = curve.arclength
         values["branches/stable"][i, here] = curve.stable
         values["branches/impact"][i, here] = row.branch_impact(curve)

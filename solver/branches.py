@@ -13,19 +13,17 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.condensation import axis_vectors
 from solver.continuation import Continuation, Curve, EndReason, Problem
+from solver.correctors import workspace_rows
 from solver.crossings import curve_crossings
-from solver.enumeration import Proof, enumerate_row
+from solver.enumeration import Proof, RowSolutions, enumerate_row
 from solver.errors import ParameterError
-from solver.harmonic.first_order import (
-    first_order_problem,
-    linear_degree,
-    linear_solution,
-)
 from solver.model import Model
+from solver.problem import Balance
 
-__all__ = ["LinearSeeds", "ProvenSeeds", "RowError", "RowSpan", "missing_degree"]
+__all__ = [
+    "LinearSeeds", "ProvenSeeds", "RowError", "RowSpan", "grown_solution", "missing_degree", "proven_solutions", "runs",
+]  # fmt: skip
 
 _PROBES = 97
 _PASSES = 4
@@ -41,6 +39,7 @@ class RowError(ArithmeticError):
 class RowSpan:
     """What is continued in a row: a model over one axis from `low` to `high`, at `omega` unless that is the axis."""
 
+    balance: Balance
     model: Model
     axis: str
     low: float
@@ -51,26 +50,48 @@ class RowSpan:
     @cached_property
     def problem(self) -> Problem:
         """The balance over the axis."""
-        return first_order_problem(self.model, self.axis, self.low, self.high, self.omega)
+        return self.balance.problem(self.model, self.axis, self.low, self.high, self.omega)
 
-    def follow(self, start: np.ndarray) -> Curve:
-        """Trace the whole branch through a solution y = (u, p).
+    def corrected(self, start: np.ndarray, iterations: int = 20) -> np.ndarray | None:
+        """The solution y = (u, p) that Newton's method reaches from a start at the same p; None if it reaches none."""
+        problem, y = self.problem, np.array(start, dtype=float)
+        corrector = self.continuation.corrector
+        n = problem.unknowns
+        found = corrector.kernel(
+            problem.balance, problem.theta, problem.direction, problem.scale, y, np.eye(n + 1)[n], corrector.tolerance,
+            iterations, np.empty((workspace_rows(n), n + 1)),
+        )  # fmt: skip
+        y[n] = start[-1]
+        within = np.sqrt(np.sum(y[1:n] ** 2)) <= self.continuation.amplitude_max
+        return y if found > 0 and np.all(np.isfinite(y)) and within else None
+
+    def traced(self, start: np.ndarray) -> Curve:
+        """The whole branch through a solution y = (u, p), however it ends."""
+        if start[-1] in (self.low, self.high):
+            heading = 1 if start[-1] == self.low else -1
+            return self.continuation.trace(self.problem, start, self.low, self.high, heading)
+        return self.continuation.trace_both_ways(self.problem, start, self.low, self.high)
+
+    def whole(self, curve: Curve) -> Curve:
+        """The curve itself.
 
         Raises
         ------
         RowError
-            If the branch ends for want of step size or room.
+            If it ends for want of step size or room.
         """
-        if start[-1] in (self.low, self.high):
-            heading = 1 if start[-1] == self.low else -1
-            curve = self.continuation.trace(self.problem, start, self.low, self.high, heading)
-        else:
-            curve = self.continuation.trace_both_ways(self.problem, start, self.low, self.high)
         for end, place in zip(curve.ends, (0, -1), strict=True):
             if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
-                at = curve.points[place] if len(curve.points) else start
+                at = curve.points[place]
                 raise RowError(f"{end.sentence} It happened at {self.axis} = {at[-1]:.9g} with mean {at[0]:.6g}.")
         return curve
+
+    def follow(self, start: np.ndarray) -> Curve:
+        """Trace the whole branch through a solution y = (u, p); raises RowError as `whole`."""
+        curve = self.traced(start)
+        if not len(curve.points):
+            raise RowError(f"No branch can be followed from {self.axis} = {start[-1]:.9g} with mean {start[0]:.6g}.")
+        return self.whole(curve)
 
     def crossings(self, curve: Curve, grid: np.ndarray):
         """`curve_crossings` of one of the row's curves."""
@@ -107,14 +128,8 @@ class ProvenSeeds:
         first = np.searchsorted(probes, spaced)
         first = [first[0], first[-1], *first[1:-1]]
         order = [*first, *np.setdiff1d(np.arange(probes.size), first)]
-        solutions = enumerate_row(
-            span.model, span.axis, probes, omega=span.omega, amplitude_max=span.continuation.amplitude_max
-        )
-        if np.any(solutions.proof == Proof.CONTINUUM):
-            where = probes[solutions.proof == Proof.CONTINUUM]
-            raise RowError(f"{Proof.CONTINUUM.sentence} First at {span.axis} = {where[0]:.9g}.")
-        unknowns = np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
-        wanted = ~np.isnan(solutions.mean)
+        unknowns = proven_solutions(span, probes)
+        wanted = ~np.isnan(unknowns[:, :, 0])
         curves: list[Curve] = []
         early = 0
         for rank, column in enumerate(order):
@@ -135,6 +150,23 @@ class ProvenSeeds:
         return tuple(curves), early
 
 
+def proven_solutions(span: RowSpan, probes: np.ndarray) -> np.ndarray:
+    """First-order solutions (lambda_m, lambda_c, lambda_s) at values of the axis, (X, S, 3), nan beyond their number.
+
+    Raises
+    ------
+    RowError
+        If somewhere the balance leaves the mean open: a continuum of solutions.
+    """
+    solutions: RowSolutions = enumerate_row(
+        span.model, span.axis, probes, omega=span.omega, amplitude_max=span.continuation.amplitude_max
+    )
+    if np.any(solutions.proof == Proof.CONTINUUM):
+        where = probes[solutions.proof == Proof.CONTINUUM]
+        raise RowError(f"{Proof.CONTINUUM.sentence} First at {span.axis} = {where[0]:.9g}.")
+    return np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
+
+
 @dataclass(frozen=True)
 class LinearSeeds:
     """Starts from the linear pair without backlash at both ends of the range, and where the degree does not add up."""
@@ -148,8 +180,8 @@ class LinearSeeds:
         seeds = [span.low, span.high]
         for _ in range(_PASSES):
             found = [curve for curve in (self._follow(span, p, curves) for p in seeds) if curve]
-            missing = missing_degree(span.problem, probes, [span.crossings(curve, probes) for curve in curves])
-            seeds = [probes[(first + last) // 2] for first, last in _runs(missing)]
+            missing = missing_degree(span, probes, [span.crossings(curve, probes) for curve in curves])
+            seeds = [probes[(first + last) // 2] for first, last in runs(missing)]
             if not found or not seeds:
                 break
         return tuple(curves), len(curves)
@@ -157,46 +189,45 @@ class LinearSeeds:
     @staticmethod
     def _follow(span: RowSpan, p: float, curves: list[Curve]) -> Curve | None:
         """Trace the branch through the solution that grows out of the linear one at p and add it, if it is a new one."""
-        start = _grown_solution(span, p)
+        start = grown_solution(span, p)
         if start is None or any(_lies_on(span, curve, start) for curve in curves):
             return None
         curves.append(span.follow(start))
         return curves[-1]
 
 
-def _grown_solution(span: RowSpan, p: float) -> np.ndarray | None:
+def grown_solution(span: RowSpan, p: float) -> np.ndarray | None:
     """A solution at p, by continuing the backlash from 0; None if that leads above the amplitude ceiling."""
     model, omega = span.model, span.omega
     if span.axis == "omega":
         omega = p
     else:
         model = model.replace(**{span.axis: p})
-    theta, direction = axis_vectors(model, "b", omega)
-    unknowns = np.empty(3)
-    if linear_solution(theta, direction, 0.0, unknowns) == 0.0:
+    problem = span.balance.problem(model, "b", 0.0, model.b or 1.0, omega)
+    degree, unknowns = span.balance.linear_solution(problem, 0.0)
+    if degree == 0.0:
         return None
     if model.b > 0.0:
-        problem = first_order_problem(model, "b", 0.0, model.b, omega)
         strides = dataclasses.replace(span.continuation, parameter_step=_SEED_STEP)
         curve = strides.trace(problem, np.append(unknowns, 0.0), 0.0, model.b)
-        if curve.ends[1] is not EndReason.RANGE_LEFT or curve.points[-1, 3] != model.b:
+        if curve.ends[1] is not EndReason.RANGE_LEFT or curve.points[-1, -1] != model.b:
             return None
-        unknowns = curve.points[-1, :3]
+        unknowns = curve.points[-1, :-1]
     return np.append(unknowns, p)
 
 
 def _lies_on(span: RowSpan, curve: Curve, start: np.ndarray) -> bool:
-    _, unknowns, _ = span.crossings(curve, start[3:])
-    gap = np.max(np.abs(unknowns - start[:3]) / span.problem.scale[:3], axis=1, initial=0.0)
+    _, unknowns, _ = span.crossings(curve, start[-1:])
+    gap = np.max(np.abs(unknowns - start[:-1]) / span.problem.scale[:-1], axis=1, initial=0.0)
     return bool(np.any(gap < _SAME))
 
 
-def missing_degree(problem: Problem, grid: np.ndarray, parts) -> np.ndarray:
+def missing_degree(span: RowSpan, grid: np.ndarray, parts) -> np.ndarray:
     """Whether the signs of det J over the solutions at each grid value fail to add up to the linear system's sign.
 
     Parameters
     ----------
-    problem : Problem
+    span : RowSpan
     grid : (X,) array
     parts : sequence
         What `curve_crossings` found on every curve.
@@ -208,12 +239,10 @@ def missing_degree(problem: Problem, grid: np.ndarray, parts) -> np.ndarray:
     degree = np.zeros(grid.size, dtype=np.int64)
     for column, _, stable in parts:
         np.add.at(degree, column, 2 * stable.astype(np.int64) - 1)
-    signs = np.empty(grid.size)
-    linear_degree(problem.theta, problem.direction, grid, signs)
-    return degree != signs
+    return degree != span.balance.degree(span.problem, grid)
 
 
-def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
+def runs(flags: np.ndarray) -> list[tuple[int, int]]:
     """First and last index of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return [(int(first), int(last) - 1) for first, last in zip(edges[::2], edges[1::2], strict=True)]

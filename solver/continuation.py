@@ -30,6 +30,7 @@ class EndReason(enum.IntEnum):
     AMPLITUDE_CEILING = arclength.AMPLITUDE_CEILING
     STEP_TOO_SMALL = arclength.STEP_TOO_SMALL
     ITERATION_LIMIT = arclength.ITERATION_LIMIT
+    JOINED = 6
 
     @property
     def sentence(self) -> str:
@@ -43,6 +44,7 @@ _END_SENTENCES = {
     EndReason.AMPLITUDE_CEILING: "The branch rose above the amplitude ceiling; what lies above is not excluded.",
     EndReason.STEP_TOO_SMALL: "The corrector refused every step down to the smallest one.",
     EndReason.ITERATION_LIMIT: "The branch has more points than there is room for.",
+    EndReason.JOINED: "The branch ends on one of a shorter period: beyond, it is the same motions one period later.",
 }
 
 

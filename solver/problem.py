@@ -1,10 +1,11 @@
-"""What a solution curve is, as compiled kernels see it."""
+"""What a solution curve is, as compiled kernels see it, and what a harmonic balance is, as rows and seeds see it."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-__all__ = ["Problem"]
+__all__ = ["Balance", "Problem"]
 
 
 @dataclass(frozen=True)
@@ -35,3 +36,33 @@ class Problem:
     def unknowns(self) -> int:
         """Number n of unknowns u."""
         return self.scale.size - 1
+
+
+class Balance(Protocol):
+    """A harmonic balance: which harmonics of lambda are unknown, and how their equations are made.
+
+    `solver.harmonic.first_order.DescribingFunction` and `solver.harmonic.galerkin.Galerkin` are the two there are.
+    """
+
+    order: int
+    """Harmonics of the mesh frequency."""
+    period: int
+    """Forcing periods after which a motion repeats, nu."""
+    harmonics: int
+    """Harmonics of the base frequency Omega/nu."""
+    unknowns: int
+    """Number n = 2 harmonics + 1 of unknowns (Lambda_0, c_1, s_1, ...)."""
+    fundamental: tuple[int, int]
+    """Slots of the cosine and sine amplitude of the mesh frequency."""
+
+    def problem(self, model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
+        """The balance as a curve over one axis."""
+
+    def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest lambda of motions (..., n)."""
+
+    def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
+        """Degree of the balance and solution (n,) without backlash at one axis value."""
+
+    def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
+        """Degree of the balance at every axis value (X,)."""

@@ -2,6 +2,7 @@
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,8 +12,10 @@ from solver.continuation import Continuation, Curve, EndReason, Event
 from solver.crossings import curve_crossings
 from solver.enumeration import Above, Proof, RowSolutions, enumerate_row
 from solver.errors import ParameterError
+from solver.harmonic.first_order import DescribingFunction
 from solver.impact import domain_code, impact_state
 from solver.model import Model
+from solver.problem import Balance
 
 __all__ = ["Row", "sweep_row"]
 
@@ -26,14 +29,16 @@ class Row:
 
     Parameters
     ----------
+    balance : Balance
+        Of which the motions are solutions, with n unknowns.
     axis, grid : str, (X,) array
         The swept parameter and its grid values.
     b : (X,) array
         Half backlash at the grid values.
     curves : tuple of Curve
         Every branch, in the order in which they were found.
-    mean, cos, sin : (X, S) arrays
-        lambda_m, lambda_c, lambda_s of all solutions, sorted by amplitude; nan beyond their number.
+    motions : (X, S, n) array
+        Unknowns (Lambda_0, c_1, s_1, ...) of all solutions, sorted by amplitude; nan beyond their number.
     stable, impact : (X, S) int8 arrays
         Static stability and `ImpactState`; -1 beyond the number of solutions.
     open : (X,) int8 array
@@ -45,13 +50,12 @@ class Row:
         How many of the curves were found without looking at the grid values.
     """
 
+    balance: Balance
     axis: str
     grid: np.ndarray
     b: np.ndarray
     curves: tuple[Curve, ...]
-    mean: np.ndarray
-    cos: np.ndarray
-    sin: np.ndarray
+    motions: np.ndarray
     stable: np.ndarray
     impact: np.ndarray
     open: np.ndarray
@@ -69,14 +73,38 @@ class Row:
         return -1 if np.all(self.certified < 0) else len(self.curves) - self.early
 
     @property
+    def mean(self) -> np.ndarray:
+        """lambda_m, (X, S)."""
+        return self.motions[:, :, 0]
+
+    @property
+    def cos(self) -> np.ndarray:
+        """lambda_c, the cosine amplitude of the mesh frequency, (X, S)."""
+        return self.motions[:, :, self.balance.fundamental[0]]
+
+    @property
+    def sin(self) -> np.ndarray:
+        """lambda_s, the sine amplitude of the mesh frequency, (X, S)."""
+        return self.motions[:, :, self.balance.fundamental[1]]
+
+    @property
     def amplitude(self) -> np.ndarray:
-        """lambda_a, (X, S)."""
+        """lambda_a of the mesh frequency, (X, S)."""
         return np.hypot(self.cos, self.sin)
+
+    @cached_property
+    def extremes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest lambda over the period, two (X, S) arrays."""
+        return self.balance.extremes(self.motions)
+
+    def branch_motions(self, curve: Curve) -> np.ndarray:
+        """lambda_m, lambda_c and lambda_s at the points of one of the curves, (3, points)."""
+        return curve.points[:, [0, *self.balance.fundamental]].T
 
     def branch_impact(self, curve: Curve) -> np.ndarray:
         """`ImpactState` at the points of one of the curves, int8."""
-        b = curve.points[:, 3] if self.axis == "b" else self.b[0]
-        return impact_state(curve.points[:, 0] - curve.amplitude, curve.points[:, 0] + curve.amplitude, b)
+        b = curve.points[:, -1] if self.axis == "b" else self.b[0]
+        return impact_state(*self.balance.extremes(curve.points[:, :-1]), b)
 
     @property
     def phase(self) -> np.ndarray:
@@ -107,7 +135,8 @@ def sweep_row(
     *,
     omega: float | None = None,
     continuation: Continuation | None = None,
-    seeds: LinearSeeds | ProvenSeeds | None = None,
+    seeds=None,
+    balance: Balance | None = None,
 ) -> Row:
     """Continue all branches over one axis and solve at the grid values.
 
@@ -121,9 +150,11 @@ def sweep_row(
     omega : float, optional
         The frequency, > 0; needed unless it is the axis.
     continuation : Continuation, optional
-    seeds : ProvenSeeds or LinearSeeds, optional
+    seeds : ProvenSeeds, LinearSeeds or solver.lifted_seeds.LiftedSeeds, optional
         How branches are found; `ProvenSeeds` unless given. With `ProvenSeeds(every_column=True)` the solutions at every
-        grid value are compared with their enumeration.
+        grid value are compared with their enumeration. `LiftedSeeds` are for the Galerkin balance.
+    balance : Balance, optional
+        The describing function of first order unless given.
 
     Returns
     -------
@@ -148,12 +179,13 @@ def sweep_row(
     if axis != "omega":
         for value in (grid[0], grid[-1]):
             model.replace(**{axis: float(value)})
-    span = RowSpan(model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
+    balance = balance or DescribingFunction()
+    span = RowSpan(balance, model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
     seeds = seeds or ProvenSeeds()
     curves, early = seeds.branches(span, grid)
     b = grid if axis == "b" else np.full(grid.size, model.b)
     row = _assemble(span, grid, b, curves, early)
-    if isinstance(seeds, LinearSeeds):
+    if not isinstance(seeds, ProvenSeeds):
         return row
     # Enumeration knows what lies above the ceiling; it is asked where branches left, or everywhere.
     asked = np.full(grid.size, seeds.every_column) | (row.open == 1)
@@ -169,24 +201,24 @@ def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
         parts = [curve_crossings(span.problem, curve, grid, span.continuation) for curve in curves]
     except ArithmeticError as error:
         raise RowError(str(error)) from error
-    missing = missing_degree(span.problem, grid, parts)
+    missing = missing_degree(span, grid, parts)
+    n = span.problem.unknowns
     column = np.concatenate([part[0] for part in parts]) if parts else np.empty(0, np.int64)
-    unknowns = np.concatenate([part[1] for part in parts]) if parts else np.empty((0, 3))
+    unknowns = np.concatenate([part[1] for part in parts]) if parts else np.empty((0, n))
     stable = np.concatenate([part[2] for part in parts]) if parts else np.empty(0, np.int8)
-    amplitude = np.hypot(unknowns[:, 1], unknowns[:, 2])
+    amplitude = np.linalg.norm(unknowns[:, list(span.balance.fundamental)], axis=1)
     order = np.lexsort((unknowns[:, 0], amplitude, column))
     column, unknowns, stable = column[order], unknowns[order], stable[order]
     counts = np.bincount(column, minlength=grid.size)
     place = np.arange(column.size) - np.repeat(np.cumsum(counts) - counts, counts)
     shape = (grid.size, max(int(counts.max(initial=0)), 1))
-    values = np.full((3, *shape), np.nan)
-    values[:, column, place] = unknowns.T
+    motions = np.full((*shape, n), np.nan)
+    motions[column, place] = unknowns
     stabilities = np.full(shape, -1, dtype=np.int8)
     stabilities[column, place] = stable
-    size = np.hypot(values[1], values[2])
-    impact = impact_state(values[0] - size, values[0] + size, b[:, None])
+    impact = impact_state(*span.balance.extremes(motions), b[:, None])
     return Row(
-        span.axis, grid, b, tuple(curves), *values, stabilities, impact,
+        span.balance, span.axis, grid, b, tuple(curves), motions, stabilities, impact,
         _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early,
     )  # fmt: skip
 
@@ -201,8 +233,7 @@ def _certify(row: Row, solutions: RowSolutions, scale: float) -> Row:
     """
     proven = solutions.proof == Proof.PROVEN
     theirs = np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
-    ours = np.stack([row.mean, row.cos, row.sin], axis=2)
-    gap = np.max(np.abs(theirs[:, :, None] - ours[:, None]), axis=3) / scale
+    gap = np.max(np.abs(theirs[:, :, None] - row.motions[:, None]), axis=3) / scale
     near = np.nan_to_num(gap, nan=np.inf) <= _AGREE
     unmatched = np.any(~np.any(near, axis=2) & ~np.isnan(solutions.mean), axis=1)
     wrong = unmatched | (proven & (solutions.n_solutions != row.n_solutions))

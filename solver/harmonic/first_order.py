@@ -14,6 +14,7 @@ the stiffness above the second and of the transmission error above the first do 
 
 import cmath
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numba import types
@@ -43,6 +44,7 @@ from solver.model import Model
 from solver.problem import Problem
 
 __all__ = [
+    "DescribingFunction",
     "balance",
     "coefficients",
     "evaluate",
@@ -224,6 +226,40 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     size = model.motion_size
     scale = np.array([size, size, size, 0.1 * (high - low)])
     return Problem(balance, monitor, theta, direction, scale, monitors=5)
+
+
+@dataclass(frozen=True)
+class DescribingFunction:
+    """The article's first order: the force is truncated to its mean and fundamental before the stiffness multiplies it.
+
+    What a balance is asked by rows and seeds, here and in `solver.harmonic.galerkin.Galerkin`.
+    """
+
+    order: int = 1
+    period: int = 1
+    harmonics: int = 1
+    unknowns: int = 3
+    fundamental: tuple[int, int] = (1, 2)
+
+    def problem(self, model: Model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
+        """`first_order_problem`."""
+        return first_order_problem(model, axis, low, high, omega)
+
+    def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest lambda over the period of motions (..., 3): two (...) arrays."""
+        size = np.hypot(motions[..., 1], motions[..., 2])
+        return motions[..., 0] - size, motions[..., 0] + size
+
+    def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
+        """Degree of the balance and solution (3,) without backlash at one axis value."""
+        unknowns = np.empty(3)
+        return float(np.sign(linear_solution(problem.theta, problem.direction, p, unknowns))), unknowns
+
+    def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
+        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions."""
+        signs = np.empty(grid.size)
+        linear_degree(problem.theta, problem.direction, grid, signs)
+        return signs
 
 
 def evaluate(model: Model, omega: float, unknowns) -> tuple[np.ndarray, np.ndarray]:

@@ -19,52 +19,18 @@ from numba import types
 from solver.compiled import ARRAY, MATRIX, kernel
 from solver.contact_system import ContactSystem
 from solver.errors import ParameterError
-from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spectrum, extremes
-from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
+from solver.harmonic.contact_spectrum import extremes
+from solver.harmonic.contact_terms import coefficient, contact_of, modulated
+from solver.harmonic.impedance import base_frequency, impedance
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES, packed
 from solver.linear import eliminate
 from solver.model import Model
 from solver.problem import Problem
 
-__all__ = ["Galerkin", "contact_of", "linear_solution", "modulated"]
+__all__ = ["Galerkin", "linear_solution"]
 
-_I, _F = types.int64, types.float64
+_F = types.float64
 _COMPLEX = np.complex128
-
-
-@kernel(types.complex128(COMPLEX, _I), inline=True)
-def _at(coefficients, k):
-    """Coefficient k of a real function whose coefficients k >= 0 are given."""
-    return coefficients[k] if k >= 0 else coefficients[-k].conjugate()
-
-
-@kernel(types.void(ARRAY, ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
-def contact_of(theta, direction, u, p, contact, ahead, behind):
-    """Fill the spectra chi, chi+ and chi- of a motion u at one axis value."""
-    room = 2 * u.shape[0] + 8
-    angles, zones = np.empty(room), np.empty(room, np.int64)
-    front, back = theta[FRONT] + p * direction[FRONT], theta[BACK] + p * direction[BACK]
-    count = contact_arcs(u, front, back, angles, zones)
-    contact_spectrum(count, angles, zones, contact, ahead, behind)
-
-
-@kernel(types.void(ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
-def modulated(theta, direction, p, spectrum, product, slope):
-    """Coefficients of s(tau) times a real function: fill `product`, and `slope` with the derivative along the axis.
-
-    `spectrum` must reach N nu further than `product`.
-    """
-    period = int(theta[PERIOD])
-    for k in range(product.shape[0]):
-        product[k], slope[k] = 0j, 0j
-    for l in range(1, int(theta[STIFFNESSES]) + 1):
-        S, d_S = stiffness_phasor(theta, direction, p, l)
-        if S == 0.0 and d_S == 0.0:
-            continue
-        for k in range(product.shape[0]):
-            before, after = _at(spectrum, k - l * period), spectrum[k + l * period]
-            product[k] += 0.5 * (S * before + S.conjugate() * after)
-            slope[k] += 0.5 * (d_S * before + d_S.conjugate() * after)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
@@ -88,7 +54,7 @@ def _balance(theta, direction, y, residual, jacobian):
         total = chi[k] * u[0] - front * ahead[k] + back * behind[k]
         for m in range(1, order + 1):
             half = 0.5 * complex(u[2 * m - 1], -u[2 * m])
-            total += _at(chi, k - m) * half + chi[k + m] * half.conjugate()
+            total += coefficient(chi, k - m) * half + chi[k + m] * half.conjugate()
         f[k], d_f[k] = total, d_back * behind[k] - d_front * ahead[k]
     d_q = np.empty(order + 1, _COMPLEX)
     modulated(theta, direction, p, d_f, q, dump)
@@ -120,7 +86,7 @@ def _balance(theta, direction, y, residual, jacobian):
         row = 2.0 * (A * chi[k] + B * psi[k])
         jacobian[2 * k - 1, 0], jacobian[2 * k, 0] = row.real, -row.imag
         for m in range(1, order + 1):
-            near, far = A * _at(chi, k - m) + B * _at(psi, k - m), A * chi[k + m] + B * psi[k + m]
+            near, far = A * coefficient(chi, k - m) + B * coefficient(psi, k - m), A * chi[k + m] + B * psi[k + m]
             if m == k:
                 near += D
             row = near + far
@@ -182,6 +148,13 @@ def linear_solution(theta, direction, p, unknowns):
     unknowns[:] = -right
     unknowns[0] += 1.0
     return np.sign(determinant)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY))
+def _linear_degree(theta, direction, grid, unknowns, signs):
+    """Fill `signs` with the degree at every axis value of `grid`; `unknowns` (n,) is overwritten."""
+    for i in range(grid.shape[0]):
+        signs[i] = linear_solution(theta, direction, grid[i], unknowns)
 
 
 @kernel(types.void(MATRIX, MATRIX))
@@ -255,15 +228,25 @@ class Galerkin:
         return found
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest lambda over the period of motions (k, n): two (k,) arrays."""
-        found = np.empty((len(motions), 2))
-        _extremes(np.ascontiguousarray(motions, dtype=float), found)
-        return found[:, 0], found[:, 1]
+        """Lowest and highest lambda over the period of motions (..., n): two (...) arrays; nan where motions are."""
+        motions = np.asarray(motions, dtype=float)
+        found = np.full((*motions.shape[:-1], 2), np.nan)
+        known = ~np.isnan(motions[..., 0])
+        values = np.empty((int(np.sum(known)), 2))
+        _extremes(np.ascontiguousarray(motions[known]), values)
+        found[known] = values
+        return found[..., 0], found[..., 1]
 
     def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
         """Degree of the balance and solution (n,) without backlash at one axis value."""
         unknowns = np.empty(self.unknowns)
         return linear_solution(problem.theta, problem.direction, p, unknowns), unknowns
+
+    def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
+        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions."""
+        signs = np.empty(grid.size)
+        _linear_degree(problem.theta, problem.direction, grid, np.empty(self.unknowns), signs)
+        return signs
 
     def displacement(self, motion: np.ndarray, angle) -> np.ndarray:
         """lambda of one motion (n,) at base angles Omega tau/nu of any shape."""

@@ -17,7 +17,7 @@ from numba import types
 
 from solver.compiled import ARRAY, kernel
 from solver.harmonic.contact_spectrum import COMPLEX
-from solver.harmonic.galerkin import contact_of, modulated
+from solver.harmonic.contact_terms import contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.harmonic.layout import PERIOD, STIFFNESSES
 

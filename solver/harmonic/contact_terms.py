@@ -1,0 +1,48 @@
+"""The contact spectra of a motion of a system, and what the periodic stiffness makes of a spectrum."""
+
+import numpy as np
+from numba import types
+
+from solver.compiled import ARRAY, kernel
+from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spectrum
+from solver.harmonic.impedance import stiffness_phasor
+from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
+
+__all__ = ["coefficient", "contact_of", "modulated"]
+
+_I, _F = types.int64, types.float64
+
+
+@kernel(types.complex128(COMPLEX, _I), inline=True)
+def coefficient(coefficients, k):
+    """Coefficient k of a real function whose coefficients k >= 0 are given."""
+    return coefficients[k] if k >= 0 else coefficients[-k].conjugate()
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
+def contact_of(theta, direction, u, p, contact, ahead, behind):
+    """Fill the spectra chi, chi+ and chi- of a motion u at one axis value."""
+    room = 2 * u.shape[0] + 8
+    angles, zones = np.empty(room), np.empty(room, np.int64)
+    front, back = theta[FRONT] + p * direction[FRONT], theta[BACK] + p * direction[BACK]
+    count = contact_arcs(u, front, back, angles, zones)
+    contact_spectrum(count, angles, zones, contact, ahead, behind)
+
+
+@kernel(types.void(ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
+def modulated(theta, direction, p, spectrum, product, slope):
+    """Coefficients of s(tau) times a real function: fill `product`, and `slope` with the derivative along the axis.
+
+    `spectrum` must reach N nu further than `product`.
+    """
+    period = int(theta[PERIOD])
+    for k in range(product.shape[0]):
+        product[k], slope[k] = 0j, 0j
+    for l in range(1, int(theta[STIFFNESSES]) + 1):
+        S, d_S = stiffness_phasor(theta, direction, p, l)
+        if S == 0.0 and d_S == 0.0:
+            continue
+        for k in range(product.shape[0]):
+            before, after = coefficient(spectrum, k - l * period), spectrum[k + l * period]
+            product[k] += 0.5 * (S * before + S.conjugate() * after)
+            slope[k] += 0.5 * (d_S * before + d_S.conjugate() * after)
