@@ -219,6 +219,11 @@ class Galerkin:
         theta, direction = packed(system, axis, omega, self.order, self.period)
         scale = np.full(self.unknowns + 1, system.motion_size)
         scale[-1] = 0.1 * (high - low)
+        return self.balance_problem(theta, direction, scale)
+
+    @staticmethod
+    def balance_problem(theta: np.ndarray, direction: np.ndarray, scale: np.ndarray) -> Problem:
+        """The balance as a curve for vectors of `solver.harmonic.layout.packed`."""
         return Problem(_balance, _monitor, theta, direction, scale, monitors=5)
 
     def lifted(self, motions: np.ndarray) -> np.ndarray:

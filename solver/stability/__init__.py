@@ -1,0 +1,1 @@
+"""Dynamic stability of steady motions, and where it changes."""
