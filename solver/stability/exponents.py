@@ -13,9 +13,8 @@ import numpy as np
 from numba import types
 
 from solver.compiled import ARRAY, kernel
-from solver.harmonic.contact_spectrum import COMPLEX
 from solver.harmonic.perturbation import COMPLEX_MATRIX
-from solver.stability.hill_determinant import determinant, fill_matrix, pole_phase
+from solver.stability.hill_determinant import HILL, determinant, fill_matrix
 
 __all__ = ["NODES", "exponent", "gathered_phase", "place"]
 
@@ -35,11 +34,11 @@ def place(window, distance):
     return distance if window == 0 else 0.5 - distance
 
 
-@kernel(_C(ARRAY, ARRAY, _F, _C, _I, COMPLEX, COMPLEX, _B, COMPLEX_MATRIX), inner=True)
-def _value(theta, direction, p, z, harmonics, chi, psi, truncated, matrix):
+@kernel(_C(HILL, _C, COMPLEX_MATRIX), inner=True)
+def _value(hill, z, matrix):
     """The determinant, with the phase of its poles taken away."""
-    fill_matrix(theta, direction, p, z, harmonics, chi, psi, truncated, matrix)
-    return determinant(matrix) * pole_phase(theta, direction, p, z, harmonics, matrix.shape[0])
+    phase = fill_matrix(hill, z, matrix)
+    return determinant(matrix) * phase
 
 
 @kernel(_F(_C, _C), inline=True)
@@ -59,14 +58,14 @@ def _turn(left, right):
     return cmath.phase(right * left.conjugate())
 
 
-@kernel(_C(ARRAY, ARRAY, _F, _I, _I, COMPLEX, COMPLEX, _B, COMPLEX_MATRIX, ARRAY), inner=True)
-def gathered_phase(theta, direction, p, window, harmonics, chi, psi, truncated, matrix, phases):
+@kernel(_C(HILL, _I, COMPLEX_MATRIX, ARRAY), inner=True)
+def gathered_phase(hill, window, matrix, phases):
     """Follow the determinant along the imaginary axis; its value at z = 1/4.
 
     Parameters
     ----------
-    theta, direction, p, harmonics, chi, psi, truncated
-        As for `solver.stability.hill_determinant.fill_matrix`.
+    hill : Hill
+        Of the motion over the window; see `solver.stability.hill_determinant.hill_of`.
     window : {WHOLE, HALF}
     matrix : (size, size) complex array
         Workspace of the window's size.
@@ -80,7 +79,7 @@ def gathered_phase(theta, direction, p, window, harmonics, chi, psi, truncated, 
     """
     ends, values = np.empty(_DEPTH + 2), np.empty(_DEPTH + 2, np.complex128)
     left = 0.0
-    at_left = _value(theta, direction, p, complex(place(window, left), 0.0), harmonics, chi, psi, truncated, matrix)
+    at_left = _value(hill, complex(place(window, left), 0.0), matrix)
     # At the centre the determinant is real.
     at_left = complex(at_left.real, 0.0)
     phases[0] = 0.0
@@ -88,13 +87,13 @@ def gathered_phase(theta, direction, p, window, harmonics, chi, psi, truncated, 
     for piece in range(pieces):
         depth = 1
         ends[0] = _EDGE * (piece + 1) / pieces
-        values[0] = _value(theta, direction, p, complex(place(window, ends[0]), 0.0), harmonics, chi, psi, truncated, matrix)
+        values[0] = _value(hill, complex(place(window, ends[0]), 0.0), matrix)
         gathered, halfway = phases[2 * piece], 0.5 * (left + ends[0])
         while depth > 0:
             right, at_right = ends[depth - 1], values[depth - 1]
             middle = 0.5 * (left + right)
             z = complex(place(window, middle), 0.0)
-            at_middle = _value(theta, direction, p, z, harmonics, chi, psi, truncated, matrix)
+            at_middle = _value(hill, z, matrix)
             bend = abs(at_middle - 0.5 * (at_left + at_right))
             clear = min(_clearance(at_left, at_middle), _clearance(at_middle, at_right))
             if bend > clear and depth < _DEPTH:
@@ -112,14 +111,14 @@ def gathered_phase(theta, direction, p, window, harmonics, chi, psi, truncated, 
     return at_left
 
 
-@kernel(_C(ARRAY, ARRAY, _F, _C, _I, COMPLEX, COMPLEX, _B, COMPLEX_MATRIX), inner=True)
-def exponent(theta, direction, p, z, harmonics, chi, psi, truncated, matrix):
+@kernel(_C(HILL, _C, COMPLEX_MATRIX), inner=True)
+def exponent(hill, z, matrix):
     """The exponent next to z, by the secant method in the complex plane; nan if there is none nearby."""
     old, new = z, z + complex(1e-4, 1e-4)
-    fill_matrix(theta, direction, p, old, harmonics, chi, psi, truncated, matrix)
+    fill_matrix(hill, old, matrix)
     at_old = determinant(matrix)
     for _ in range(_STEPS):
-        fill_matrix(theta, direction, p, new, harmonics, chi, psi, truncated, matrix)
+        fill_matrix(hill, new, matrix)
         at_new = determinant(matrix)
         change = at_new - at_old
         if change == 0.0:

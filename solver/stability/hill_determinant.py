@@ -18,12 +18,26 @@ which is infinite where the motion grazes a flank.
 """
 
 import math
+from collections import namedtuple
 
 import numpy as np
 from numba import types
 
 from solver.compiled import ARRAY, kernel
-from solver.condensation import K_SUPPORT, SIZE, XI_SUPPORT
+from solver.condensation import (
+    CONE,
+    K_SUPPORT,
+    KAPPA,
+    PRESSURE,
+    SIGMA,
+    SIZE,
+    VARIATION_R,
+    VARIATION_T,
+    XI_MESH,
+    XI_SUPPORT,
+    XI_TRANSLATION,
+    rotation_coupling,
+)
 from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spectrum, displacement
 from solver.harmonic.contact_terms import coefficient, modulated
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
@@ -31,12 +45,17 @@ from solver.harmonic.layout import BACK, FRONT, GEAR, KIND, PAIRS, PERIOD, STIFF
 from solver.harmonic.perturbation import COMPLEX_MATRIX
 
 __all__ = [
-    "HALF", "WHOLE", "determinant", "determinant_slopes", "fill_matrix", "motion_spectra", "pole_phase", "spectrum_sizes",
+    "HALF", "HILL", "WHOLE", "determinant", "determinant_slopes", "fill_matrix", "hill_of",
 ]  # fmt: skip
 
 _I, _F, _C, _B = types.int64, types.float64, types.complex128, types.boolean
 _ANGLES, _ZONES = ARRAY, types.int64[::1]
 _COMPLEX = np.complex128
+
+#: What the matrices of one motion over one window have in common; see `hill_of`.
+Hill = namedtuple("Hill", "theta direction p omega harmonics numbers contact varied")
+HILL = types.NamedTuple((ARRAY, ARRAY, _F, _F, _I, ARRAY, COMPLEX_MATRIX, COMPLEX_MATRIX), Hill)
+LINEAR = 5 + 4 * 6
 
 #: The windows: by how much the number of harmonics falls short of 2 H + 1.
 WHOLE, HALF = 0, 1
@@ -62,51 +81,135 @@ def motion_spectra(theta, direction, u, p, chi, psi, angles, zones):
     return count
 
 
-@kernel(_C(ARRAY, ARRAY, _F, COMPLEX, _I, _I, _I), inline=True)
-def _truncated_psi(theta, direction, p, chi, i, j, size):
-    """What psi_(i - j) is when the force is truncated to the window before the stiffness multiplies it."""
-    total = 0j
-    for l in range(1, int(theta[STIFFNESSES]) + 1):
-        S = 0.5 * stiffness_phasor(theta, direction, p, l)[0]
-        shift = l * int(theta[PERIOD])
-        if i - shift >= 0:
-            total += S * coefficient(chi, i - shift - j)
-        if i + shift < size:
-            total += S.conjugate() * coefficient(chi, i + shift - j)
-    return total
+@kernel(types.void(ARRAY, ARRAY, _F, COMPLEX, COMPLEX, _B, COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)
+def contact_matrices(theta, direction, p, chi, psi, truncated, contact, varied):
+    """Fill what A_k and B_k multiply in a window: `contact` with chi_(k-m), `varied` with psi_(k-m).
+
+    With the describing function the force is truncated to the window before the stiffness multiplies it (`truncated`).
+    """
+    size, period = contact.shape[0], int(theta[PERIOD])
+    for i in range(size):
+        for j in range(size):
+            contact[i, j] = coefficient(chi, i - j)
+            varied[i, j] = 0j if truncated else coefficient(psi, i - j)
+    if truncated:
+        for l in range(1, int(theta[STIFFNESSES]) + 1):
+            S = 0.5 * stiffness_phasor(theta, direction, p, l)[0]
+            if S == 0.0:
+                continue
+            shift = l * period
+            for i in range(size):
+                for j in range(size):
+                    if i - shift >= 0:
+                        varied[i, j] += S * contact[i - shift, j]
+                    if i + shift < size:
+                        varied[i, j] += S.conjugate() * contact[i + shift, j]
 
 
-@kernel(types.void(ARRAY, ARRAY, _F, _C, _I, COMPLEX, COMPLEX, _B, COMPLEX_MATRIX), inner=True)
-def fill_matrix(theta, direction, p, z, harmonics, chi, psi, truncated, matrix):
-    """Hill's matrix over a window, its rows divided by R_k.
+@kernel(types.void(ARRAY, ARRAY, _F, ARRAY), inner=True)
+def linear_numbers(theta, direction, p, numbers):
+    """Fill `numbers` (LINEAR,) with what `_linear_terms` needs of a gear pair, its supports of equal (xi_j, k_j) merged.
+
+    They are c xi_h, c, c eps_r, eps_t and the number of kinds, then sum d_j^2 kappa_g, sum d_j^2 xi_hg, xi and k of each.
+    """
+    if theta[KIND] != GEAR:
+        return
+    start = PAIRS + 2 * int(theta[STIFFNESSES])
+    model = theta[start : start + SIZE] + p * direction[start : start + SIZE]
+    c, _ = rotation_coupling(theta[start : start + SIZE], direction[start : start + SIZE], p)
+    numbers[0], numbers[1], numbers[2], numbers[3] = c * model[XI_MESH], c, c * model[VARIATION_R], model[VARIATION_T]
+    cone, pressure = math.radians(model[CONE]), math.radians(model[PRESSURE])
+    radial, axial, along = math.cos(cone) * math.sin(pressure), math.sin(cone) * math.sin(pressure), math.cos(pressure)
+    kinds = 0
+    for j in range(6):
+        part = radial if j % 3 == 0 else (axial if j % 3 == 1 else along)
+        weight, xi, k = model[SIGMA] * part * part, model[XI_SUPPORT + j], model[K_SUPPORT + j]
+        kind = 0
+        while kind < kinds and (numbers[7 + 4 * kind] != xi or numbers[8 + 4 * kind] != k):
+            kind += 1
+        slot = 5 + 4 * kind
+        if kind == kinds:
+            kinds += 1
+            numbers[slot], numbers[slot + 1], numbers[slot + 2], numbers[slot + 3] = 0.0, 0.0, xi, k
+        numbers[slot] += weight * model[KAPPA + j // 3]
+        numbers[slot + 1] += weight * model[XI_TRANSLATION + j // 3]
+    numbers[4] = kinds
+
+
+@kernel(types.UniTuple(_C, 4)(ARRAY, ARRAY, _F, ARRAY, _C), inner=True)
+def _linear_terms(theta, direction, p, numbers, s):
+    """D, A and B of `solver.harmonic.impedance` at one complex frequency, and the phase of their common denominator.
+
+    The supports resonate within their damping ratio of the imaginary axis, where the determinant has poles; times that
+    phase it is one of an entire function. A `ContactSystem` keeps its poles.
+    """
+    if theta[KIND] != GEAR:
+        D, A, B, _ = impedance(theta, direction, p, s, 0j, -1)[0]
+        return D, A, B, 1.0 + 0j
+    square = s * s
+    T, U, phase = 0j, 0j, 1.0 + 0j
+    for kind in range(int(numbers[4])):
+        slot = 5 + 4 * kind
+        Z = numbers[slot + 3] + 2.0 * numbers[slot + 2] * s + square
+        size = Z.real * Z.real + Z.imag * Z.imag
+        inverse = 1.0 / size if size > 0.0 else math.inf
+        receptance = complex(Z.real * inverse, -Z.imag * inverse)
+        T += numbers[slot] * receptance
+        U += numbers[slot + 1] * receptance
+        length = math.sqrt(inverse)
+        phase *= complex(Z.real * length, Z.imag * length)
+    T, U = -square * T, -square * U
+    return square + 2.0 * s * (numbers[0] - U), numbers[1] - T, numbers[2] - T * numbers[3], phase
+
+
+@kernel(_C(HILL, _C, COMPLEX_MATRIX), inner=True)
+def fill_matrix(hill, z, matrix):
+    """Fill the matrix over a window, its rows divided by R_k, for one exponent z; the phase of its poles (see below).
+
+    The determinant times the number returned has the phase of an entire function (gear pairs).
+    """
+    size, phase = matrix.shape[0], 1.0 + 0j
+    for i in range(size):
+        s = 1j * (z + (i - hill.harmonics)) * hill.omega
+        D, A, B, pole = _linear_terms(hill.theta, hill.direction, hill.p, hill.numbers, s)
+        phase *= pole
+        inverse = 1.0 / (abs(D) + abs(A))
+        A, B = A * inverse, B * inverse
+        for j in range(size):
+            matrix[i, j] = A * hill.contact[i, j] + B * hill.varied[i, j]
+        matrix[i, i] += D * inverse
+    return phase
+
+
+@kernel(HILL(ARRAY, ARRAY, ARRAY, _F, _I, _B), inner=True)
+def hill_of(theta, direction, u, p, window, truncated):
+    """What the matrices over a window of a motion u have in common, at all exponents.
 
     Parameters
     ----------
     theta, direction : arrays
         Of `solver.harmonic.layout.packed`.
+    u : (n,) array
     p : float
         Axis value.
-    z : complex
-        Exponent in units of i times the base frequency.
-    harmonics : int
-        H of the module, in multiples of the base frequency.
-    chi, psi : complex arrays
-        Of `motion_spectra`.
+    window : {WHOLE, HALF}
     truncated : bool
         Whether the force is truncated before the stiffness multiplies it: the describing function.
-    matrix : (size, size) complex array
-        Filled; size is 2 H + 1 for the whole window and 2 H for the half one.
+
+    Returns
+    -------
+    Hill
     """
-    size = matrix.shape[0]
-    omega = base_frequency(theta, direction, p)[0]
-    for i in range(size):
-        D, A, B, _ = impedance(theta, direction, p, 1j * (z + i - harmonics) * omega, 0j, -1)[0]
-        inverse = 1.0 / (abs(D) + abs(A))
-        A, B = A * inverse, B * inverse
-        for j in range(size):
-            varied = _truncated_psi(theta, direction, p, chi, i, j, size) if truncated else coefficient(psi, i - j)
-            matrix[i, j] = A * coefficient(chi, i - j) + B * varied
-        matrix[i, i] += D * inverse
+    n = u.shape[0]
+    longest, long = spectrum_sizes(theta, n // 2)
+    chi, psi = np.empty(longest, _COMPLEX), np.empty(long, _COMPLEX)
+    angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
+    motion_spectra(theta, direction, u, p, chi, psi, angles, zones)
+    contact, varied = np.empty((n - window, n - window), _COMPLEX), np.empty((n - window, n - window), _COMPLEX)
+    contact_matrices(theta, direction, p, chi, psi, truncated, contact, varied)
+    numbers = np.empty(LINEAR)
+    linear_numbers(theta, direction, p, numbers)
+    return Hill(theta, direction, p, base_frequency(theta, direction, p)[0], n // 2, numbers, contact, varied)
 
 
 @kernel(_F(_C), inline=True)
@@ -136,33 +239,6 @@ def determinant(matrix):
             factor = matrix[i, k] * inverse
             for j in range(k + 1, n):
                 matrix[i, j] -= factor * matrix[k, j]
-    return product
-
-
-@kernel(_C(ARRAY, ARRAY, _F, _C, _I, _I), inner=True)
-def pole_phase(theta, direction, p, z, harmonics, size):
-    """The unit complex number that takes the poles of the determinant away from its phase: product of Z_j(s_k)/|Z_j(s_k)|.
-
-    The supports resonate within their damping ratio of the imaginary axis. A `ContactSystem` keeps its poles.
-    """
-    product = 1.0 + 0j
-    if theta[KIND] != GEAR:
-        return product
-    omega = base_frequency(theta, direction, p)[0]
-    start = PAIRS + 2 * int(theta[STIFFNESSES])
-    model, along = theta[start : start + SIZE], direction[start : start + SIZE]
-    xi, k = math.nan, math.nan
-    for j in range(6):
-        xi_j, k_j = model[XI_SUPPORT + j] + p * along[XI_SUPPORT + j], model[K_SUPPORT + j] + p * along[K_SUPPORT + j]
-        if xi_j == xi and k_j == k:
-            continue
-        xi, k = xi_j, k_j
-        for i in range(size):
-            s = 1j * (z + i - harmonics) * omega
-            stiffness = k + 2.0 * xi * s + s * s
-            length = abs(stiffness)
-            if length > 0.0:
-                product *= complex(stiffness.real / length, stiffness.imag / length)
     return product
 
 
@@ -207,36 +283,66 @@ def _growth(value, slope):
     return (value.real * slope.real + value.imag * slope.imag) / size if size > 0.0 else 0.0
 
 
-@kernel(_C(ARRAY, ARRAY, _C, _C, _I, COMPLEX, COMPLEX, _B, COMPLEX_MATRIX), inner=True)
-def _explicit(theta, along, z, d_z, harmonics, chi, psi, truncated, inverse):
+@kernel(_C(HILL, ARRAY, _C, _C, COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)
+def _explicit(hill, along, z, d_z, d_varied, inverse):
     """d log of the scaled determinant while the angles of contact stand still, the axis moving by 1 and z by d_z."""
-    size, period = inverse.shape[0], int(theta[PERIOD])
-    omega, d_omega = base_frequency(theta, along, 0.0)
-    changed = np.empty((2, psi.shape[0]), _COMPLEX)
-    # With the direction of the axis, `modulated` gives s chi and what the change of s adds.
-    modulated(theta, along, 0.0, chi, changed[0], changed[1])
+    size = inverse.shape[0]
+    omega, d_omega = base_frequency(hill.theta, along, 0.0)
     total = 0j
     for i in range(size):
-        at = z + i - harmonics
+        at = z + (i - hill.harmonics)
         (D, A, B, _), (d_D, d_A, d_B, _) = impedance(
-            theta, along, 0.0, 1j * at * omega, 1j * (d_z * omega + at * d_omega), -1
+            hill.theta, along, 0.0, 1j * at * omega, 1j * (d_z * omega + at * d_omega), -1
         )
-        scale = abs(D) + abs(A)
         row = inverse[i, i] * d_D
         for j in range(size):
-            if truncated:
-                varied, d_varied = _truncated_psi(theta, along, 0.0, chi, i, j, size), 0j
-                for l in range(1, int(theta[STIFFNESSES]) + 1):
-                    d_S = 0.5 * stiffness_phasor(theta, along, 0.0, l)[1]
-                    if i - l * period >= 0:
-                        d_varied += d_S * coefficient(chi, i - l * period - j)
-                    if i + l * period < size:
-                        d_varied += d_S.conjugate() * coefficient(chi, i + l * period - j)
-            else:
-                varied, d_varied = coefficient(psi, i - j), coefficient(changed[1], i - j)
-            row += inverse[j, i] * (d_A * coefficient(chi, i - j) + d_B * varied + B * d_varied)
-        total += (row - _growth(D, d_D) - _growth(A, d_A)) / scale
+            row += inverse[j, i] * (d_A * hill.contact[i, j] + d_B * hill.varied[i, j] + B * d_varied[i, j])
+        # The inverse is that of rows already divided by R_k.
+        total += (row - _growth(D, d_D) - _growth(A, d_A)) / (abs(D) + abs(A))
     return total
+
+
+@kernel(types.void(ARRAY, ARRAY, COMPLEX, _I, _B, COMPLEX_MATRIX), inner=True)
+def _varied_slope(theta, along, chi, size_psi, truncated, slope):
+    """Fill the derivative of `contact_matrices`' second matrix along an axis, the angles of contact standing still."""
+    size, period = slope.shape[0], int(theta[PERIOD])
+    product, change = np.empty(size_psi, _COMPLEX), np.empty(size_psi, _COMPLEX)
+    modulated(theta, along, 0.0, chi, product, change)
+    for i in range(size):
+        for j in range(size):
+            slope[i, j] = 0j if truncated else coefficient(change, i - j)
+    if truncated:
+        for l in range(1, int(theta[STIFFNESSES]) + 1):
+            d_S = 0.5 * stiffness_phasor(theta, along, 0.0, l)[1]
+            shift = l * period
+            for i in range(size):
+                for j in range(size):
+                    if i - shift >= 0:
+                        slope[i, j] += d_S * coefficient(chi, i - shift - j)
+                    if i + shift < size:
+                        slope[i, j] += d_S.conjugate() * coefficient(chi, i + shift - j)
+
+
+@kernel(types.void(ARRAY, ARRAY, _C, _B, COMPLEX_MATRIX), inner=True)
+def _contact_change(theta, still, turn, truncated, pulse):
+    """Fill exp(-i k theta_c) and what the stiffness makes of it, rows of `pulse` (2, size); turn = exp(i theta_c)."""
+    size, period = pulse.shape[1], int(theta[PERIOD])
+    power = 1.0 + 0j
+    for i in range(size):
+        pulse[0, i] = power
+        power *= turn.conjugate()
+    pulse[1, :] = 0.0
+    for l in range(1, int(theta[STIFFNESSES]) + 1):
+        S, shift = stiffness_phasor(theta, still, 0.0, l)[0], l * period
+        modulation = (S * turn**shift).real
+        for i in range(size):
+            if not truncated:
+                pulse[1, i] += modulation * pulse[0, i]
+                continue
+            if i - shift >= 0:
+                pulse[1, i] += 0.5 * S * pulse[0, i - shift]
+            if i + shift < size:
+                pulse[1, i] += 0.5 * S.conjugate() * pulse[0, i + shift]
 
 
 @kernel(_C(ARRAY, ARRAY, ARRAY, ARRAY, _F, _I, _B, COMPLEX), inner=True)
@@ -259,28 +365,32 @@ def determinant_slopes(theta, along_x, along_p, u, share, window, truncated, gra
     gradient : (n + 3,) complex array
         Filled with the derivatives by u, share, x and p.
     """
-    n, period = u.shape[0], int(theta[PERIOD])
-    harmonics = n // 2
+    n, harmonics = u.shape[0], u.shape[0] // 2
     size = 2 * harmonics + 1 - window
     longest, long = spectrum_sizes(theta, harmonics)
     chi, psi = np.empty(longest, _COMPLEX), np.empty(long, _COMPLEX)
     angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
     count = motion_spectra(theta, along_x, u, 0.0, chi, psi, angles, zones)
-    matrix, inverse = np.empty((size, size), _COMPLEX), np.empty((size, size), _COMPLEX)
-    z = complex(share, 0.0)
-    fill_matrix(theta, along_x, 0.0, z, harmonics, chi, psi, truncated, matrix)
+    square = np.empty((5, size, size), _COMPLEX)
+    contact, varied, matrix, inverse, d_varied = square[0], square[1], square[2], square[3], square[4]
+    still, numbers = np.zeros(theta.shape[0]), np.empty(LINEAR)
+    contact_matrices(theta, still, 0.0, chi, psi, truncated, contact, varied)
+    linear_numbers(theta, still, 0.0, numbers)
+    omega, z = base_frequency(theta, still, 0.0)[0], complex(share, 0.0)
+    hill = Hill(theta, still, 0.0, omega, harmonics, numbers, contact, varied)
+    fill_matrix(hill, z, matrix)
     value = _inverse(matrix, inverse)
-    still = np.zeros(theta.shape[0])
-    # `_explicit` divides its rows by R_k, the inverse is that of rows already divided.
     gradient[:n] = 0.0
-    gradient[n] = _explicit(theta, still, z, 1.0 + 0j, harmonics, chi, psi, truncated, inverse)
-    gradient[n + 1] = _explicit(theta, along_x, z, 0j, harmonics, chi, psi, truncated, inverse)
-    gradient[n + 2] = _explicit(theta, along_p, z, 0j, harmonics, chi, psi, truncated, inverse)
+    d_varied[:] = 0.0
+    gradient[n] = _explicit(hill, still, z, 1.0 + 0j, d_varied, inverse)
+    _varied_slope(theta, along_x, chi, long, truncated, d_varied)
+    gradient[n + 1] = _explicit(hill, along_x, z, 0j, d_varied, inverse)
+    _varied_slope(theta, along_p, chi, long, truncated, d_varied)
+    gradient[n + 2] = _explicit(hill, along_p, z, 0j, d_varied, inverse)
     if count > 0:
-        omega = base_frequency(theta, still, 0.0)[0]
-        pair = np.empty((2, size), _COMPLEX)
+        pair, pulse = np.empty((2, size), _COMPLEX), np.empty((2, size), _COMPLEX)
         for i in range(size):
-            D, A, B, _ = impedance(theta, still, 0.0, 1j * (z + i - harmonics) * omega, 0j, -1)[0]
+            D, A, B, _ = _linear_terms(theta, still, 0.0, numbers, 1j * (z + (i - harmonics)) * omega)
             scale = 1.0 / (abs(D) + abs(A))
             pair[0, i], pair[1, i] = A * scale, B * scale
         for c in range(count):
@@ -289,25 +399,12 @@ def determinant_slopes(theta, along_x, along_p, u, share, window, truncated, gra
             if sigma == 0:
                 continue
             turn, total = complex(math.cos(angles[c]), math.sin(angles[c])), 0j
-            modulation = 0.0
-            for l in range(1, int(theta[STIFFNESSES]) + 1):
-                modulation += (stiffness_phasor(theta, still, 0.0, l)[0] * turn ** (l * period)).real
+            _contact_change(theta, still, turn, truncated, pulse)
             for i in range(size):
-                back = turn.conjugate() ** i
-                varied = modulation * back
-                if truncated:
-                    varied = 0j
-                    for l in range(1, int(theta[STIFFNESSES]) + 1):
-                        S = 0.5 * stiffness_phasor(theta, still, 0.0, l)[0]
-                        if i - l * period >= 0:
-                            varied += S * turn.conjugate() ** (i - l * period)
-                        if i + l * period < size:
-                            varied += S.conjugate() * turn.conjugate() ** (i + l * period)
-                row, ahead = 0j, 1.0 + 0j
+                row = 0j
                 for j in range(size):
-                    row += inverse[j, i] * ahead
-                    ahead *= turn
-                total += row * (pair[0, i] * back + pair[1, i] * varied)
+                    row += inverse[j, i] * pulse[0, j].conjugate()
+                total += row * (pair[0, i] * pulse[0, i] + pair[1, i] * pulse[1, i])
             # Front contact is left and entered at the front gap, back contact at minus the back gap.
             slot, sense = (FRONT, 1.0) if before + after == 1 else (BACK, -1.0)
             total *= sigma / (2.0 * math.pi * displacement(u, angles[c])[1])

@@ -12,11 +12,10 @@ from numba import types
 
 from solver.compiled import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
 from solver.continuation import Event
-from solver.harmonic.contact_spectrum import COMPLEX
 from solver.harmonic.perturbation import COMPLEX_MATRIX
 from solver.landing import SETUP, Setup, land_between, locate, point_size
 from solver.stability.exponents import NODES, exponent, gathered_phase, place
-from solver.stability.hill_determinant import HALF, WHOLE, determinant, fill_matrix, motion_spectra, spectrum_sizes
+from solver.stability.hill_determinant import HALF, WHOLE, determinant, fill_matrix, hill_of
 
 __all__ = ["critical_shares", "half_order_matrix", "monitor", "scan"]
 
@@ -44,12 +43,8 @@ def monitor(theta, direction, y, values, gradient):
     """values[0]: the real determinant over the half window at half the base frequency; its gradient is left at 0."""
     packed, along = _packed(theta, direction)
     n = y.shape[0] - 1
-    longest, long = spectrum_sizes(packed, n // 2)
-    chi, psi = np.empty(longest, _COMPLEX), np.empty(long, _COMPLEX)
-    angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
-    motion_spectra(packed, along, y[:n], y[n], chi, psi, angles, zones)
     matrix = np.empty((n - 1, n - 1), _COMPLEX)
-    fill_matrix(packed, along, y[n], 0.5 + 0j, n // 2, chi, psi, theta[-1] != 0.0, matrix)
+    fill_matrix(hill_of(packed, along, y[:n], y[n], HALF, theta[-1] != 0.0), 0.5 + 0j, matrix)
     values[0] = determinant(matrix).real
     gradient[0, :] = 0.0
 
@@ -58,11 +53,7 @@ def monitor(theta, direction, y, values, gradient):
 def half_order_matrix(theta, direction, y, truncated, matrix):
     """Hill's matrix over the half window at half the base frequency, for packed vectors."""
     n = y.shape[0] - 1
-    longest, long = spectrum_sizes(theta, n // 2)
-    chi, psi = np.empty(longest, _COMPLEX), np.empty(long, _COMPLEX)
-    angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
-    motion_spectra(theta, direction, y[:n], y[n], chi, psi, angles, zones)
-    fill_matrix(theta, direction, y[n], 0.5 + 0j, n // 2, chi, psi, truncated, matrix)
+    fill_matrix(hill_of(theta, direction, y[:n], y[n], HALF, truncated), 0.5 + 0j, matrix)
 
 
 @kernel(_C(ARRAY, ARRAY, ARRAY, _I, ARRAY), inner=True)
@@ -70,12 +61,8 @@ def _phases(theta, direction, y, window, phases):
     """`gathered_phase` of a motion y = (u, p)."""
     packed, along = _packed(theta, direction)
     n = y.shape[0] - 1
-    longest, long = spectrum_sizes(packed, n // 2)
-    chi, psi = np.empty(longest, _COMPLEX), np.empty(long, _COMPLEX)
-    angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
-    motion_spectra(packed, along, y[:n], y[n], chi, psi, angles, zones)
     matrix = np.empty((n - window, n - window), _COMPLEX)
-    return gathered_phase(packed, along, y[n], window, n // 2, chi, psi, theta[-1] != 0.0, matrix, phases)
+    return gathered_phase(hill_of(packed, along, y[:n], y[n], window, theta[-1] != 0.0), window, matrix, phases)
 
 
 @kernel(_C(ARRAY, ARRAY, ARRAY, _I, _C), inner=True)
@@ -83,12 +70,8 @@ def _exponent(theta, direction, y, window, z):
     """`exponent` of a motion y = (u, p)."""
     packed, along = _packed(theta, direction)
     n = y.shape[0] - 1
-    longest, long = spectrum_sizes(packed, n // 2)
-    chi, psi = np.empty(longest, _COMPLEX), np.empty(long, _COMPLEX)
-    angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
-    motion_spectra(packed, along, y[:n], y[n], chi, psi, angles, zones)
     matrix = np.empty((n - window, n - window), _COMPLEX)
-    return exponent(packed, along, y[n], z, n // 2, chi, psi, theta[-1] != 0.0, matrix)
+    return exponent(hill_of(packed, along, y[:n], y[n], window, theta[-1] != 0.0), z, matrix)
 
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, _B, _F, ARRAY))
