@@ -1,28 +1,29 @@
 """All bifurcation curves of a balance in a plane, each traced once from what the sweeps of its rows have met."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
-from solver.boundaries.bifurcation_plane import BifurcationPlane
+from solver.boundaries.bifurcation_plane import WINDOW, BifurcationPlane
 from solver.boundaries.bifurcation_points import named_points
+from solver.boundaries.chain import Chain, joined
 from solver.boundaries.curve import BoundaryCurve, Piece
 from solver.boundaries.incidence import distances
 from solver.boundaries.tangent import curve_tangent
 from solver.contact_system import ContactSystem
-from solver.continuation import Continuation, Curve, EndReason, Event, Problem
+from solver.continuation import Continuation, Curve, EndReason, Event
 from solver.correctors import workspace_rows
 from solver.errors import ParameterError
 from solver.model import Model
 from solver.problem import Balance
+from solver.stability.hill_determinant import HALF
 from solver.stability.scan import critical_shares
 
 __all__ = ["bifurcation_curves", "bifurcation_events"]
 
 # A start that lies this close to a traced curve, in scaled unknowns, belongs to it.
 _SAME = 1e-6
-_MOST_LEGS = 100
+_MOST_PIECES = 100
 # How far the two truncations may disagree where a Neimark-Sacker curve changes its window.
 _WINDOWS_AGREE = 0.3
 
@@ -67,7 +68,8 @@ def bifurcation_curves(
     """Follow every bifurcation curve on which a start lies until it leaves the plane, closes or cannot be followed further.
 
     Where the motion of a fold, period doubling or Neimark-Sacker begins to touch a flank, the curve has a corner with an
-    infinite gradient. A curve that stops there, for STEP_TOO_SMALL, is taken up on the other side by the starts there.
+    infinite gradient, at which continuation stops. It is joined there with what the starts on the other side lead to;
+    without any it ends for STEP_TOO_SMALL.
 
     Parameters
     ----------
@@ -101,14 +103,17 @@ def bifurcation_curves(
     curves = []
     for kind in plane.kinds:
         tracer = _Tracer(plane, kind, continuation)
-        waiting = points[kinds == kind]
+        waiting, chains = points[kinds == kind], []
         while len(waiting):
-            curve = tracer.boundary(waiting[0])
-            nearest = np.full(len(waiting), np.inf) if curve is None else tracer.distances(curve, waiting)
+            chain = tracer.boundary(waiting[0])
+            nearest = np.full(len(waiting), np.inf) if chain is None else tracer.distances(chain, waiting)
             if nearest[0] > _SAME:
-                curve, nearest[0] = tracer.unfollowed(waiting[0]), 0.0
+                curves.append(tracer.unfollowed(waiting[0]))
+                nearest[0] = 0.0
+            else:
+                chains.append(chain)
             waiting = waiting[nearest > _SAME]
-            curves.append(curve)
+        curves += [named_points(plane, kind, list(chain.pieces), chain.ends) for chain in joined(chains)]
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
 
 
@@ -133,34 +138,17 @@ def _sorted(plane: BifurcationPlane, starts) -> tuple[np.ndarray, np.ndarray]:
     return kinds[order], points[order]
 
 
-@dataclass(frozen=True)
-class _Leg:
-    """What was traced within one window."""
-
-    window: int
-    problem: Problem
-    curve: Curve
-
-    def reversed(self) -> "_Leg":
-        curve = self.curve
-        back = Curve(
-            curve.points[::-1].copy(), -curve.tangents[::-1], curve.arclength[-1] - curve.arclength[::-1],
-            curve.stable[::-1].copy(), curve.event[::-1].copy(), curve.ends[::-1], curve.refused,
-        )  # fmt: skip
-        return _Leg(self.window, self.problem, back)
-
-
 class _Tracer:
     """Follows curves of one kind."""
 
     def __init__(self, plane: BifurcationPlane, kind: Event, continuation: Continuation):
         self.plane, self.kind, self.continuation = plane, kind, continuation
 
-    def distances(self, curve: BoundaryCurve, points: np.ndarray) -> np.ndarray:
+    def distances(self, chain: Chain, points: np.ndarray) -> np.ndarray:
         """Distance of starts (k, n + 2) from a curve in scaled unknowns, all of the motion counted, (k,)."""
         here = self.plane.components(self.kind)
         nearest = np.full(len(points), np.inf)
-        for piece in curve.pieces:
+        for piece in chain.pieces:
             targets = np.zeros((len(points), piece.problem.unknowns + 1))
             targets[:, here] = points
             found = distances(piece.problem, piece.curve, targets, here, self.continuation)
@@ -176,22 +164,17 @@ class _Tracer:
             self.plane.seen(self.kind),
         )  # fmt: skip
 
-    def boundary(self, point: np.ndarray) -> BoundaryCurve | None:
-        """The whole curve through a start (n + 2,); None if none could be followed from it."""
+    def boundary(self, point: np.ndarray) -> Chain | None:
+        """The whole curve through a start (n + 2,), as far as it can be followed; None if there is none."""
         first = self._through(point)
         if first is None:
             return None
-        chain = [first]
-        closed = first.curve.closed or self._extend(chain)
-        if not closed:
-            chain = [leg.reversed() for leg in reversed(chain)]
-            self._extend(chain)
-            if tuple(chain[0].curve.points[0, [-1, -2]]) > tuple(chain[-1].curve.points[-1, [-1, -2]]):
-                chain = [leg.reversed() for leg in reversed(chain)]
-        ends = (EndReason.CLOSED,) * 2 if closed else (chain[0].curve.ends[0], chain[-1].curve.ends[1])
-        return named_points(self.plane, self.kind, [Piece(leg.problem, leg.curve) for leg in chain], ends)
+        chain = Chain((first,))
+        if not first.curve.closed:
+            chain = self._extended(self._extended(chain).reversed())
+        return chain
 
-    def _through(self, point: np.ndarray) -> _Leg | None:
+    def _through(self, point: np.ndarray) -> Piece | None:
         """The curve through a start (n + 2,) within its window."""
         for share in self._shares(point):
             for window in self.plane.windows(self.kind, share):
@@ -239,26 +222,28 @@ class _Tracer:
             return None
         return inside
 
-    def _leg(self, window: int, y: np.ndarray, heading: np.ndarray, trace) -> _Leg:
+    def _leg(self, window: int, y: np.ndarray, heading: np.ndarray, trace) -> Piece:
         problem = self.plane.problem(self.kind, window)
-        return _Leg(window, problem, trace(problem, y, *self.plane.box(self.kind, window), heading))
+        return Piece(problem, trace(problem, y, *self.plane.box(self.kind, window), heading))
 
-    def _extend(self, chain: list[_Leg]) -> bool:
-        """Follow a Neimark-Sacker curve from window to window beyond the last leg; whether it returned to the first one.
+    def _extended(self, chain: Chain) -> Chain:
+        """Follow a Neimark-Sacker curve from window to window beyond the last piece.
 
         The windows cut off different harmonics, so that the curve moves by what the truncation leaves out.
         """
-        while self.kind is Event.NEIMARK_SACKER and len(chain) < _MOST_LEGS:
-            leg = chain[-1]
-            if leg.curve.ends[1] is not EndReason.RANGE_LEFT or leg.curve.points[-1, -3] != 0.25:
-                return False
-            window, normal = 1 - leg.window, np.eye(leg.curve.points.shape[1])[-3]
-            y = self._landed(window, leg.curve.points[-1].copy(), normal, _WINDOWS_AGREE)
+        while self.kind is Event.NEIMARK_SACKER and len(chain.pieces) < _MOST_PIECES:
+            last = chain.pieces[-1]
+            if last.curve.ends[1] is not EndReason.RANGE_LEFT or last.curve.points[-1, -3] != 0.25:
+                break
+            window, normal = 1 - int(last.problem.theta[WINDOW]), np.eye(last.curve.points.shape[1])[-3]
+            y = self._landed(window, last.curve.points[-1].copy(), normal, _WINDOWS_AGREE)
             if y is None:
-                return False
-            home = chain[0]
-            if window == home.window and np.max(np.abs(y - home.curve.points[0]) / home.problem.scale) < _SAME:
-                return True
+                break
             y[-3] = 0.25
-            chain.append(self._leg(window, y, normal if window else -normal, self.continuation.trace))
-        return False
+            if chain.starts_at(window, y):
+                return chain.closed_up()
+            piece = self._leg(window, y, normal if window == HALF else -normal, self.continuation.trace)
+            if not len(piece.curve.points):
+                break
+            chain = Chain((*chain.pieces, piece))
+        return chain

@@ -17,8 +17,8 @@ def named_points(
 ) -> BoundaryCurve:
     """One curve of its pieces, which follow each other, with the special points named."""
     shown, points, slopes, lengths, special, stable = list(plane.seen(kind)), [], [], [], [], []
-    travelled = 0.0
-    for piece in pieces:
+    travelled, joint = 0.0, ends[1] is EndReason.CLOSED and len(pieces) > 1
+    for number, piece in enumerate(pieces):
         curve = piece.curve
         codes = np.zeros(len(curve.points), np.int8)
         for i in np.flatnonzero(curve.event):
@@ -26,6 +26,10 @@ def named_points(
                 codes[i] = _turning_point(plane, kind, piece, curve, i)
             elif curve.event[i] != Event.BRANCH_POINT:
                 codes[i] = SpecialPoint.FOLD_GRAZING
+        if number > 0 or joint:
+            codes[0] = _departure(kind, pieces[number - 1].curve, curve)
+        if (number < len(pieces) - 1 or joint) and curve.ends[1] is EndReason.STEP_TOO_SMALL:
+            codes[-1] = SpecialPoint.FOLD_GRAZING if kind is Event.FOLD else SpecialPoint.CORNER
         points.append(curve.points[:, shown])
         slopes.append((curve.tangents * piece.problem.scale)[:, shown])
         lengths.append(travelled + curve.arclength)
@@ -44,6 +48,13 @@ def named_points(
         kind, points, np.concatenate(slopes), np.concatenate(lengths), np.concatenate(stable).astype(np.int8), codes, ends,
         tuple(pieces), plane.seen(kind),
     )  # fmt: skip
+
+
+def _departure(kind: Event, before: Curve, after: Curve) -> SpecialPoint:
+    """What a fold curve does at a corner: where it reverses in the plane, two folds meet."""
+    if kind is Event.FOLD and before.tangents[-1, -2:] @ after.tangents[0, -2:] < 0.0:
+        return SpecialPoint.CUSP
+    return SpecialPoint.NONE
 
 
 def _turning_point(plane: BifurcationPlane, kind: Event, piece: Piece, curve: Curve, index: int) -> SpecialPoint:

@@ -29,6 +29,7 @@ class SpecialPoint(enum.IntEnum):
     EXTREMUM = 6
     DOUBLE_GRAZING = 7
     RESONANCE = 8
+    CORNER = 9
 
     @property
     def sentence(self) -> str:
@@ -47,6 +48,7 @@ _SENTENCES = {
     SpecialPoint.DOUBLE_GRAZING: "The motion just touches both flanks.",
     SpecialPoint.RESONANCE: "The second frequency of a Neimark-Sacker boundary falls to 0, on a fold, or to half the motion's, "
     "on a period doubling: it ends there.",
+    SpecialPoint.CORNER: "The bifurcating motion just touches a flank: the boundary has a corner.",
 }
 
 
