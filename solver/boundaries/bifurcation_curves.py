@@ -30,7 +30,9 @@ _HOPS = (1e-3, 1e-2, 1e-4)
 _WINDOWS_AGREE = 0.3
 
 
-def bifurcation_events(curves: Iterable[Curve], parameter: float, kinds: Iterable[Event]) -> list[tuple[Event, np.ndarray]]:
+def bifurcation_events(
+    curves: Iterable[Curve], parameter: float, kinds: Iterable[Event]
+) -> list[tuple[Event, np.ndarray]]:
     """The events of one row, as starts for `bifurcation_curves`.
 
     Parameters
@@ -67,11 +69,12 @@ def bifurcation_curves(
     omega: float | None = None,
     continuation: Continuation | None = None,
 ) -> tuple[BoundaryCurve, ...]:
-    """Follow every bifurcation curve on which a start lies until it leaves the plane, closes or cannot be followed further.
+    """Follow every bifurcation curve on which a start lies until it leaves the plane, closes or cannot be followed
+    further.
 
-    Where the motion of a fold, period doubling or Neimark-Sacker begins to touch a flank, the curve has a corner with an
-    infinite gradient. Continuation stops there on either side, and what meets is joined; where the other side is not found,
-    neither by a hop nor by a start, the curve ends for STEP_TOO_SMALL.
+    Where the motion of a fold, period doubling or Neimark-Sacker begins to touch a flank, the curve has a corner with
+    an infinite gradient. Continuation stops there on either side, and what meets is joined; where the other side is not
+    found, neither by a hop nor by a start, the curve ends for STEP_TOO_SMALL.
 
     Parameters
     ----------
@@ -91,8 +94,8 @@ def bifurcation_curves(
     Returns
     -------
     tuple of BoundaryCurve
-        Every curve once: sorted by kind and first point. Open ones run from the end with the smaller p (then x). A start
-        from which nothing could be followed is a curve of one point that ends for STEP_TOO_SMALL.
+        Every curve once: sorted by kind and first point. Open ones run from the end with the smaller p (then x). A
+        start from which nothing could be followed is a curve of one point that ends for STEP_TOO_SMALL.
 
     Raises
     ------
@@ -123,7 +126,7 @@ def bifurcation_curves(
 
 
 def _sorted(plane: BifurcationPlane, starts) -> tuple[np.ndarray, np.ndarray]:
-    """Kinds (k,) and points (k, n + 2) of the starts, checked, by kind, p, x and unknowns; those on the border come last."""
+    """Kinds (k,) and points (k, n + 2) of the starts, checked, by kind, p, x and unknowns; those on the border last."""
     starts = list(starts)
     kinds = np.array([kind for kind, _ in starts], dtype=np.int64)
     size = plane.balance.unknowns + 2
@@ -171,8 +174,8 @@ class _Tracer:
         shown = point[[0, *self.plane.balance.fundamental, -2, -1]]
         nothing = np.zeros(1, np.int8)
         return BoundaryCurve(
-            self.kind, shown[None], np.zeros((1, 5)), np.zeros(1), nothing, nothing, (EndReason.STEP_TOO_SMALL,) * 2, (),
-            self.plane.seen(self.kind),
+            self.kind, shown[None], np.zeros((1, 5)), np.zeros(1), nothing, nothing,
+            (EndReason.STEP_TOO_SMALL,) * 2, (), self.plane.seen(self.kind),
         )  # fmt: skip
 
     def boundary(self, point: np.ndarray) -> Chain | None:
@@ -222,7 +225,8 @@ class _Tracer:
             return None
         iterations = corrector.kernel(
             problem.balance, problem.theta, problem.direction, problem.scale, y,
-            np.ascontiguousarray(normal if abs(tangent @ normal) > 0.01 else tangent), corrector.tolerance, 2 * corrector.max_iterations,
+            np.ascontiguousarray(normal if abs(tangent @ normal) > 0.01 else tangent),
+            corrector.tolerance, 2 * corrector.max_iterations,
             np.empty((workspace_rows(y.size - 1), y.size)),
         )  # fmt: skip
         inside = np.clip(y, low, high)
@@ -242,10 +246,10 @@ class _Tracer:
         """Follow a curve beyond its last piece, from window to window and across corners."""
         while len(chain.pieces) < _MOST_PIECES and not chain.closed:
             last = chain.pieces[-1].curve
-            piece = None
-            if last.ends[1] is EndReason.STEP_TOO_SMALL:
+            piece, end = None, last.ends[1]
+            if end is EndReason.STEP_TOO_SMALL:
                 piece = self._hop(chain)
-            elif last.ends[1] is EndReason.RANGE_LEFT and self.kind is Event.NEIMARK_SACKER and last.points[-1, -3] == 0.25:
+            elif self.kind is Event.NEIMARK_SACKER and end is EndReason.RANGE_LEFT and last.points[-1, -3] == 0.25:
                 piece = self._next_window(chain)
             if piece is None:
                 break
@@ -269,8 +273,8 @@ class _Tracer:
     def _hop(self, chain: Chain) -> Piece | None:
         """The piece on the other side of the corner at which the last one stops; None if it is not found.
 
-        Somewhere close by, along the tangents of arrival, lies a motion with other switches of contact whose curve, followed
-        back, stops at the same corner.
+        Somewhere close by, along the tangents of arrival, lies a motion with other switches of contact whose curve,
+        followed back, stops at the same corner.
         """
         last, window = chain.pieces[-1], int(chain.pieces[-1].problem.theta[WINDOW])
         corner, tangent = last.curve.points[-1], last.curve.tangents[-1]

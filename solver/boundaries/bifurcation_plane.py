@@ -1,16 +1,17 @@
 """Bifurcations of a balance over a plane of two parameters, as the curve problems that continuation follows.
 
-The unknowns are y = (u, x, p) with the motion u and the axes x and p; for Neimark-Sackers (u, omega nu/Omega, x, p) with the
-second frequency. Rows are the balance, then what makes the motion special: the scaled determinant of Hill's matrix at the
-exponent 0 (fold), at half the base frequency (period doubling), at i omega (Neimark-Sacker: real and imaginary part), or the
-distance of an extreme of lambda from a flank (grazing).
+The unknowns are y = (u, x, p) with the motion u and the axes x and p; for Neimark-Sackers (u, omega nu/Omega, x, p)
+with the second frequency. Rows are the balance, then what makes the motion special: the scaled determinant of Hill's
+matrix at the exponent 0 (fold), at half the base frequency (period doubling), at i omega (Neimark-Sacker: real and
+imaginary part), or the distance of an extreme of lambda from a flank (grazing).
 
-Kernels see theta = (parameters with both axes at 0 | what x adds | their number | the event | the window | whether the force
-is truncated before the stiffness multiplies it | switches of contact, or ANY), and direction, what p adds. The parameters are those of
-`solver.harmonic.layout.packed`.
+Kernels see theta = (parameters with both axes at 0 | what x adds | their number | the event | the window | whether the
+force is truncated before the stiffness multiplies it | switches of contact, or ANY), and direction, what p adds. The
+parameters are those of `solver.harmonic.layout.packed`.
 
-A determinant has an infinite gradient where the motion grazes a flank, and its curve a corner. A problem may be confined to
-motions that switch contact a given number of times: beyond, its equations are not numbers, and continuation stops at the corner.
+A determinant has an infinite gradient where the motion grazes a flank, and its curve a corner. A problem may be
+confined to motions that switch contact a given number of times: beyond, its equations are not numbers, and continuation
+stops at the corner.
 """
 
 import math
@@ -30,7 +31,8 @@ from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import BACK, FRONT, PAIRS, SIGN, STIFFNESSES, packed
 from solver.model import Model
 from solver.problem import Balance
-from solver.stability.hill_determinant import HALF, WHOLE, determinant_slopes
+from solver.stability.hill_determinant import HALF, WHOLE
+from solver.stability.hill_slopes import determinant_slopes
 
 __all__ = ["ANY", "WINDOW", "BifurcationPlane"]
 
@@ -44,8 +46,8 @@ ANY = -1
 # Switches at the back flank count so many of those at the front one.
 _BACK = 1000
 
-# The imaginary part of the determinant is odd about the centre of a window. Divided by the distance from it, which is taken to
-# be at least this, it leaves a regular equation.
+# The imaginary part of the determinant is odd about the centre of a window. Divided by the distance from it, which is
+# taken to be at least this, it leaves a regular equation.
 _CENTRE = 1e-4
 
 _balance_1, _balance_h, _monitor_h = first_order.balance, galerkin.balance, galerkin.monitor
@@ -125,7 +127,7 @@ def _balance(theta, direction, y, residual, jacobian):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 def _monitor(theta, direction, y, values, gradient):
-    """Size of the oscillation, and the determinant at the exponent 0 where there is room for it (its gradient is left at 0)."""
+    """Size of the oscillation, and the determinant at the exponent 0 if there is room (its gradient is left at 0)."""
     total = y.shape[0]
     n = total - (3 if int(theta[KIND]) == _NEIMARK_SACKER else 2)
     gradient[:] = 0.0
@@ -216,7 +218,7 @@ class BifurcationPlane:
 
     @property
     def sign(self) -> float:
-        """What the determinant at the exponent 0 has to be multiplied by for that of the balance, up to a positive factor."""
+        """What makes the determinant at the exponent 0 that of the balance, up to a positive factor."""
         return float(self._theta[SIGN])
 
     def components(self, kind: Event) -> list[int]:
@@ -242,12 +244,12 @@ class BifurcationPlane:
         return [WHOLE if share < 0.25 else HALF]
 
     def switches(self, kind: Event, y: np.ndarray) -> int:
-        """How often the motion at y switches contact, ANY for a grazing: what a curve is confined to between its corners."""
+        """How often the motion at y switches contact, ANY for a grazing: what confines a curve between its corners."""
         problem = self.problem(kind, WHOLE)
         return ANY if kind in _GRAZINGS else int(_switches(problem.theta, problem.direction, y))
 
     def problem(self, kind: Event, window: int, switches: int = ANY) -> Problem:
-        """The curve of one kind, its exponents sought in one window, confined to motions with so many switches of contact."""
+        """The curve of one kind, exponents sought in one window, confined to motions of so many switches of contact."""
         theta = self._theta.copy()
         theta[KIND], theta[WINDOW], theta[SWITCHES] = kind, window, switches
         scale = self._scale.copy()

@@ -71,7 +71,7 @@ class Chain:
 
 
 def _gap(left: Chain, right: Chain) -> float:
-    """Distance in scaled unknowns from the end of one chain to the start of another, if continuation stopped at both."""
+    """Scaled distance from the end of one chain to the start of another, if continuation stopped at both."""
     if left.ends[1] is not EndReason.STEP_TOO_SMALL or right.ends[0] is not EndReason.STEP_TOO_SMALL:
         return np.inf
     return float(np.max(np.abs(left.tips[1] - right.tips[0]) / right.pieces[0].problem.scale))

@@ -166,8 +166,7 @@ def test_the_period_doublings_of_parametric_resonance_form_one_tongue():
     np.testing.assert_allclose(np.sort(tongue.crossings([0.2])[1][:, 3]), [1.17547, 1.246548], atol=1e-5)
 
 
-def test_at_order_one_folds_are_close_to_those_of_the_describing_function():
-    """A check of the fold row that shares nothing with it: without a second harmonic in the force the two would agree."""
+def test_fold_curves_cross_a_row_where_it_folds():
     balance = Galerkin(1)
     starts = starts_of("published", "f_e", balance)
     folds = [s for s in starts if s[0] is Event.FOLD]
@@ -202,7 +201,8 @@ def test_grazings_of_motions_that_fold_are_marked():
 
 
 def test_refinement_is_solved_not_interpolated():
-    curve = next(c for c in curves_of("parametric", "alpha", HIGHER) if c.kind is Event.PERIOD_DOUBLING and c.x[0] > 1.0)
+    doublings = [c for c in curves_of("parametric", "alpha", HIGHER) if c.kind is Event.PERIOD_DOUBLING]
+    curve = next(c for c in doublings if c.x[0] > 1.0)
     fine = curve.refined(0.002, 0.002)
     assert len(fine) > 2 * len(curve.points)
     assert np.max(curve.distances(fine[::20])) < 1e-9
@@ -226,6 +226,25 @@ def test_a_start_that_leads_nowhere_is_a_curve_of_one_point():
     lost = np.array([1.0, *np.full(6, 0.3), 1.0, 0.2])
     (curve,) = bifurcation_curves(HIGHER, published(), "omega", "f_e", OMEGA, RANGE, [(Event.PERIOD_DOUBLING, lost)])
     assert len(curve.points) == 1 and curve.ends == (EndReason.STEP_TOO_SMALL,) * 2
+
+
+@pytest.mark.parametrize("order", [1, 2, 5])
+def test_a_motion_that_just_touches_a_flank_keeps_its_contact(order):
+    """Rounding may see lambda at the flank on one side of the touching angle only; the contact is not lost for that."""
+    rng = np.random.default_rng(order)
+    balance = Galerkin(order)
+    problem = balance.problem(published(b=1.0), "omega", LOW, HIGH)
+    for _ in range(200):
+        u = rng.normal(size=balance.unknowns) / (1.0 + np.arange(balance.unknowns) // 2)
+        for _ in range(3):
+            low, _ = balance.extremes(u[None])
+            u[0] += 1.0 - low[0]
+        residual, jacobian = np.empty(u.size), np.empty((u.size, u.size + 1))
+        problem.balance(problem.theta, problem.direction, np.append(u, 1.1), residual, jacobian)
+        above = residual.copy()
+        u[0] += 1e-7
+        problem.balance(problem.theta, problem.direction, np.append(u, 1.1), above, jacobian)
+        np.testing.assert_allclose(residual, above, rtol=0, atol=1e-5)
 
 
 # What it shares with the first order ---------------------------------------------------------------------------------
