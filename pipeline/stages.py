@@ -79,7 +79,8 @@ def sweep_command(settings: Settings, plane: str | None = None) -> str:
     words = ["python -m pipeline", f"plane={plane or choices['plane']}"]
     words += [f"{group}={choices[group]}" for group, usual in (("gear", "published"), ("quality", "paper"))
               if choices[group] != usual]  # fmt: skip
-    words += [override for override in settings.overrides if override.startswith(("output.root=", "store.root="))]
+    kept = ("output.root=", "store.root=", "solver=", "solver.order=", "solver.period=")
+    words += [override for override in settings.overrides if override.startswith(kept)]
     if plane is None and settings.config.store.name is not None:
         words.append(f"store.name={settings.config.store.name}")
     return " ".join(words) if root else words[0]
@@ -243,14 +244,9 @@ def _tabulate(job: Job, reporter: Reporter) -> int:
     from pipeline import tables
 
     settings = job.settings
-    suffixes = [(settings.choices["gear"], "published"), (settings.choices["quality"], "paper")]
     root = Path(settings.config.store.root).resolve()
     stores = {
-        plane: (
-            root / f"{'-'.join([plane, *(name for name, usual in suffixes if name != usual)])}.zarr",
-            sweep_command(settings, plane),
-        )
-        for plane in TABLE_PLANES
+        plane: (root / f"{settings.name_of(plane)}.zarr", sweep_command(settings, plane)) for plane in TABLE_PLANES
     }
     folder = settings.output_root / "tables"
     paths = tables.write(stores, folder)

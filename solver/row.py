@@ -48,6 +48,8 @@ class Row:
         1 where the solutions are proven to be all of them, 0 where that is undecided, -1 where it was not asked.
     early : int
         How many of the curves were found without looking at the grid values.
+    everywhere : bool
+        Whether seeds were sought at the grid values as well.
     """
 
     balance: Balance
@@ -61,6 +63,7 @@ class Row:
     open: np.ndarray
     certified: np.ndarray
     early: int
+    everywhere: bool
 
     @property
     def n_folds(self) -> int:
@@ -70,7 +73,7 @@ class Row:
     @property
     def n_gained(self) -> int:
         """Curves that only the grid values brought; -1 where they were not looked at."""
-        return -1 if np.all(self.certified < 0) else len(self.curves) - self.early
+        return len(self.curves) - self.early if self.everywhere else -1
 
     @property
     def mean(self) -> np.ndarray:
@@ -184,7 +187,7 @@ def sweep_row(
     seeds = seeds or ProvenSeeds()
     curves, early = seeds.branches(span, grid)
     b = grid if axis == "b" else np.full(grid.size, model.b)
-    row = _assemble(span, grid, b, curves, early)
+    row = _assemble(span, grid, b, curves, early, seeds.every_column)
     if not isinstance(seeds, ProvenSeeds):
         return row
     # Enumeration knows what lies above the ceiling; it is asked where branches left, or everywhere.
@@ -195,7 +198,7 @@ def sweep_row(
     return _certify(row, solutions, float(span.problem.scale[0])) if seeds.every_column else row
 
 
-def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
+def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> Row:
     """Solve at the grid values and sort the solutions of each by amplitude."""
     try:
         parts = [curve_crossings(span.problem, curve, grid, span.continuation) for curve in curves]
@@ -219,7 +222,7 @@ def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
     impact = impact_state(*span.balance.extremes(motions), b[:, None])
     return Row(
         span.balance, span.axis, grid, b, tuple(curves), motions, stabilities, impact,
-        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early,
+        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early, everywhere,
     )  # fmt: skip
 
 
