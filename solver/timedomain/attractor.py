@@ -56,7 +56,7 @@ _SENTENCES = {
     AttractorKind.QUASI_PERIODIC: "The motion never repeats, and neighbouring motions neither part nor meet: a torus.",
     AttractorKind.CHAOTIC: "Neighbouring motions part exponentially: the largest Lyapunov exponent is above 0.",
     AttractorKind.UNBOUNDED: "The contact coordinate grew above the ceiling.",
-    AttractorKind.UNSETTLED: "Neighbouring motions meet, but the motion had not settled after the allowed periods.",
+    AttractorKind.UNSETTLED: "The motion still converges, slowly: it had not settled after the allowed periods.",
 }
 
 
@@ -163,14 +163,14 @@ class Settling:
 
 def contact_impact(system: ContactSystem, lowest: float, highest: float) -> ImpactState | int:
     """Impact state for the two gaps of the system, which need not be alike; -1 where an extreme is nan."""
-    # Shifted to the middle of the dead zone, both gaps are alike. A missing back contact is never reached.
-    if system.two_sided:
-        middle, half = 0.5 * (system.front_gap - system.back_gap), 0.5 * (system.front_gap + system.back_gap)
-    else:
-        half = max(abs(system.front_gap), abs(lowest), abs(highest)) + 1.0
-        middle = system.front_gap - half
-        half = half if not math.isfinite(lowest) else max(half, middle - lowest)
-        middle = system.front_gap - half
+    if not system.two_sided:
+        if math.isnan(lowest) or math.isnan(highest):
+            return -1
+        if lowest > system.front_gap:
+            return ImpactState.PERMANENT
+        return ImpactState.SINGLE_SIDED if highest > system.front_gap else ImpactState.FREE
+    # Seen from the middle of the dead zone both gaps are alike.
+    middle, half = 0.5 * (system.front_gap - system.back_gap), 0.5 * (system.front_gap + system.back_gap)
     code = int(impact_state(lowest - middle, highest - middle, half))
     return ImpactState(code) if code >= 0 else -1
 
@@ -313,7 +313,7 @@ class _Settler:
         )  # fmt: skip
 
     def _aperiodic(self, current, used) -> Attractor:
-        settling = self.settling
+        settling, begin = self.settling, used
         window = settling.lyapunov_periods
         # A tenth of the window lets the deviation turn into the direction that grows fastest.
         logarithms, end, status = growth(
@@ -343,7 +343,7 @@ class _Settler:
         margin = max(settling.lyapunov_floor, 4.0 * error)
         if exponent > margin:
             kind = AttractorKind.CHAOTIC
-        elif exponent < -margin:
+        elif exponent < -margin or self._approaching(current, sections.states[0], used - begin):
             kind = AttractorKind.UNSETTLED
         else:
             kind = AttractorKind.QUASI_PERIODIC
@@ -353,6 +353,26 @@ class _Settler:
             float(abs(found.harmonics[1])), found.lowest, found.highest, self._impact(found.lowest, found.highest),
             exponent * rate, error * rate, math.nan, sections.states[0, -1], sections.states[0], Status.COMPLETE,
         )  # fmt: skip
+
+    def _approaching(self, early, late, elapsed) -> bool:
+        """Whether a motion far from a stable orbit of 1 or 2 periods still approaches it, slowly.
+
+        An exponent so close to 0 looks like that of a torus; the distance to the orbit tells them apart.
+        """
+        first = advance(
+            self.system, self.omega, early, self.settling.block, tolerance=self.settling.tolerance
+        ).states[0]
+        for period in (1, 2):
+            orbit = shoot(self.system, self.omega, late[-1], period)
+            if orbit.status is not ShootingStatus.CONVERGED or not orbit.stable:
+                continue
+            points = self._points(orbit)
+            # The largest distance within a block does not feel where in its slow beat the motion happens to be.
+            distances = [max(_distance(points, state) for state in block) for block in (first, late)]
+            promised = math.log(max(orbit.largest_multiplier, 1e-300)) / period * elapsed
+            if distances[0] > 0.0 and distances[1] < distances[0] * math.exp(0.5 * promised):
+                return True
+        return False
 
     def _ended(self, current, used, status) -> Attractor:
         kind = AttractorKind.UNBOUNDED if status is Status.CEILING else AttractorKind.FAILED
