@@ -74,12 +74,22 @@ def zone_of(packed, state):
 
 @kernel(
     types.Tuple((types.float64, types.int64, types.int64))(
-        PACKED, types.int64, types.float64, types.float64, types.float64, ARRAY, WORK
+        PACKED, types.int64, types.float64, types.float64, types.float64, types.float64, ARRAY, WORK
     ),
     inner=True,
 )
-def advance_step(packed, zone, time, stop, tolerance, state, work):
+def advance_step(packed, zone, time, stop, tolerance, longest, state, work):
     """Series of the motion from (time, state), and how far it may be used.
+
+    Parameters
+    ----------
+    packed : Packed
+    zone : int
+    time, stop, tolerance : float
+    longest : float
+        No step is longer.
+    state : (2 n,) array
+    work : Work
 
     Returns
     -------
@@ -93,7 +103,7 @@ def advance_step(packed, zone, time, stop, tolerance, state, work):
     step = step_length(packed, state, tolerance, work)
     if not (step > 0.0 and math.isfinite(work.contact[-1])):
         return 0.0, zone, NOT_FINITE
-    step = min(step, stop - time)
+    step = min(step, longest, stop - time)
     if time + step == time:
         return 0.0, zone, STEP_TOO_SMALL
     if packed.numbers[4] != 0.0:
@@ -122,7 +132,7 @@ def _integrate(packed, start, begin, stop, tolerance, series_table, times, state
     while time < stop:
         if count == room:
             return TOO_MANY_STEPS, count, zone
-        step, after, status = advance_step(packed, zone, time, stop, tolerance, state, work)
+        step, after, status = advance_step(packed, zone, time, stop, tolerance, math.inf, state, work)
         if status != COMPLETE:
             return status, count, zone
         land(work, step, state)

@@ -25,7 +25,7 @@ from solver.timedomain.integrator import (
     zone_of,
 )
 from solver.timedomain.polynomial import fourier, widen
-from solver.timedomain.taylor import PACKED, WORK, land, new_work, pack, tangent_series
+from solver.timedomain.taylor import PACKED, WORK, land, new_work, pack, tangent_series, tangent_step_length
 
 __all__ = ["MAX_STEPS", "Measurement", "Sections", "advance", "growth", "measure", "monodromy"]
 
@@ -35,13 +35,13 @@ MAX_STEPS = 100_000
 
 @kernel(
     types.int64(
-        PACKED, ARRAY, types.float64, types.float64, types.int64, MATRIX, types.float64, types.float64, MATRIX,
+        PACKED, ARRAY, types.float64, types.float64, types.float64, types.int64, MATRIX, types.float64, types.float64, MATRIX,
         ARRAY, types.int64[::1], WORK,
     ),
     inner=True,
 )  # fmt: skip
 def _period(
-    packed, state, tolerance, ceiling, max_steps, tangents, base, offset, sums, extremes, switches, work
+    packed, state, tolerance, longest, ceiling, max_steps, tangents, base, offset, sums, extremes, switches, work
 ):  # fmt: skip
     """Carry a state, and the rows of `tangents` with it, over one forcing period.
 
@@ -52,7 +52,7 @@ def _period(
     n = packed.vectors.shape[1]
     zone = zone_of(packed, state)
     for _ in range(max_steps):
-        step, after, status = advance_step(packed, zone, time, stop, tolerance, state, work)
+        step, after, status = advance_step(packed, zone, time, stop, tolerance, longest, state, work)
         if status != COMPLETE:
             return status
         if extremes.shape[0] == 2:
@@ -88,7 +88,8 @@ def _advance(packed, states, tolerance, ceiling, max_steps, sections, status):
         for count in range(sections.shape[1]):
             if status[row] == COMPLETE:
                 status[row] = _period(
-                    packed, states[row], tolerance, ceiling, max_steps, none, 0.0, 0.0, none, ends, switches, work
+                    packed, states[row], tolerance, math.inf, ceiling, max_steps, none, 0.0, 0.0, none, ends, switches,
+                    work,
                 )
             for i in range(states.shape[1]):
                 sections[row, count, i] = states[row, i] if status[row] == COMPLETE else math.nan
@@ -105,7 +106,8 @@ def _measure(packed, state, periods, tolerance, ceiling, base, sums, extremes, s
     span = 2.0 * math.pi / packed.numbers[0]
     for count in range(periods):
         status = _period(
-            packed, state, tolerance, ceiling, MAX_STEPS, none, base, count * span, sums, extremes, switches, work
+            packed, state, tolerance, math.inf, ceiling, MAX_STEPS, none, base, count * span, sums, extremes, switches,
+            work,
         )
         if status != COMPLETE:
             return status
@@ -120,9 +122,10 @@ def _tangents(packed, state, periods, tolerance, ceiling, tangents, logarithms):
     the logarithm of its length is kept.
     """
     work, none, ends, switches = new_work(packed.vectors.shape[1]), np.empty((0, 0)), np.empty(0), np.zeros(1, np.int64)
+    longest = tangent_step_length(packed, tolerance)
     for count in range(periods):
         status = _period(
-            packed, state, tolerance, ceiling, MAX_STEPS, tangents, 0.0, 0.0, none, ends, switches, work
+            packed, state, tolerance, longest, ceiling, MAX_STEPS, tangents, 0.0, 0.0, none, ends, switches, work
         )
         if status != COMPLETE:
             return status

@@ -24,6 +24,7 @@ from solver.errors import ParameterError
 
 __all__ = [
     "ORDER", "PACKED", "WORK", "Packed", "Work", "land", "new_work", "pack", "series", "step_length", "tangent_series",
+    "tangent_step_length",
 ]  # fmt: skip
 
 #: Degree of the series of y. At a tolerance of 1e-12 a step covers about a third of a natural period, which contact
@@ -34,8 +35,8 @@ ORDER = 20
 class Packed(NamedTuple):
     """A system at one frequency as the kernels see it; n coordinates.
 
-    `numbers`: Omega, the ends of the dead zone (low, high), a length that errors are compared with, and 1 where the dead
-    zone is empty so that the system is linear. `matrices` (3 n, n): M^-1 K without contact, with contact, M^-1 C.
+    `numbers`: Omega, the ends of the dead zone (low, high), a length that errors are compared with, 1 where the dead
+    zone is empty so that the system is linear, and the highest rate (1 / time) at which small deviations vary. `matrices` (3 n, n): M^-1 K without contact, with contact, M^-1 C.
     `vectors` (3, n): w, M^-1 h, M^-1 h_v. `variation` (L, 2): alpha_l cos Phi_l, alpha_l sin Phi_l.
     `load` (2 (L + 1), n): real and imaginary parts of M^-1 F_l.
     """
@@ -84,12 +85,25 @@ def pack(system: ContactSystem, omega: float) -> Packed:
     low, high = -system.back_gap, system.front_gap
     length = max(abs(high), abs(low) if system.two_sided else 0.0, np.max(np.abs(load)))
     return Packed(
-        np.array([omega, low, high, length, float(low == high)]),
+        np.array([omega, low, high, length, float(low == high), _rate(system, omega, inverse)]),
         np.concatenate([stiffness, stiffness + np.outer(force, system.contact), damping]),
         np.array([system.contact, force, varying]),
         np.ascontiguousarray(variation),
         load,
     )
+
+
+def _rate(system: ContactSystem, omega: float, inverse) -> float:
+    """Bound, in practice, of the frequencies and growth rates of small deviations in any zone."""
+    n, highest, strength = system.degrees, 0.0, 0.0
+    for amplitude, _ in system.stiffness_harmonics:
+        strength += abs(amplitude)
+    for force in (0.0 * system.force, system.force, system.force + strength * system.varying_force):
+        lower = np.hstack([-inverse @ (system.stiffness + np.outer(force, system.contact)), -inverse @ system.damping])
+        companion = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower])
+        highest = max(highest, float(np.max(np.abs(np.linalg.eigvals(companion)))))
+    varied = strength > 0.0 and np.any(system.varying_force)
+    return highest + (len(system.stiffness_harmonics) * omega if varied else 0.0)
 
 
 @kernel(WORK(types.int64), inner=True)
@@ -208,6 +222,15 @@ def step_length(packed, state, tolerance, work):
     if previous > 0.0:
         step = min(step, (bound / ((ORDER - 1) * previous)) ** (1.0 / (ORDER - 2)))
     return step
+
+
+@kernel(types.float64(PACKED, types.float64), inner=True)
+def tangent_step_length(packed, tolerance):
+    """Step at which the last term of the series of any small deviation has fallen to the tolerance.
+
+    The motion may be at rest, or nearly, where its deviations are not: its own series says nothing about theirs.
+    """
+    return (tolerance * math.gamma(ORDER + 1.0)) ** (1.0 / ORDER) / packed.numbers[5]
 
 
 @kernel(types.void(WORK, types.float64, ARRAY), inner=True)

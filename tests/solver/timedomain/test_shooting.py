@@ -13,6 +13,7 @@ from tests.solver.timedomain.systems import (
     full_gear_system,
     mathieu,
     oscillator,
+    scipy_motion,
 )
 
 COS_20 = 0.93969262
@@ -38,7 +39,9 @@ def test_a_period_taken_too_long_is_recognised():
     np.testing.assert_allclose(np.delete(orbit.harmonics, [0, 6]), 0.0, atol=1e-10)
 
 
-@pytest.mark.parametrize("omega, first, second, largest", [(0.58, 0.889, 0.795, 1.011), (0.60, 0.726, 0.688, 1.026)])
+@pytest.mark.parametrize("omega, first, second, largest", [
+    (0.58, 0.8888, 0.7953, 1.00981), (0.60, 0.7262, 0.6875, 1.02675),
+])
 def test_true_orbits_of_the_lower_resonance(omega, first, second, largest):
     # The order-1 start is too far away at 0.58; the orbit is followed from 0.60.
     system, state = first_order_state(published(), 0.60, which=1)
@@ -47,11 +50,32 @@ def test_true_orbits_of_the_lower_resonance(omega, first, second, largest):
         assert orbit.status is ShootingStatus.CONVERGED
         state = orbit.state
     orbit = shoot(system, omega, state)
-    assert abs(orbit.harmonics[1]) == pytest.approx(first, abs=6e-4)
-    assert abs(orbit.harmonics[2]) == pytest.approx(second, abs=6e-4)
-    assert orbit.largest_multiplier == pytest.approx(largest, abs=1e-3)
+    assert abs(orbit.harmonics[1]) == pytest.approx(first, abs=6e-5)
+    assert abs(orbit.harmonics[2]) == pytest.approx(second, abs=6e-5)
+    assert orbit.largest_multiplier == pytest.approx(largest, abs=1e-5)
+    # Finite differences of SciPy's flow give the same modulus (PHYSICS has it to two digits: 1.011 and 1.026).
+    matrix = np.empty((4, 4))
+    for j in range(4):
+        shift = 1e-5 * np.eye(4)[j]
+        ends = [scipy_motion(system, omega, orbit.state + sign * shift, 2.0 * np.pi / omega)[0] for sign in (1, -1)]
+        matrix[:, j] = (ends[0] - ends[1]) / 2e-5
+    assert np.max(np.abs(np.linalg.eigvals(matrix))) == pytest.approx(largest, abs=1e-4)
     # A complex pair outside the circle: a torus surrounds the orbit.
     assert abs(orbit.multipliers[0].imag) > 0.1 and not orbit.stable
+
+
+def test_the_lower_resonance_is_a_period_1_attractor_outside_two_neimark_sacker_points():
+    system, state = first_order_state(published(), 0.60, which=1)
+    found = {}
+    for path in (np.arange(240, 227, -1) / 400.0, np.arange(240, 253) / 400.0):
+        following = state
+        for omega in path:
+            orbit = shoot(system, omega, following)
+            following, found[omega] = orbit.state, orbit
+    assert [found[omega].stable for omega in (0.57, 0.5725, 0.575, 0.6225, 0.625, 0.63)] == [
+        True, True, False, False, True, True,
+    ]  # fmt: skip
+    assert all(orbit.multipliers[0].imag > 0.4 for omega, orbit in found.items() if 0.57 <= omega <= 0.625)
 
 
 @pytest.mark.parametrize("model, omega, which, multiplier", [
