@@ -3,13 +3,7 @@
 Not imported by `import solver`: the kernels are many.
 """
 
-from solver.timedomain.attractor import (
-    Attractor,
-    AttractorKind,
-    Settling,
-    contact_impact,
-    settle,
-)
+from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
 from solver.timedomain.basins import (
     BasinShare,
     basin_box,
@@ -26,6 +20,7 @@ from solver.timedomain.poincare import (
     measure,
     monodromy,
 )
+from solver.timedomain.settling import Settling, settle
 from solver.timedomain.shooting import (
     PeriodicOrbit,
     ShootingStatus,

@@ -7,8 +7,9 @@ import numpy as np
 
 from solver.contact_system import ContactSystem
 from solver.errors import ParameterError
-from solver.timedomain.attractor import Attractor, AttractorKind, Settling, length_scale, settle
+from solver.timedomain.attractor import Attractor, AttractorKind
 from solver.timedomain.poincare import checked_count
+from solver.timedomain.settling import Settling, length_scale, settle
 
 __all__ = ["BasinShare", "basin_box", "basin_shares", "same_attractor", "wilson_interval"]
 

@@ -35,8 +35,8 @@ MAX_STEPS = 100_000
 
 @kernel(
     types.int64(
-        PACKED, ARRAY, types.float64, types.float64, types.float64, types.int64, MATRIX, types.float64, types.float64, MATRIX,
-        ARRAY, types.int64[::1], WORK,
+        PACKED, ARRAY, types.float64, types.float64, types.float64, types.int64, MATRIX, types.float64, types.float64,
+        MATRIX, ARRAY, types.int64[::1], WORK,
     ),
     inner=True,
 )  # fmt: skip
@@ -45,7 +45,7 @@ def _period(
 ):  # fmt: skip
     """Carry a state, and the rows of `tangents` with it, over one forcing period.
 
-    Where `extremes` (2,) is not empty it is widened, and Fourier integrals with frequency `base` and time counted from
+    No step is longer than `longest`. Where `extremes` (2,) is not empty it is widened, and Fourier integrals with frequency `base` and time counted from
     -offset are added to `sums` (H + 1, 2); the contact switches are counted in `switches` (1,).
     """
     stop, time = 2.0 * math.pi / packed.numbers[0], 0.0
@@ -79,7 +79,11 @@ def _period(
     return TOO_MANY_STEPS
 
 
-@kernel(types.void(PACKED, MATRIX, types.float64, types.float64, types.int64, types.float64[:, :, ::1], types.int64[::1]))
+@kernel(
+    types.void(
+        PACKED, MATRIX, types.float64, types.float64, types.int64, types.float64[:, :, ::1], types.int64[::1]
+    )
+)
 def _advance(packed, states, tolerance, ceiling, max_steps, sections, status):
     """Sections (k, periods, 2 n) of k states, which are overwritten; nan after the first period that fails."""
     work, none, ends, switches = new_work(packed.vectors.shape[1]), np.empty((0, 0)), np.empty(0), np.zeros(1, np.int64)

@@ -1,8 +1,8 @@
 """First exit from an interval, extremes and Fourier integrals of a polynomial over a step.
 
-Both searches march over the step in pieces that a bound of the second derivative settles: over a piece of length d the
-polynomial leaves its chord by at most M d^2 / 8, and it is monotone where its slope exceeds M d. So a motion that enters
-another zone and leaves it within one step is not overlooked.
+Both searches march over the step in pieces that a bound M of the second derivative settles: over a piece of length d
+the polynomial leaves its chord by at most M d^2 / 8, and it is monotone where its slope exceeds M d. So a motion that
+enters another zone and leaves it within one step is not overlooked.
 """
 
 import math

@@ -199,11 +199,13 @@ def _failure(state, period, order, residual, iterations, status) -> PeriodicOrbi
     )
 
 
-def orbit_state(system: ContactSystem, omega: float, coefficients, period: int = 1, *, samples: int = 4096) -> np.ndarray:
+def orbit_state(
+    system: ContactSystem, omega: float, coefficients, period: int = 1, *, samples: int = 4096
+) -> np.ndarray:
     """State (2 n,) at tau = 0 that belongs to a harmonic-balance solution for lambda.
 
-    The contact force f of that lambda acts on the linear system, Z(k Omega / p) Y_k = F_k - h f_k - h_v (s f)_k. Where Z
-    is singular (a mean that the contact alone carries) the harmonic of lambda itself is imposed instead.
+    The contact force f of that lambda acts on the linear system, Z(k Omega / p) Y_k = F_k - h f_k - h_v (s f)_k. Where
+    Z is singular (a mean that the contact alone carries) the harmonic of lambda itself is imposed instead.
 
     Parameters
     ----------

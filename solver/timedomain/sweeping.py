@@ -7,8 +7,9 @@ import numpy as np
 
 from solver.contact_system import ContactSystem
 from solver.errors import ParameterError
-from solver.timedomain.attractor import Attractor, AttractorKind, Settling, settle
+from solver.timedomain.attractor import Attractor, AttractorKind
 from solver.timedomain.integrator import checked_states
+from solver.timedomain.settling import Settling, settle
 
 __all__ = ["AttractorSweep", "resting_state", "sweep_attractors"]
 

@@ -36,7 +36,8 @@ class Packed(NamedTuple):
     """A system at one frequency as the kernels see it; n coordinates.
 
     `numbers`: Omega, the ends of the dead zone (low, high), a length that errors are compared with, 1 where the dead
-    zone is empty so that the system is linear, and the highest rate (1 / time) at which small deviations vary. `matrices` (3 n, n): M^-1 K without contact, with contact, M^-1 C.
+    zone is empty so that the system is linear, and the highest rate (1 / time) at which small deviations vary.
+    `matrices` (3 n, n): M^-1 K without contact, with contact, M^-1 C.
     `vectors` (3, n): w, M^-1 h, M^-1 h_v. `variation` (L, 2): alpha_l cos Phi_l, alpha_l sin Phi_l.
     `load` (2 (L + 1), n): real and imaginary parts of M^-1 F_l.
     """
@@ -118,7 +119,7 @@ def _sources(packed, zone, time, work):
     n = packed.vectors.shape[1]
     omega, low, high = packed.numbers[0], packed.numbers[1], packed.numbers[2]
     g, stiffness = work.g, work.stiffness
-    # The order is read from the arrays: loops of known length would be unrolled into code that takes a minute to compile.
+    # The order is read from the arrays: loops of known length are unrolled into code that takes a minute to compile.
     order = stiffness.shape[0] - 1
     for k in range(order - 1):
         stiffness[k] = 0.0

@@ -96,7 +96,8 @@ def test_bevel_pair_agrees_with_scipy(model, omega):
 
 
 @pytest.mark.parametrize("model", [
-    published(), consistent(alpha_harmonics=((0.1, 0.4),), f_e_harmonics=((0.05, 1.0),), xi_support=(0.01, 0.02, 0.01) * 2)
+    published(),
+    consistent(alpha_harmonics=((0.1, 0.4),), f_e_harmonics=((0.05, 1.0),), xi_support=(0.01, 0.02, 0.01) * 2),
 ])  # fmt: skip
 def test_merged_supports_move_lambda_as_seven_degrees_of_freedom(model):
     omega, rng = 0.6, np.random.default_rng(3)
