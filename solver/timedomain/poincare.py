@@ -45,8 +45,9 @@ def _period(
 ):  # fmt: skip
     """Carry a state, and the rows of `tangents` with it, over one forcing period.
 
-    No step is longer than `longest`. Where `extremes` (2,) is not empty it is widened, and Fourier integrals with frequency `base` and time counted from
-    -offset are added to `sums` (H + 1, 2); the contact switches are counted in `switches` (1,).
+    No step is longer than `longest`. Where `extremes` (2,) is not empty it is widened, and Fourier integrals with
+    frequency `base` and time counted from -offset are added to `sums` (H + 1, 2); the contact switches are counted in
+    `switches` (1,).
     """
     stop, time = 2.0 * math.pi / packed.numbers[0], 0.0
     n = packed.vectors.shape[1]

@@ -119,10 +119,11 @@ def first_exit(coefficients, step, low, high):
             right, width = step, step - left
         after, slope_after = evaluate(coefficients, right)
         sag = 0.125 * bend * width * width
-        clear = min(value, after) - sag > low and max(value, after) + sag < high
+        clear = min(value, after) - sag >= low and max(value, after) + sag <= high
         if not clear:
             monotone = max(abs(slope), abs(slope_after)) > bend * width
-            if not (monotone or width <= smallest):
+            # Where the polynomial rests on a border, what it could add to its ends is lost in their rounding.
+            if not (monotone or width <= smallest or sag <= 2e-16 * (abs(value) + abs(after))):
                 width *= 0.5
                 continue
             if after < low:

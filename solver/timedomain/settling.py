@@ -178,11 +178,11 @@ class _Settler:
         return 0.0 < distance < previous and math.log(distance / previous) < 0.5 * promised
 
     def _polish(self, sections, scale) -> bool:
-        """Look for a stable periodic orbit where the motion returned close to itself; whether a new one is now known."""
+        """Seek a stable periodic orbit where the motion returned close to itself; whether one was added to `known`."""
         near, last = self.settling.near * scale, sections[-1]
         most = min(self.settling.highest_period, len(sections) - 1)
         gaps = {period: float(np.max(np.abs(last - sections[-1 - period]))) for period in range(1, most + 1)}
-        # A torus returns close after many periods, and each search would be in vain: of the long ones the closest will do.
+        # A torus returns close after many periods, and each search would be in vain: of the long ones the closest does.
         candidates = [period for period in gaps if period <= 4]
         if most > 4:
             candidates.append(min((period for period in gaps if period > 4), key=gaps.__getitem__))

@@ -124,6 +124,24 @@ def test_no_gap_is_a_linear_system():
     np.testing.assert_allclose(trajectory.states[-1], tiny.states[-1], atol=1e-9)
 
 
+def test_rest_on_a_border_is_rest():
+    trajectory = integrate(flying_mass(1.0, 3.0), 1.0, [1.0, 0.0], 0.0, 10.0)
+    np.testing.assert_allclose(trajectory.states, [[1.0, 0.0]] * len(trajectory.states))
+    # Two masses, one resting on the border while the other swings: neither feels the other.
+    pair = ContactSystem(np.eye(2), np.zeros((2, 2)), np.diag([0.0, 4.0]), [1.0, 0.0], [1.0, 0.0], 0.3)
+    trajectory = integrate(pair, 1.0, [0.3, 1.0, 0.0, 0.0], 0.0, 10.0)
+    assert trajectory.states[-1, 1] == pytest.approx(np.cos(20.0), abs=1e-9) and trajectory.zones.size < 50
+
+
+def test_touching_a_border_from_inside_goes_on():
+    # y = cos t + 1e-13 k touches y = 1 from both sides within rounding.
+    for shift in (-1e-13, -1e-16, 0.0, 1e-16, 1e-13):
+        system = ContactSystem([[1.0]], [[0.0]], [[1.0]], [1.0], [0.5], 1.0)
+        trajectory = integrate(system, 1.0, [1.0 + shift, 0.0], 0.0, 100.0, tolerance=1e-13)
+        assert trajectory.status is Status.COMPLETE and trajectory.zones.size < 400
+        assert trajectory.states[-1, 0] == pytest.approx(np.cos(100.0), abs=1e-9)
+
+
 def test_what_cannot_go_on_is_told_by_the_status():
     system = gear_system(published())
     assert integrate(system, 0.6, np.ones(4), 0.0, 1e3, max_steps=5).status is Status.TOO_MANY_STEPS
