@@ -50,6 +50,15 @@ def test_lower_resonance_of_the_published_pair(omega):
         assert set(kinds) <= {AttractorKind.PERIOD_1, AttractorKind.QUASI_PERIODIC}
 
 
+@pytest.mark.parametrize("omega, amplitudes", [(0.57, [0.2830220, 1.0112066]), (0.63, [0.7624413])])
+def test_outside_the_torus_the_upper_branch_is_a_period_1_attractor(omega, amplitudes):
+    # Beyond the Neimark-Sacker points at 0.57415 and 0.62304 of the true orbit; at 0.63 it is the only attractor.
+    shares = basin_shares(gear_system(published()), omega, 16, seed=3)
+    assert {share.attractor.kind for share in shares} == {AttractorKind.PERIOD_1}
+    assert sorted(share.attractor.amplitude for share in shares) == pytest.approx(amplitudes, abs=1e-6)
+    assert max(share.attractor.impact for share in shares) == 1
+
+
 def test_one_attractor_and_none():
     (only,) = basin_shares(oscillator(0.1), 0.7, 5, seed=0)
     assert only.share == 1.0 and only.high == 1.0
