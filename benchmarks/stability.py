@@ -40,10 +40,10 @@ def row_motions(model):
 
 def curve_motions(model, balance):
     """Axis values and motions of a Galerkin curve, from the solution at the highest frequency down."""
-    problem, high = balance.problem(model, "omega", 0.3, GRID[-1]), GRID[-1]
+    problem, high = balance.problem(model, "omega", GRID[0], GRID[-1]), GRID[-1]
     solutions = all_solutions(model, high)
     first = np.array([solutions.mean[0], solutions.cos[0], solutions.sin[0]])
-    curve = Continuation().trace(problem, np.append(balance.lifted(first), high), 0.3, high, heading=-1)
+    curve = Continuation().trace(problem, np.append(balance.lifted(first), high), GRID[0], high, heading=-1)
     return curve.points[:, -1].copy(), curve.points[:, :-1].copy()
 
 

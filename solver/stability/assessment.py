@@ -8,7 +8,7 @@ from solver.contact_system import ContactSystem
 from solver.errors import ParameterError
 from solver.harmonic.galerkin import Galerkin
 from solver.model import Model
-from solver.stability.floquet import contact_states, multipliers
+from solver.stability.floquet import contact_shares, multipliers
 from solver.stability.hill import Truncation, centred_exponents
 from solver.stability.hill_roots import condensed_exponents
 from solver.stability.instability import Stability, combine
@@ -80,10 +80,10 @@ def assess(
 def both_multipliers(row: SystemRow, motions: np.ndarray, truncation: Truncation) -> tuple[np.ndarray, np.ndarray]:
     """Multipliers of k motions over the period nu 2 pi/Omega by Hill and by Floquet: two complex (k, 2n) arrays."""
     found = np.empty((len(motions), 2, row.states), dtype=complex)
-    states, tokens = contact_states(row, motions), row.tokens()
+    shares, tokens = contact_shares(row, motions), row.tokens()
     keys: list[tuple | None] = [
-        None if state < 0 else (tokens[which], omega, int(state), truncation)
-        for state, which, omega in zip(states, row.which, row.omega, strict=True)
+        (tokens[which], omega, share, truncation) if share in (0.0, 1.0) else None
+        for share, which, omega in zip(shares.tolist(), row.which.tolist(), row.omega.tolist(), strict=True)
     ]
     asked: dict[tuple | int, int] = {}
     for i, key in enumerate(keys):
@@ -117,17 +117,19 @@ def hill_multipliers(
     truncation : Truncation
     starts : (k, 2n) complex array, optional
         Multipliers near those sought, conjugates side by side, such as Floquet's. With them Hill's exponents are found one
-        by one, and all at once only where that does not give a complete set; without them, or at order 1, always all at once.
+        by one, and all at once only where that does not give a complete set, and for motions of one harmonic that lose contact.
     """
     time = 2.0 * math.pi * truncation.period / row.omega[:, None]
-    if starts is None or truncation.harmonics == 1:
-        found = centred_exponents(row, motions, truncation)
-    else:
+    found, complete = np.empty((len(motions), row.states), dtype=complex), np.zeros(len(motions), dtype=bool)
+    if starts is not None:
+        # One harmonic is too few to trust that sum where contact is lost, and few enough for all exponents at once.
+        linear = np.isin(contact_shares(row, motions), (0.0, 1.0))
+        near = np.flatnonzero(linear | (truncation.harmonics > 1))
         with np.errstate(divide="ignore", invalid="ignore"):
-            near = np.log(starts) / time
-        found, complete = condensed_exponents(row, motions, truncation, near)
-        missing = np.flatnonzero(~complete)
-        if missing.size:
-            found[missing] = centred_exponents(row.take(missing), motions[missing], truncation)
+            exponents = np.log(starts[near]) / time[near]
+        found[near], complete[near] = condensed_exponents(row.take(near), motions[near], truncation, exponents)
+    missing = np.flatnonzero(~complete)
+    if missing.size:
+        found[missing] = centred_exponents(row.take(missing), motions[missing], truncation)
     with np.errstate(over="ignore", invalid="ignore"):
         return np.exp(found * time)

@@ -18,7 +18,7 @@ from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs
 from solver.model import Model
 from solver.stability.system_row import SystemRow, system_row
 
-__all__ = ["SYSTEMS", "contact_states", "monodromies", "motion_multipliers", "multipliers"]
+__all__ = ["SYSTEMS", "contact_shares", "monodromies", "motion_multipliers", "multipliers"]
 
 _I, _F = types.int64, types.float64
 _CUBE = types.float64[:, :, ::1]
@@ -141,19 +141,27 @@ def _monodromies(damping, stiffness, force, varying, contact, phasors, which, om
                 zone, begin = zones[piece], angles[piece]
 
 
-@kernel(types.void(MATRIX, MATRIX, types.int8[::1]))
-def _contact_states(gaps, motions, found):
+@kernel(types.void(MATRIX, MATRIX, ARRAY))
+def _contact_shares(gaps, motions, found):
     room = 2 * motions.shape[1] + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
     for k in range(motions.shape[0]):
         count = contact_arcs(motions[k], gaps[k, 0], gaps[k, 1], angles, zones)
-        found[k] = -1 if count > 0 else abs(zones[0])
+        if count == 0:
+            found[k] = abs(zones[0])
+            continue
+        closed = 0.0
+        for i in range(count):
+            if zones[i] != 0:
+                closed += (angles[i + 1] if i + 1 < count else angles[0] + _TURN) - angles[i]
+        # Exactly 0 and 1 are for motions that never switch.
+        found[k] = min(max(closed / _TURN, 1e-12), 1.0 - 1e-12)
 
 
-def contact_states(row: SystemRow, motions: np.ndarray) -> np.ndarray:
-    """1 for motions in contact all the time, 0 for those never in contact, -1 for those between: (k,) int8."""
-    found = np.empty(len(motions), dtype=np.int8)
-    _contact_states(row.gaps, np.ascontiguousarray(motions, dtype=float), found)
+def contact_shares(row: SystemRow, motions: np.ndarray) -> np.ndarray:
+    """Share of the period in contact, (k,): exactly 1 for motions always in contact, exactly 0 for those never in it."""
+    found = np.empty(len(motions))
+    _contact_shares(row.gaps, np.ascontiguousarray(motions, dtype=float), found)
     return found
 
 

@@ -19,7 +19,7 @@ from numba import types
 from solver.compiled import ARRAY, MATRIX, kernel
 from solver.harmonic.contact_spectrum import COMPLEX
 from solver.linear import eliminate_rows
-from solver.stability.floquet import SYSTEMS
+from solver.stability.floquet import SYSTEMS, contact_shares
 from solver.stability.hill import COMPLEX_MATRIX, Truncation, coupling
 from solver.stability.system_row import SystemRow
 
@@ -46,8 +46,20 @@ def _receptances(s, damping, stiffness, force, varying, contact, work):
             if i == l:
                 value += s * s
             forward[i, l], backward[l, i] = value, value
-    eliminate_rows(forward, rights)
-    eliminate_rows(backward, across)
+    if n == 2:
+        # The merged gear pair: elimination costs twice as much as writing the inverse down.
+        a, b, c, d = forward[0, 0], forward[0, 1], forward[1, 0], forward[1, 1]
+        determinant = a * d - b * c
+        size = determinant.real * determinant.real + determinant.imag * determinant.imag
+        inverse = complex(determinant.real / size, -determinant.imag / size)
+        for row in range(2):
+            first, second = rights[row, 0], rights[row, 1]
+            rights[row, 0], rights[row, 1] = (d * first - b * second) * inverse, (a * second - c * first) * inverse
+        first, second = across[0, 0], across[0, 1]
+        across[0, 0], across[0, 1] = (d * first - c * second) * inverse, (a * second - b * first) * inverse
+    else:
+        eliminate_rows(forward, rights)
+        eliminate_rows(backward, across)
     A, B, d_A, d_B = 0j, 0j, 0j, 0j
     for i in range(n):
         A += contact[i] * rights[0, i]
@@ -115,9 +127,12 @@ def _follow(
             vectors = room[3].reshape(size * size)[: 2 * width].reshape((2, width))
             for r in range(starts.shape[1]):
                 s = starts[k, r]
-                if (abs(s.imag) > 0.25 * base) != (half == 1):
+                # Half-odd multiples are for exponents whose mirror image lies an odd number of harmonics away, if kept.
+                turns = abs(s.imag) / base
+                between = abs(turns - np.rint(turns)) > 0.25 and 2.0 * turns <= order + 0.5
+                if between != (half == 1):
                     continue
-                if s.imag < 0.0 and r > 0 and starts[k, r - 1] == s.conjugate():
+                if r > 0 and starts[k, r - 1] == s.conjugate() and s.imag != 0.0:
                     found[k, r] = found[k, r - 1].conjugate()
                     continue
                 if not ready:
@@ -143,6 +158,34 @@ def _follow(
                 found[k, r] = s if starts[k, r].imag >= 0.0 else s.conjugate()
 
 
+def _images(row: SystemRow, motions: np.ndarray, truncation: Truncation, starts: np.ndarray) -> np.ndarray:
+    """The image s + i m Omega/nu of every start that is nearest to an exponent of the system closed for the mean time.
+
+    Where Omega is low the image of smallest imaginary part is of harmonics that are not kept.
+    """
+    n, base = row.states // 2, row.omega[:, None, None] / truncation.period
+    share = contact_shares(row, motions)[:, None, None]
+    mean = np.zeros((len(motions), 2 * n, 2 * n))
+    mean[:, :n, n:] = np.eye(n)
+    closed = row.force[:, :, None] * row.contact[:, None, :]
+    mean[:, n:, :n] = -row.stiffness[row.which] - share * closed[row.which]
+    mean[:, n:, n:] = -row.damping[row.which]
+    exponents = np.linalg.eigvals(mean)[:, None, :]
+    with np.errstate(invalid="ignore"):
+        turns = np.rint((exponents - starts[:, :, None]).imag / base)
+        distance = np.abs(starts[:, :, None] + 1j * turns * base - exponents)
+        nearest = np.argmin(distance, axis=2)[..., None]
+        turns = np.take_along_axis(turns, nearest, axis=2)[..., 0]
+        half_turns = 2.0 * starts.imag / base[..., 0]
+        # Real multipliers stay on their lines, where only the centred image is real in the truncated matrix too.
+        free = np.abs(half_turns - np.rint(half_turns)) > 1e-9
+        below = starts.imag < 0.0
+    moved = np.where(free, starts + 1j * turns * base[..., 0], starts)
+    # Conjugates move together.
+    moved[:, 1:] = np.where(below[:, 1:] & free[:, 1:], np.conj(moved[:, :-1]), moved[:, 1:])
+    return moved
+
+
 def condensed_exponents(
     row: SystemRow, motions: np.ndarray, truncation: Truncation, starts: np.ndarray, defect: float = 0.05
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -155,7 +198,7 @@ def condensed_exponents(
     motions : (k, 2 H + 1) array
     truncation : Truncation
     starts : (k, 2n) complex array
-        Exponents with |Im| <= Omega/(2 nu), conjugates side by side: those of Floquet.
+        Exponents up to multiples of i Omega/nu, conjugates side by side: those of Floquet.
     defect : float
         Largest difference allowed between the sum of all exponents and the negative trace of M^-1 C, against the sum of
         their real parts' sizes.
@@ -166,6 +209,7 @@ def condensed_exponents(
     complete : (k,) bool array
         Whether every one was found, all differ, and their sum is right.
     """
+    starts = _images(row, motions, truncation, starts)
     found = np.empty_like(starts)
     _follow(
         *row.systems, row.which, row.omega, row.gaps, np.ascontiguousarray(motions, dtype=float), truncation.period,
