@@ -16,6 +16,7 @@ import zarr
 from pipeline.errors import StoreError
 from pipeline.plan import SCHEMA_VERSION, Block, Plan, numbers_digest, plan_of
 from solver import EndReason, Event, ImpactState, Row, domain_labels
+from solver.stability import Instability
 
 __all__ = [
     "axis_attributes",
@@ -104,6 +105,9 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "stable": spec(solution, "int8", -1, "static stability; -1: no such solution", None,
                        flag_values=[-1, 0, 1], flag_meanings="no_solution unstable stable"),
         "impact": spec(solution, "int8", -1, "impact state; -1: no such solution", None, **states),
+        "instability": spec(solution, "int8", -1, "dynamic stability: how the motion is unstable; -1: no such solution",
+                            None, **flags(Instability)),
+        "multiplier": spec(solution, "float64", nan, "largest modulus of the multipliers"),
         **(_order_h_arrays(spec, solution) if plan.solver["balance"] == "galerkin" else {}),
         "open": spec(cell, "int8", 0, "1: solutions above the amplitude ceiling are not excluded", None,
                      flag_values=[0, 1], flag_meanings="closed open"),
@@ -366,7 +370,7 @@ def _fill_raster(values: dict, i: int, row: Row) -> None:
     for name in ("n_solutions", "n_stable", "domain", "open", "certified"):
         if name in values:
             values[name][i] = getattr(row, name)
-    for name in ("mean", "amplitude", "phase", "stable", "impact"):
+    for name in ("mean", "amplitude", "phase", "stable", "impact", "instability", "multiplier"):
         values[name][i, :, found] = getattr(row, name)
     if "motion" in values:
         values["motion"][i, :, found] = row.motions

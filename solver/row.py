@@ -16,6 +16,7 @@ from solver.harmonic.first_order import DescribingFunction
 from solver.impact import domain_code, impact_state
 from solver.model import Model
 from solver.problem import Balance
+from solver.stability import assess
 
 __all__ = ["Row", "sweep_row"]
 
@@ -41,6 +42,10 @@ class Row:
         Unknowns (Lambda_0, c_1, s_1, ...) of all solutions, sorted by amplitude; nan beyond their number.
     stable, impact : (X, S) int8 arrays
         Static stability and `ImpactState`; -1 beyond the number of solutions.
+    instability : (X, S) int8 array
+        Dynamic stability, `solver.stability.Instability`; -1 beyond the number of solutions.
+    multiplier : (X, S) array
+        Largest modulus of the multipliers; nan beyond the number of solutions.
     open : (X,) int8 array
         1 where solutions above the amplitude ceiling exist or are not excluded, and on both sides of a place where a
         branch left through it.
@@ -60,6 +65,8 @@ class Row:
     motions: np.ndarray
     stable: np.ndarray
     impact: np.ndarray
+    instability: np.ndarray
+    multiplier: np.ndarray
     open: np.ndarray
     certified: np.ndarray
     early: int
@@ -220,8 +227,13 @@ def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> R
     stabilities = np.full(shape, -1, dtype=np.int8)
     stabilities[column, place] = stable
     impact = impact_state(*span.balance.extremes(motions), b[:, None])
+    stability = assess(
+        span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
+    )  # fmt: skip
+    instability, multiplier = np.full(shape, -1, dtype=np.int8), np.full(shape, np.nan)
+    instability[column, place], multiplier[column, place] = stability.kind, stability.modulus
     return Row(
-        span.balance, span.axis, grid, b, tuple(curves), motions, stabilities, impact,
+        span.balance, span.axis, grid, b, tuple(curves), motions, stabilities, impact, instability, multiplier,
         _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early, everywhere,
     )  # fmt: skip
 
