@@ -43,7 +43,8 @@ class Settings:
     @property
     def store_name(self) -> str:
         """`store.name`, or the plane's name with what is not usual: see `name_of`."""
-        return self.config.store.name or self.name_of(self.choices["plane"])
+        name = self.config.store.name
+        return self.name_of(self.choices["plane"]) if name is None else name
 
     def name_of(self, plane: str) -> str:
         """Default name of a plane's store: -<gear> unless published, -<quality> unless paper, -order<H> and -period<nu>."""

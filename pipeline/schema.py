@@ -127,6 +127,7 @@ class Figures:
     curves: list[float] | None = MISSING
     formats: list[str] = MISSING
     dpi: int = MISSING
+    stability: str = MISSING
     window: list[float] | None = MISSING
 
 

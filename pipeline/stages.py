@@ -69,7 +69,7 @@ def prepare(settings: Settings) -> Job:
         from pipeline import figures
 
         options = config.figures
-        figures.check_options(job.plan, options.curves, options.formats, options.dpi, options.window)
+        figures.check_options(job.plan, **_figure_options(options))
     return job
 
 
@@ -227,6 +227,11 @@ def _note_unfinished(job: Job, reporter: Reporter, consequence: str) -> None:
         reporter.line(f"note: {unfinished} rows of {job.store_path} are not complete, {consequence}")
 
 
+def _figure_options(options) -> dict:
+    """The settings of figures as `pipeline.figures.draw` takes them."""
+    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability")}
+
+
 def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline import figures
 
@@ -234,7 +239,7 @@ def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     _note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
     folder = job.settings.output_root / "figures" / job.settings.store_name
-    paths = figures.draw(job.store_path, folder, options.curves, options.formats, options.dpi, options.window)
+    paths = figures.draw(job.store_path, folder, **_figure_options(options))
     names = ", ".join(path.name for path in paths)
     reporter.line(f"figures: {names} in {folder.resolve()} ({perf_counter() - begin:.2f} s)")
     return 0

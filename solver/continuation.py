@@ -58,6 +58,8 @@ class Event(enum.IntEnum):
     MAX_AT_DRIVE = 4
     MAX_AT_BACK = 5
     BRANCH_POINT = arclength.BRANCH_POINT
+    PERIOD_DOUBLING = 7
+    NEIMARK_SACKER = 8
 
     @property
     def sentence(self) -> str:
@@ -73,6 +75,8 @@ _EVENT_SENTENCES = {
     Event.MAX_AT_DRIVE: "lambda_max = b: the drive flanks are just reached.",
     Event.MAX_AT_BACK: "lambda_max = -b: the back flanks just touch all the time.",
     Event.BRANCH_POINT: "Another branch crosses here.",
+    Event.PERIOD_DOUBLING: "A multiplier passes -1: motions of twice the period branch off.",
+    Event.NEIMARK_SACKER: "A pair of multipliers passes the unit circle: quasi-periodic motions branch off.",
 }
 
 
