@@ -210,6 +210,9 @@ class Continuation:
         if ahead.closed:
             return Curve(**{**vars(ahead), "ends": (EndReason.CLOSED, EndReason.CLOSED)})
         behind = self.trace(problem, start, low, high, -np.asarray(heading, dtype=float))
+        if not len(ahead.points) or not len(behind.points):
+            # Where the tangent cannot be told there is no curve, in neither direction.
+            return ahead
         back = slice(None, 0, -1)
         return Curve(
             np.concatenate([behind.points[back], ahead.points]),

@@ -17,6 +17,7 @@ from solver.impact import domain_code, impact_state
 from solver.model import Model
 from solver.problem import Balance
 from solver.stability import assess
+from solver.stability.bifurcations import with_bifurcations
 
 __all__ = ["Row", "sweep_row"]
 
@@ -193,6 +194,7 @@ def sweep_row(
     span = RowSpan(balance, model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
     seeds = seeds or ProvenSeeds()
     curves, early = seeds.branches(span, grid)
+    curves = tuple(_with_bifurcations(span, curve) for curve in curves)
     b = grid if axis == "b" else np.full(grid.size, model.b)
     row = _assemble(span, grid, b, curves, early, seeds.every_column)
     if not isinstance(seeds, ProvenSeeds):
@@ -203,6 +205,14 @@ def sweep_row(
     row.open[asked] = solutions.above != Above.EMPTY
     row.open[_beside(grid, _exits(curves))] = 1
     return _certify(row, solutions, float(span.problem.scale[0])) if seeds.every_column else row
+
+
+def _with_bifurcations(span: RowSpan, curve: Curve) -> Curve:
+    """The curve with the points at which dynamic stability changes."""
+    try:
+        return with_bifurcations(span.balance, span.problem, curve, span.continuation)
+    except ArithmeticError as error:
+        raise RowError(str(error)) from error
 
 
 def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> Row:

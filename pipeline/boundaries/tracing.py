@@ -102,7 +102,7 @@ def _side(curve: BoundaryCurve, events: RowEvents, continuation: Continuation) -
     if not np.any(near):
         return 0
     points, ahead = points[near], ahead[near]
-    scale = curve.pieces[0].problem.scale[[0, 1, 2, 5, 6]]
+    scale = curve.pieces[0].problem.scale[list(curve.seen)]
     # A grazing curve crosses itself nowhere in all five components, so that the nearest point is its own.
     vertex = np.array([np.argmin(np.max(np.abs(curve.points - point) / scale, axis=1)) for point in points])
     steep = np.argmax(np.abs(curve.slopes[vertex, 4]))

@@ -44,7 +44,7 @@ def missed_events(
     for curve in curves:
         if not curve.pieces:
             continue
-        scale = curve.pieces[0].problem.scale[[0, 1, 2, 5]]
+        scale = curve.pieces[0].problem.scale[list(curve.seen[:-1])]
         for point in curve.crossings(parameters, continuation)[1]:
             events = known.get((int(curve.kind), float(point[4])), [])
             if not events or np.min(np.max(np.abs(np.array(events) - point[:4]) / scale, axis=1)) > _SAME:

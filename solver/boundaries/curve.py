@@ -28,6 +28,8 @@ class SpecialPoint(enum.IntEnum):
     MERGER = 5
     EXTREMUM = 6
     DOUBLE_GRAZING = 7
+    RESONANCE = 8
+    CORNER = 9
 
     @property
     def sentence(self) -> str:
@@ -44,6 +46,9 @@ _SENTENCES = {
     SpecialPoint.MERGER: "The fold curve turns round in the row parameter: two branches touch and reconnect.",
     SpecialPoint.EXTREMUM: "The grazing curve turns round in the row parameter: a contact state begins or ends.",
     SpecialPoint.DOUBLE_GRAZING: "The motion just touches both flanks.",
+    SpecialPoint.RESONANCE: "The second frequency of a Neimark-Sacker boundary falls to 0, on a fold, or to half the motion's, "
+    "on a period doubling: it ends there.",
+    SpecialPoint.CORNER: "The bifurcating motion just touches a flank: the boundary has a corner.",
 }
 
 
@@ -65,7 +70,7 @@ class BoundaryCurve:
     Parameters
     ----------
     kind : Event
-        FOLD, or the grazing that happens along it.
+        FOLD, the grazing that happens along it, PERIOD_DOUBLING or NEIMARK_SACKER.
     points : (k, 5) array
         lambda_m, lambda_c, lambda_s, x, p.
     slopes : (k, 5) array
@@ -73,7 +78,7 @@ class BoundaryCurve:
     arclength : (k,) array
         In scaled unknowns, contact angles included.
     stable : (k,) int8 array
-        1 where the grazing motion is statically stable; 0 where it is not and along folds.
+        1 where the motion is statically stable; 0 where it is not and along folds.
     special : (k,) int8 array
         `SpecialPoint`. A corner at which the curve reverses in the plane is FOLD_GRAZING where it arrives and CUSP
         where it departs.
@@ -82,6 +87,8 @@ class BoundaryCurve:
         beyond which the motion has no contact (f_pm = 0: the balance does not determine the mean there).
     pieces : tuple of Piece
         What continuation computed, for those who need more points.
+    seen : tuple of int
+        Which components of the pieces' y are shown.
     """
 
     kind: Event
@@ -92,6 +99,7 @@ class BoundaryCurve:
     special: np.ndarray
     ends: tuple[EndReason, EndReason]
     pieces: tuple[Piece, ...] = field(repr=False, compare=False)
+    seen: tuple[int, ...] = SEEN
 
     @property
     def x(self) -> np.ndarray:
@@ -150,16 +158,18 @@ class BoundaryCurve:
         for piece in self.pieces:
             column, unknowns, _ = curve_crossings(piece.problem, piece.curve, values, continuation)
             columns.append(column)
-            points.append(np.column_stack([unknowns[:, SEEN[:-1]], values[column]]))
+            points.append(np.column_stack([unknowns[:, self.seen[:-1]], values[column]]))
         return np.concatenate(columns), np.concatenate(points)
 
     def distances(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:
         """Distance of points (n, 5) from the boundary in scaled unknowns, (n,); see `solver.boundaries.incidence`."""
         continuation = continuation or Continuation()
-        targets = np.zeros((len(points), 7))
-        targets[:, SEEN] = points
-        pieces = [distances(piece.problem, piece.curve, targets, SEEN, continuation) for piece in self.pieces]
-        return np.min(pieces, axis=0, initial=np.inf)
+        if not self.pieces:
+            return np.full(len(points), np.inf)
+        targets = np.zeros((len(points), self.pieces[0].problem.unknowns + 1))
+        targets[:, self.seen] = points
+        pieces = [distances(piece.problem, piece.curve, targets, self.seen, continuation) for piece in self.pieces]
+        return np.min(pieces, axis=0)
 
     def refined(
         self, x_step: float, p_step: float, window=None, continuation: Continuation | None = None
@@ -178,7 +188,7 @@ class BoundaryCurve:
         continuation = continuation or Continuation()
         parts = [self.points[:1]] if not self.pieces else []
         for piece in self.pieces:
-            places = piece.curve.points[:, SEEN[3:]]
+            places = piece.curve.points[:, self.seen[3:]]
             moves = np.abs(np.diff(places, axis=0))
             number = np.maximum(np.ceil(np.max(moves / [x_step, p_step], axis=1)), 1.0)
             if window is not None:
@@ -188,5 +198,5 @@ class BoundaryCurve:
                 near = (highest[:, 0] >= window[0]) & (lowest[:, 0] <= window[1])
                 near &= (highest[:, 1] >= window[2]) & (lowest[:, 1] <= window[3])
                 number = np.where(near, number, 1.0)
-            parts.append(refined(piece.problem, piece.curve, number, continuation)[:, SEEN])
+            parts.append(refined(piece.problem, piece.curve, number, continuation)[:, self.seen])
         return np.concatenate(parts)

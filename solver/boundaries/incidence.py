@@ -53,32 +53,37 @@ def _distances(
     work = np.empty((3 * n + 6, n + 1))
     factors, normal, seed, found = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     last = points.shape[0] - 1
+    far = np.empty(last + 1)
     for k in range(targets.shape[0]):
         target = targets[k]
-        vertex, closest = 0, math.inf
+        vertex = 0
         for i in range(last + 1):
-            total = 0.0
+            far[i] = 0.0
             for j in range(n + 1):
                 if seen[j]:
-                    total += ((points[i, j] - target[j]) / scale[j]) ** 2
-            if total < closest:
-                vertex, closest = i, total
-        # The target's own angles of contact and the like are not asked for: the hyperplane is one of what is seen.
-        level, length = 0.0, 0.0
-        for j in range(n + 1):
-            normal[j] = tangents[vertex, j] if seen[j] else 0.0
-            factors[j] = normal[j] / scale[j]
-            level += factors[j] * target[j]
-            length += normal[j] * normal[j]
+                    far[i] += ((points[i, j] - target[j]) / scale[j]) ** 2
+            if far[i] < far[vertex]:
+                vertex = i
         nearest[k] = 0.0
         for j in range(n + 1):
             if seen[j]:
                 nearest[k] = max(nearest[k], abs(points[vertex, j] - target[j]) / scale[j])
-        if length == 0.0:
-            continue
-        normal /= math.sqrt(length)
-        for i in range(max(vertex - 1, 0), min(vertex + 1, last)):
+        for i in range(last):
             arc = arclength[i + 1] - arclength[i]
+            # The nearest point may be one of another strand, which runs closer by than its points follow each other.
+            if i != vertex and i + 1 != vertex and min(far[i], far[i + 1]) > arc * arc:
+                continue
+            end = i if far[i] <= far[i + 1] else i + 1
+            # The target's own angles of contact and the like are not asked for: the hyperplane is one of what is seen.
+            level, length = 0.0, 0.0
+            for j in range(n + 1):
+                normal[j] = tangents[end, j] if seen[j] else 0.0
+                factors[j] = normal[j] / scale[j]
+                level += factors[j] * target[j]
+                length += normal[j] * normal[j]
+            if length == 0.0:
+                continue
+            normal /= math.sqrt(length)
             _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
             found[:] = seed
             if corrector(balance, theta, direction, scale, found, normal, tolerance, limit, work) < 0:

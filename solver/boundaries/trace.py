@@ -9,6 +9,7 @@ from solver.boundaries.assembly import assembled, unfollowed
 from solver.boundaries.contact_angles import BACK, FRONT, P, X
 from solver.boundaries.curve import SEEN, BoundaryCurve, Piece
 from solver.boundaries.plane import KINDS, Plane
+from solver.boundaries.tangent import curve_tangent
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import workspace_rows
 from solver.errors import ParameterError
@@ -150,7 +151,7 @@ class Tracer:
         for zones in self.plane.zones(self.kind, point):
             y = None if self.plane.contact_free(self.kind, zones) else self._land(zones, point)
             if y is not None:
-                tangent = _tangent(self.plane.problem(self.kind, zones), y)
+                tangent = curve_tangent(self.plane.problem(self.kind, zones), y)
                 leg = self._leg(zones, y, tangent, self.continuation.trace_both_ways)
                 # A start on a wall and on the plane's border has its boundary on one side of the wall only.
                 if len(leg.curve.points) > 1:
@@ -161,7 +162,7 @@ class Tracer:
         """The y (7,) on the boundary next to a start (5,); None if there is none in these zones."""
         problem, (low, high) = self.plane.problem(self.kind, zones), self.plane.box(self.kind, zones)
         y = self.plane.lift(self.kind, zones, point)
-        before, tangent, corrector = y.copy(), _tangent(problem, y), self.continuation.corrector
+        before, tangent, corrector = y.copy(), curve_tangent(problem, y), self.continuation.corrector
         # Held at its own p, so that a start on the border stays there, unless the boundary is level.
         normal = np.eye(7)[P] if abs(tangent[P]) > 0.01 else tangent
         iterations = corrector.kernel(
@@ -219,14 +220,3 @@ class _Leg:
             curve.stable[::-1].copy(), curve.event[::-1].copy(), curve.ends[::-1], curve.refused,
         )  # fmt: skip
         return _Leg(self.zones, self.problem, back)
-
-
-def _tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
-    """Unit tangent in scaled unknowns, towards growing p."""
-    jacobian = np.empty((6, 7))
-    problem.balance(problem.theta, problem.direction, y, np.empty(6), jacobian)
-    jacobian *= problem.scale
-    # The rows differ by orders of magnitude next to grazings.
-    size = np.linalg.norm(jacobian, axis=1, keepdims=True)
-    tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]
-    return tangent if tangent[P] >= 0.0 else -tangent

@@ -107,18 +107,18 @@ def contact_arcs(u, front, back, angles, zones):
             centre, radius = 0.5 * (left + right), 0.5 * (right - left)
             value, slope = displacement(u, centre)
             reach = abs(slope) * radius + 0.5 * bend * radius * radius
-            if abs(value - front) >= reach and abs(value + back) >= reach:
-                # No flank is reached. Only its zone matters of the value carried on, and that is the centre's.
-                left, value_left = right, value
-                depth -= 1
-                continue
+            clear = abs(value - front) >= reach and abs(value + back) >= reach
             looks += 1
-            if abs(slope) <= bend * radius and radius > _SHORTEST and looks < _MOST_LOOKS:
+            if not clear and abs(slope) <= bend * radius and radius > _SHORTEST and looks < _MOST_LOOKS:
                 ends[depth] = centre
                 depth += 1
                 continue
-            first = displacement(u, left)[0]
-            value_right = displacement(u, right)[0] if right < _TURN else start
+            # Of a piece that reaches no flank only the zone matters, and that is the centre's: at an end that just touches a
+            # flank rounding may have seen another.
+            first, value_right = value, value
+            if not clear:
+                first = displacement(u, left)[0]
+                value_right = displacement(u, right)[0] if right < _TURN else start
             # The zone at the left end as the piece before saw it, so that no crossing is counted twice or not at all.
             before, after = _zone(value_left, front, back), _zone(value_right, front, back)
             step = 1 if after > before else -1
@@ -135,6 +135,12 @@ def contact_arcs(u, front, back, angles, zones):
                 count += 1
             left, value_left = right, value_right
             depth -= 1
+    # Likewise where the period closes.
+    zone, after = _zone(value_left, front, back), _zone(start, front, back)
+    while zone != after and count < room:
+        zone += 1 if after > zone else -1
+        angles[count], zones[count] = np.nextafter(_TURN, 0.0), zone
+        count += 1
     if count == 0:
         zones[0] = _zone(start, front, back)
     return count

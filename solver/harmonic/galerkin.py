@@ -27,14 +27,14 @@ from solver.linear import eliminate
 from solver.model import Model
 from solver.problem import Problem
 
-__all__ = ["Galerkin", "linear_solution"]
+__all__ = ["Galerkin", "balance", "linear_solution", "monitor"]
 
 _F = types.float64
 _COMPLEX = np.complex128
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _balance(theta, direction, y, residual, jacobian):
+def balance(theta, direction, y, residual, jacobian):
     """Residual (n,) and Jacobian (n, n + 1) at y = (unknowns, axis value), n = 2 H + 1; see the module."""
     n = y.shape[0] - 1
     order, period = n // 2, int(theta[PERIOD])
@@ -96,7 +96,7 @@ def _balance(theta, direction, y, residual, jacobian):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _monitor(theta, direction, y, values, gradient):
+def monitor(theta, direction, y, values, gradient):
     """Size of the oscillation and the four contact margins with their gradients.
 
     values (5,) = sqrt(sum_k |Lambda_k|^2), then lambda_min - front, lambda_min + back, lambda_max - front, lambda_max +
@@ -141,7 +141,7 @@ def linear_solution(theta, direction, p, unknowns):
         base[slot], along[slot] = 0.0, 0.0
     y, residual, jacobian = np.zeros(n + 1), np.empty(n), np.empty((n, n + 1))
     y[0], y[n] = 1.0, p
-    _balance(base, along, y, residual, jacobian)
+    balance(base, along, y, residual, jacobian)
     square = jacobian[:, :n].copy()
     right = residual.copy()
     determinant = eliminate(square, right)
@@ -224,7 +224,12 @@ class Galerkin:
         theta, direction = packed(system, axis, omega, self.order, self.period)
         scale = np.full(self.unknowns + 1, system.motion_size)
         scale[-1] = 0.1 * (high - low)
-        return Problem(_balance, _monitor, theta, direction, scale, monitors=5)
+        return self.balance_problem(theta, direction, scale)
+
+    @staticmethod
+    def balance_problem(theta: np.ndarray, direction: np.ndarray, scale: np.ndarray) -> Problem:
+        """The balance as a curve for vectors of `solver.harmonic.layout.packed`."""
+        return Problem(balance, monitor, theta, direction, scale, monitors=5)
 
     def lifted(self, motions: np.ndarray) -> np.ndarray:
         """First-order motions (..., 3) as starting values (..., n) of this balance."""
