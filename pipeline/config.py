@@ -42,11 +42,19 @@ class Settings:
 
     @property
     def store_name(self) -> str:
-        """`store.name`, or the plane's name with -<gear> unless published and -<quality> unless paper."""
-        if self.config.store.name is not None:
-            return self.config.store.name
+        """`store.name`, or the plane's name with what is not usual: see `name_of`."""
+        name = self.config.store.name
+        return self.name_of(self.choices["plane"]) if name is None else name
+
+    def name_of(self, plane: str) -> str:
+        """Default name of a plane's store: -<gear> unless published, -<quality> unless paper, -order<H> and -period<nu>."""
         extras = [(self.choices["gear"], "published"), (self.choices["quality"], "paper")]
-        return "-".join([self.choices["plane"], *(name for name, usual in extras if name != usual)])
+        words = [plane, *(name for name, usual in extras if name != usual)]
+        if self.config.solver.balance != "describing_function":
+            words.append(f"order{self.config.solver.order}")
+        if self.config.solver.period != 1:
+            words.append(f"period{self.config.solver.period}")
+        return "-".join(words)
 
     @property
     def store_path(self) -> Path:

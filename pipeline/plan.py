@@ -13,7 +13,7 @@ from pipeline.errors import ConfigurationError
 __all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan", "plan_of", "warnings"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
@@ -88,7 +88,9 @@ class Plan:
     def rows_per_block(self) -> int:
         """Rows of a chunk: about 1 MB of the largest array, and at least sixteen blocks a plane; no more is needed to
         keep workers busy, and the number of workers may not matter."""
-        row_bytes = 8 * max(self.sweep.num * self.max_solutions, self.max_points)
+        unknowns = 2 * int(self.solver["order"]) * int(self.solver["period"]) + 1
+        motion = unknowns if self.solver["balance"] == "galerkin" else 1
+        row_bytes = 8 * max(self.sweep.num * self.max_solutions * motion, self.max_points)
         return max(1, min(_BLOCK_BYTES // row_bytes, -(-self.parameter.num // _BLOCKS_AT_LEAST)))
 
     @property
@@ -101,7 +103,9 @@ class Plan:
     def bytes(self) -> int:
         """Upper bound of the store's size, uncompressed."""
         rows, columns = self.shape
-        return rows * (columns * (26 * self.max_solutions + 8) + 53 * self.max_points)
+        unknowns = 2 * int(self.solver["order"]) * int(self.solver["period"]) + 1
+        solution = 51 + (8 * unknowns if self.solver["balance"] == "galerkin" else 0)
+        return rows * (columns * (solution * self.max_solutions + 8) + 53 * self.max_points)
 
 
 def numbers_digest(numbers: dict) -> str:
@@ -204,11 +208,12 @@ def _axis(role: str, axis, scalars) -> Axis:
 
 def _check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
-    from pipeline.sweep import continuation_of, model_at, seeds_of
+    from pipeline.sweep import balance_of, continuation_of, model_at, seeds_of
     from solver import ParameterError
 
     gear_axes = {axis.name: role for role, axis in (("sweep", plan.sweep), ("parameter", plan.parameter))}
     try:
+        balance_of(plan.solver)
         continuation_of(plan.solver)
         seeds_of(plan.solver)
     except ParameterError as error:

@@ -63,8 +63,11 @@ class Plane:
 
 @dataclass
 class Solver:
-    """Continuation settings; see `solver.Continuation`."""
+    """Which balance, and continuation settings; see `solver.Continuation`."""
 
+    balance: str = MISSING
+    order: int = MISSING
+    period: int = MISSING
     corrector: str = MISSING
     certify: str = MISSING
     certify_columns: int = MISSING
@@ -124,6 +127,7 @@ class Figures:
     curves: list[float] | None = MISSING
     formats: list[str] = MISSING
     dpi: int = MISSING
+    stability: str = MISSING
     window: list[float] | None = MISSING
 
 

@@ -69,7 +69,7 @@ def prepare(settings: Settings) -> Job:
         from pipeline import figures
 
         options = config.figures
-        figures.check_options(job.plan, options.curves, options.formats, options.dpi, options.window)
+        figures.check_options(job.plan, **_figure_options(options))
     return job
 
 
@@ -79,7 +79,8 @@ def sweep_command(settings: Settings, plane: str | None = None) -> str:
     words = ["python -m pipeline", f"plane={plane or choices['plane']}"]
     words += [f"{group}={choices[group]}" for group, usual in (("gear", "published"), ("quality", "paper"))
               if choices[group] != usual]  # fmt: skip
-    words += [override for override in settings.overrides if override.startswith(("output.root=", "store.root="))]
+    kept = ("output.root=", "store.root=", "solver=", "solver.order=", "solver.period=")
+    words += [override for override in settings.overrides if override.startswith(kept)]
     if plane is None and settings.config.store.name is not None:
         words.append(f"store.name={settings.config.store.name}")
     return " ".join(words) if root else words[0]
@@ -226,6 +227,11 @@ def _note_unfinished(job: Job, reporter: Reporter, consequence: str) -> None:
         reporter.line(f"note: {unfinished} rows of {job.store_path} are not complete, {consequence}")
 
 
+def _figure_options(options) -> dict:
+    """The settings of figures as `pipeline.figures.draw` takes them."""
+    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability")}
+
+
 def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline import figures
 
@@ -233,7 +239,7 @@ def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     _note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
     folder = job.settings.output_root / "figures" / job.settings.store_name
-    paths = figures.draw(job.store_path, folder, options.curves, options.formats, options.dpi, options.window)
+    paths = figures.draw(job.store_path, folder, **_figure_options(options))
     names = ", ".join(path.name for path in paths)
     reporter.line(f"figures: {names} in {folder.resolve()} ({perf_counter() - begin:.2f} s)")
     return 0
@@ -243,14 +249,9 @@ def _tabulate(job: Job, reporter: Reporter) -> int:
     from pipeline import tables
 
     settings = job.settings
-    suffixes = [(settings.choices["gear"], "published"), (settings.choices["quality"], "paper")]
     root = Path(settings.config.store.root).resolve()
     stores = {
-        plane: (
-            root / f"{'-'.join([plane, *(name for name, usual in suffixes if name != usual)])}.zarr",
-            sweep_command(settings, plane),
-        )
-        for plane in TABLE_PLANES
+        plane: (root / f"{settings.name_of(plane)}.zarr", sweep_command(settings, plane)) for plane in TABLE_PLANES
     }
     folder = settings.output_root / "tables"
     paths = tables.write(stores, folder)

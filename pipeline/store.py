@@ -16,6 +16,7 @@ import zarr
 from pipeline.errors import StoreError
 from pipeline.plan import SCHEMA_VERSION, Block, Plan, numbers_digest, plan_of
 from solver import EndReason, Event, ImpactState, Row, domain_labels
+from solver.stability import Instability
 
 __all__ = [
     "axis_attributes",
@@ -104,6 +105,10 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "stable": spec(solution, "int8", -1, "static stability; -1: no such solution", None,
                        flag_values=[-1, 0, 1], flag_meanings="no_solution unstable stable"),
         "impact": spec(solution, "int8", -1, "impact state; -1: no such solution", None, **states),
+        "instability": spec(solution, "int8", -1, "dynamic stability: how the motion is unstable; -1: no such solution",
+                            None, **flags(Instability)),
+        "multiplier": spec(solution, "float64", nan, "largest modulus of the multipliers"),
+        **(_order_h_arrays(spec, solution) if plan.solver["balance"] == "galerkin" else {}),
         "open": spec(cell, "int8", 0, "1: solutions above the amplitude ceiling are not excluded", None,
                      flag_values=[0, 1], flag_meanings="closed open"),
         **({"certified": certified} if plan.solver["certify"] == "all" else {}),
@@ -127,6 +132,19 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "message": spec((row,), "str", "", "why the row failed, else empty", None),
         "status": spec((row,), "uint8", PENDING, "state of the row", None,
                        flag_values=[PENDING, COMPLETE, FAILED], flag_meanings="pending complete failed"),
+    }  # fmt: skip
+
+
+def _order_h_arrays(spec, solution: tuple[str, ...]) -> dict[str, dict]:
+    """What only a balance of order H has."""
+    nan = float("nan")
+    return {
+        "lowest": spec(solution, "float64", nan, "lowest mesh displacement over the period"),
+        "highest": spec(solution, "float64", nan, "highest mesh displacement over the period"),
+        "motion": spec(
+            (*solution, "component"), "float64", nan,
+            "mean of the mesh displacement, then cosine and sine amplitude of each harmonic of the base frequency",
+        ),
     }  # fmt: skip
 
 
@@ -182,6 +200,7 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     sizes = {
         row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,
         "branch_number": plan.max_branches, "end": 2,
+        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
     }  # fmt: skip
     for array, spec in _arrays(plan).items():
         shape = tuple(sizes[dim] for dim in spec["dims"])
@@ -351,8 +370,11 @@ def _fill_raster(values: dict, i: int, row: Row) -> None:
     for name in ("n_solutions", "n_stable", "domain", "open", "certified"):
         if name in values:
             values[name][i] = getattr(row, name)
-    for name in ("mean", "amplitude", "phase", "stable", "impact"):
+    for name in ("mean", "amplitude", "phase", "stable", "impact", "instability", "multiplier"):
         values[name][i, :, found] = getattr(row, name)
+    if "motion" in values:
+        values["motion"][i, :, found] = row.motions
+        values["lowest"][i, :, found], values["highest"][i, :, found] = row.extremes
 
 
 def _fill_branches(values: dict, i: int, row: Row, axis: str) -> None:

@@ -11,8 +11,10 @@ import numpy as np
 from pipeline import store
 from pipeline.plan import Block, Plan
 from solver import (
+    Balance,
     Broyden,
     Continuation,
+    DescribingFunction,
     LinearSeeds,
     Model,
     Newton,
@@ -23,10 +25,12 @@ from solver import (
     sweep_row,
 )
 
-__all__ = ["Receipt", "continuation_of", "model_at", "seeds_of", "sweep_block"]
+__all__ = ["Receipt", "balance_of", "continuation_of", "model_at", "seeds_of", "sweep_block"]
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
 CERTIFY = ("none", "columns", "all")
+BALANCES = ("describing_function", "galerkin")
+NOT_CONTINUATION = ("balance", "order", "period", "certify", "certify_columns")
 
 
 @dataclass(frozen=True)
@@ -44,21 +48,42 @@ class Receipt:
         return self.block.stop - self.block.start
 
 
+def balance_of(settings: dict) -> Balance:
+    """The harmonic balance that the solver settings describe."""
+    if settings["balance"] not in BALANCES:
+        raise ParameterError("balance", settings["balance"], f"one of {', '.join(BALANCES)}")
+    if settings["balance"] == "galerkin":
+        # Its kernels are many, and first-order runs do without them.
+        from solver.harmonic.galerkin import Galerkin
+
+        return Galerkin(settings["order"], settings["period"])
+    for name in ("order", "period"):
+        if settings[name] != 1:
+            raise ParameterError(name, settings[name], "1 for the describing function; solver=hb balances more")
+    return DescribingFunction()
+
+
 def continuation_of(settings: dict) -> Continuation:
     """The continuation that the solver settings describe."""
-    settings = {key: value for key, value in settings.items() if not key.startswith("certify")}
+    settings = {key: value for key, value in settings.items() if key not in NOT_CONTINUATION}
     name, tolerance = settings.pop("corrector"), settings.pop("tolerance")
     if name not in CORRECTORS:
         raise ParameterError("corrector", name, f"one of {', '.join(CORRECTORS)}")
     return Continuation(corrector=CORRECTORS[name](tolerance=tolerance), **settings)
 
 
-def seeds_of(settings: dict, every_column: bool = False) -> LinearSeeds | ProvenSeeds:
+def seeds_of(settings: dict, every_column: bool = False):
     """Where branches start, as the solver settings describe; `every_column` asks for certainty in this row anyway."""
     if settings["certify"] not in CERTIFY:
         raise ParameterError("certify", settings["certify"], f"one of {', '.join(CERTIFY)}")
     if settings["certify"] == "none":
         return LinearSeeds()
+    if settings["balance"] == "galerkin":
+        from solver.lifted_seeds import LiftedSeeds
+
+        if settings["certify"] == "all":
+            raise ParameterError("certify", "all", "none or columns for solver=hb: only first order can be proven")
+        return LiftedSeeds(settings["certify_columns"], every_column)
     return ProvenSeeds(settings["certify_columns"], every_column or settings["certify"] == "all")
 
 
@@ -72,7 +97,10 @@ def model_at(plan: Plan, row: float, column: float) -> Model:
 def _sweep(plan: Plan, value: float, continuation: Continuation, seeds) -> Row:
     omega = value if plan.parameter.name == "omega" else plan.omega
     model = model_at(plan, value, plan.sweep.low)
-    row = sweep_row(model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation, seeds=seeds)
+    row = sweep_row(
+        model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation, seeds=seeds,
+        balance=balance_of(plan.solver),
+    )  # fmt: skip
     for name, size, room in (
         ("max_solutions", row.mean.shape[1], plan.max_solutions),
         ("max_branches", len(row.curves), plan.max_branches),

@@ -5,6 +5,7 @@ Boundary curves in two parameters are in `solver.boundaries`, which is imported 
 
 from solver.backbone import Backbone, backbone
 from solver.branches import LinearSeeds, ProvenSeeds, RowError
+from solver.contact_system import ContactSystem, gear_system
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import Broyden, Newton
 from solver.enumeration import (
@@ -16,7 +17,7 @@ from solver.enumeration import (
     enumerate_row,
 )
 from solver.errors import ParameterError
-from solver.harmonic.first_order import first_order_problem
+from solver.harmonic.first_order import DescribingFunction, first_order_problem
 from solver.harmonic.uncondensed import translations, uncondensed_balance
 from solver.impact import (
     ImpactState,
@@ -26,16 +27,20 @@ from solver.impact import (
     impact_state,
 )
 from solver.model import GEOMETRIC, SCALAR_PARAMETERS, Model
+from solver.problem import Balance
 from solver.row import Row, sweep_row
 
 __all__ = [
     "GEOMETRIC",
     "SCALAR_PARAMETERS",
     "Above",
+    "Balance",
     "Backbone",
     "Broyden",
+    "ContactSystem",
     "Continuation",
     "Curve",
+    "DescribingFunction",
     "EndReason",
     "Event",
     "LinearSeeds",
@@ -57,6 +62,7 @@ __all__ = [
     "domain_labels",
     "enumerate_row",
     "first_order_problem",
+    "gear_system",
     "impact_state",
     "sweep_row",
     "translations",

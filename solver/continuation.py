@@ -75,8 +75,8 @@ _EVENT_SENTENCES = {
     Event.MAX_AT_DRIVE: "lambda_max = b: the drive flanks are just reached.",
     Event.MAX_AT_BACK: "lambda_max = -b: the back flanks just touch all the time.",
     Event.BRANCH_POINT: "Another branch crosses here.",
-    Event.PERIOD_DOUBLING: "A multiplier passes -1: a branch of twice the period crosses here.",
-    Event.NEIMARK_SACKER: "A pair of multipliers crosses the unit circle: the motion gains or loses a second frequency.",
+    Event.PERIOD_DOUBLING: "A multiplier passes -1: motions of twice the period branch off.",
+    Event.NEIMARK_SACKER: "A pair of multipliers passes the unit circle: quasi-periodic motions branch off.",
 }
 
 

@@ -247,6 +247,7 @@ def _numbers(name: str, value, count: int, bound) -> tuple[float, ...]:
 
 
 def harmonic_pairs(name: str, value) -> Harmonics:
+    """`value` as pairs of finite numbers (amplitude, phase); raises ParameterError with `name` otherwise."""
     allowed = "a list of [amplitude, phase] pairs"
     if isinstance(value, str) or not hasattr(value, "__len__"):
         raise ParameterError(name, value, allowed)

@@ -52,6 +52,8 @@ class Balance(Protocol):
     """Harmonics of the base frequency Omega/nu."""
     unknowns: int
     """Number n = 2 harmonics + 1 of unknowns (Lambda_0, c_1, s_1, ...)."""
+    truncated: bool
+    """Whether the force is truncated to these harmonics before the stiffness multiplies it."""
     fundamental: tuple[int, int]
     """Slots of the cosine and sine amplitude of the mesh frequency."""
 

@@ -16,6 +16,8 @@ from solver.harmonic.first_order import DescribingFunction
 from solver.impact import domain_code, impact_state
 from solver.model import Model
 from solver.problem import Balance
+from solver.stability import assess
+from solver.stability.bifurcations import with_bifurcations
 
 __all__ = ["Row", "sweep_row"]
 
@@ -41,6 +43,10 @@ class Row:
         Unknowns (Lambda_0, c_1, s_1, ...) of all solutions, sorted by amplitude; nan beyond their number.
     stable, impact : (X, S) int8 arrays
         Static stability and `ImpactState`; -1 beyond the number of solutions.
+    instability : (X, S) int8 array
+        Dynamic stability, `solver.stability.Instability`; -1 beyond the number of solutions.
+    multiplier : (X, S) array
+        Largest modulus of the multipliers; nan beyond the number of solutions.
     open : (X,) int8 array
         1 where solutions above the amplitude ceiling exist or are not excluded, and on both sides of a place where a
         branch left through it.
@@ -48,6 +54,8 @@ class Row:
         1 where the solutions are proven to be all of them, 0 where that is undecided, -1 where it was not asked.
     early : int
         How many of the curves were found without looking at the grid values.
+    everywhere : bool
+        Whether seeds were sought at the grid values as well.
     """
 
     balance: Balance
@@ -58,9 +66,12 @@ class Row:
     motions: np.ndarray
     stable: np.ndarray
     impact: np.ndarray
+    instability: np.ndarray
+    multiplier: np.ndarray
     open: np.ndarray
     certified: np.ndarray
     early: int
+    everywhere: bool
 
     @property
     def n_folds(self) -> int:
@@ -70,7 +81,7 @@ class Row:
     @property
     def n_gained(self) -> int:
         """Curves that only the grid values brought; -1 where they were not looked at."""
-        return -1 if np.all(self.certified < 0) else len(self.curves) - self.early
+        return len(self.curves) - self.early if self.everywhere else -1
 
     @property
     def mean(self) -> np.ndarray:
@@ -183,8 +194,9 @@ def sweep_row(
     span = RowSpan(balance, model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
     seeds = seeds or ProvenSeeds()
     curves, early = seeds.branches(span, grid)
+    curves = tuple(_with_bifurcations(span, curve) for curve in curves)
     b = grid if axis == "b" else np.full(grid.size, model.b)
-    row = _assemble(span, grid, b, curves, early)
+    row = _assemble(span, grid, b, curves, early, seeds.every_column)
     if not isinstance(seeds, ProvenSeeds):
         return row
     # Enumeration knows what lies above the ceiling; it is asked where branches left, or everywhere.
@@ -195,7 +207,15 @@ def sweep_row(
     return _certify(row, solutions, float(span.problem.scale[0])) if seeds.every_column else row
 
 
-def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
+def _with_bifurcations(span: RowSpan, curve: Curve) -> Curve:
+    """The curve with the points at which dynamic stability changes."""
+    try:
+        return with_bifurcations(span.balance, span.problem, curve, span.continuation)
+    except ArithmeticError as error:
+        raise RowError(str(error)) from error
+
+
+def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> Row:
     """Solve at the grid values and sort the solutions of each by amplitude."""
     try:
         parts = [curve_crossings(span.problem, curve, grid, span.continuation) for curve in curves]
@@ -217,9 +237,14 @@ def _assemble(span: RowSpan, grid, b, curves, early: int) -> Row:
     stabilities = np.full(shape, -1, dtype=np.int8)
     stabilities[column, place] = stable
     impact = impact_state(*span.balance.extremes(motions), b[:, None])
+    stability = assess(
+        span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
+    )  # fmt: skip
+    instability, multiplier = np.full(shape, -1, dtype=np.int8), np.full(shape, np.nan)
+    instability[column, place], multiplier[column, place] = stability.kind, stability.modulus
     return Row(
-        span.balance, span.axis, grid, b, tuple(curves), motions, stabilities, impact,
-        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early,
+        span.balance, span.axis, grid, b, tuple(curves), motions, stabilities, impact, instability, multiplier,
+        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early, everywhere,
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ def draw(
     formats: list[str],
     dpi: int,
     window: list[float] | None = None,
+    stability: str = "static",
 ) -> list[Path]:
     """Draw the map, the amplitude-frequency curves and the backbone of a stored plane, and a part of the map if asked.
 
@@ -38,6 +39,8 @@ def draw(
         Pixels per inch of the PNG.
     window : list of float or None
         A part of the plane, [x low, x high, p low, p high], drawn in addition as map-window.
+    stability : str
+        Which motions the labels count: "static" (det J > 0, what is dynamically unstable is hatched) or "dynamic".
 
     Returns
     -------
@@ -50,10 +53,10 @@ def draw(
     ConfigurationError
         If the options are not allowed for this plane, or there is no store of ours.
     """
-    check_options(read_plan(store_path), curves, formats, dpi, window)
+    check_options(read_plan(store_path), curves, formats, dpi, window, stability)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
-        return _draw(store_path, folder, curves, formats, dpi, window)
+        return _draw(store_path, folder, curves, formats, dpi, window, stability)
 
 
 @contextmanager
@@ -71,7 +74,7 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(store_path, folder, curves, formats, dpi, window) -> list[Path]:
+def _draw(store_path, folder, curves, formats, dpi, window, stability) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from matplotlib import style
 
@@ -81,7 +84,7 @@ def _draw(store_path, folder, curves, formats, dpi, window) -> list[Path]:
     from pipeline.figures.output import write_figure
     from pipeline.figures.stored import read_stored
 
-    plane = read_stored(store_path)
+    plane = read_stored(store_path, stability == "dynamic")
     paths = []
     # A user's own matplotlibrc must not change our figures.
     with style.context(_STYLE, after_reset=True):

@@ -7,12 +7,13 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
 from pipeline.figures.map_legend import (
+    DISPUTED_CELLS,
     FAILED_ROWS,
-    FOLD,
-    GRAZING,
+    LINES,
     MARKS,
     MODES,
     OPEN_CELLS,
+    UNSTABLE_CELLS,
     Entry,
     draw_legend,
     legend_entries,
@@ -115,10 +116,10 @@ def _shares(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
 
 def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entry]:
     shown = np.unique(np.concatenate([np.unique(panel.code) for panel in panels]))
-    folds, grazings = (any(len(getattr(panel, kind).vertices) for panel in panels) for kind in ("folds", "grazings"))
+    lines = {kind for panel in panels for kind in panel.lines}
     marks = {kind for panel in panels for kind in panel.marks}
     modes = np.any([_modes_within(plane, panel) for panel in panels], axis=0)
-    return legend_entries(plane, [int(code) for code in shown if code], folds, grazings, marks, modes, shares)
+    return legend_entries(plane, [int(code) for code in shown if code], lines, marks, modes, shares)
 
 
 def _modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
@@ -136,14 +137,16 @@ def _fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
         _image(panel.code, plane.labels), extent=(*panel.x, *panel.y), origin="lower", aspect="auto",
         interpolation="none", zorder=0,
     )  # fmt: skip
-    for kind, outline in ((FOLD, panel.folds), (GRAZING, panel.grazings)):
-        if len(outline.vertices):
-            axes.add_patch(PathPatch(outline, fill=False, **kind))
+    for kind, outline in panel.lines.items():
+        axes.add_patch(PathPatch(outline, fill=False, **LINES[kind][0]))
     for kind, places in panel.marks.items():
         axes.plot(*places.T, **MARKS[kind])
     columns, rows = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)
-    for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
+    unstable = plane.unstable & ~plane.disputed & (not plane.dynamic)
+    for kind, marked in (
+        (FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1), (UNSTABLE_CELLS, unstable), (DISPUTED_CELLS, plane.disputed),
+    ):  # fmt: skip
         if np.any(marked):
             axes.add_patch(PathPatch(_rectangles(marked, columns, rows), **kind))
     if plane.over_frequency:

@@ -15,12 +15,25 @@ from solver import ImpactState
 from solver.boundaries import SpecialPoint
 
 __all__ = [
-    "FAILED_ROWS", "FOLD", "GRAZING", "MARKS", "MODES", "OPEN_CELLS", "Entry", "draw_legend", "legend_entries",
+    "DISPUTED_CELLS", "FAILED_ROWS", "LINES", "MARKS", "MODES", "OPEN_CELLS", "UNSTABLE_CELLS", "Entry", "draw_legend", "legend_entries",
     "legend_height",
 ]  # fmt: skip
 
-FOLD = {"color": "black", "linewidth": 0.65, "linestyle": "solid", "zorder": 3}
-GRAZING = {"color": "0.2", "linewidth": 0.55, "linestyle": (0, (3.0, 1.6)), "zorder": 2}
+#: Line kind -> its style and what the legend says of it.
+LINES = {
+    "fold": ({"color": "black", "linewidth": 0.65, "linestyle": "solid", "zorder": 3}, "fold: $n$ changes"),
+    "grazing": (
+        {"color": "0.2", "linewidth": 0.55, "linestyle": (0, (3.0, 1.6)), "zorder": 2}, "grazing: only $I$ changes",
+    ),
+    "period_doubling": (
+        {"color": "#7a0177", "linewidth": 0.9, "linestyle": (0, (1.0, 1.0)), "zorder": 3}, "period doubling",
+    ),
+    "neimark_sacker": (
+        {"color": "#00441b", "linewidth": 0.9, "linestyle": (0, (4.0, 1.0, 1.0, 1.0)), "zorder": 3}, "Neimark–Sacker",
+    ),
+}  # fmt: skip
+UNSTABLE_CELLS = {"facecolor": "none", "edgecolor": "0.1", "linewidth": 0.0, "hatch": "\\\\\\\\\\\\", "zorder": 1}
+DISPUTED_CELLS = {"facecolor": "none", "edgecolor": "0.35", "linewidth": 0.0, "hatch": "++++++", "zorder": 1}
 FAILED_ROWS = {"facecolor": "white", "edgecolor": "0.45", "linewidth": 0.0, "hatch": "//////", "zorder": 1}
 OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "....", "zorder": 1}
 _MODE = {
@@ -56,7 +69,7 @@ class Entry:
 
 
 def legend_entries(
-    plane: StoredPlane, codes: list[int], folds: bool, grazings: bool, marks, modes, shares: bool = True
+    plane: StoredPlane, codes: list[int], lines, marks, modes, shares: bool = True
 ) -> list[Entry]:
     """Everything that the map shows, and nothing else.
 
@@ -65,8 +78,8 @@ def legend_entries(
     plane : StoredPlane
     codes : list of int
         Codes of the labels that the panels show.
-    folds, grazings : bool
-        Whether they show such edges.
+    lines : collection of str
+        Kinds of lines that they show.
     marks : collection of SpecialPoint
         What they mark.
     modes : (bool, bool)
@@ -82,18 +95,19 @@ def legend_entries(
             Entry("$n/I$", "share" if shares else ""),
             *(_label_entry(plane.labels[c], float((computed == c).mean()) if shares else None) for c in sorted(codes)),
             Entry(),
-            Entry("$n$  stable motions"),
+            Entry("$n$  dynamically stable" if plane.dynamic else "$n$  stable motions"),
             *(Entry(f"$I$ = {s.symbol}  {STATE_NAMES[s]}") for s in ImpactState if s.symbol in symbols),
             Entry(),
         ]
-    if folds:
-        entries.append(Entry("fold: $n$ changes", line=FOLD))
-    if grazings:
-        entries.append(Entry("grazing: only $I$ changes", line=GRAZING))
+    entries += [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
     entries += [Entry(_MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
     for name, kind, present in zip(("mesh", "shaft"), MODES, modes, strict=True):
         if present:
             entries.append(Entry(f"natural frequency, {name}", line=kind))
+    if plane.unstable.any() and not plane.dynamic:
+        entries.append(Entry("one dynamically unstable", area=UNSTABLE_CELLS))
+    if plane.disputed.any():
+        entries.append(Entry("disputed at this order", area=DISPUTED_CELLS))
     if (plane.open == 1).any():
         entries += [Entry("not excluded: motions", area=OPEN_CELLS), Entry("above the ceiling of $λ_a$")]
     if (plane.status == FAILED).any():

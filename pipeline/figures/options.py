@@ -8,13 +8,15 @@ from pipeline.plan import Plan
 __all__ = ["FORMATS", "check_options"]
 
 FORMATS = ("png", "pdf", "svg")
+STABILITIES = ("static", "dynamic")
 _LEAST_DPI, _MOST_DPI = 30, 1200
 #: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
 NARROWEST = 1e-5
 
 
 def check_options(
-    plan: Plan, curves: list[float] | None, formats: list[str], dpi: int, window: list[float] | None = None
+    plan: Plan, curves: list[float] | None, formats: list[str], dpi: int, window: list[float] | None = None,
+    stability: str = "static",
 ) -> None:
     """Raise unless these figures can be drawn of this plane.
 
@@ -29,6 +31,8 @@ def check_options(
         Pixels per inch of the PNG.
     window : list of float or None
         A part of the plane, [x low, x high, p low, p high]; None draws none.
+    stability : str
+        "static" or "dynamic".
 
     Raises
     ------
@@ -53,6 +57,10 @@ def check_options(
     if not _LEAST_DPI <= dpi <= _MOST_DPI:
         raise ConfigurationError(
             f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}"
+        )
+    if stability not in STABILITIES:
+        raise ConfigurationError(
+            f"figures.stability = {stability!r} is not allowed: it must be one of {', '.join(STABILITIES)}"
         )
     if window is not None:
         _check_window(plan, window)

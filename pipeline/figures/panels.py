@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.path import Path as Outline
 
 from pipeline.boundaries import special_places
+from pipeline.boundaries.events import MARGINS
 from pipeline.boundaries.group import StoredBoundaries
 from pipeline.figures.edges import curves_along, label_edges
 from pipeline.figures.pieces import labels_at
@@ -41,8 +42,8 @@ class Panel:
         Labels, evenly over the panel.
     x, y : (float, float)
         What the image covers.
-    folds, grazings : Outline
-        Lines.
+    lines : dict
+        "fold", "grazing", "period_doubling", "neimark_sacker" -> Outline, those that are there.
     marks : dict
         SpecialPoint -> (k, 2) array of places.
     """
@@ -50,8 +51,7 @@ class Panel:
     code: np.ndarray
     x: tuple[float, float]
     y: tuple[float, float]
-    folds: Outline
-    grazings: Outline
+    lines: dict[str, Outline]
     marks: dict[SpecialPoint, np.ndarray] = field(default_factory=dict)
 
 
@@ -65,11 +65,14 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
         On the sweep axis and on the parameter axis.
     """
     sweep, parameter = plane.plan.sweep, plane.plan.parameter
-    if plane.boundaries is not None:
+    if plane.boundaries is not None and not plane.dynamic and plane.plan.solver["balance"] == "describing_function":
         return _exact_panel(plane, x or (sweep.low, sweep.high), y or (parameter.low, parameter.high))
     rows, columns = cell_borders(parameter), cell_borders(sweep)
     code, n = plane.domain, plane.n_stable
-    if x is not None:
+    if x is not None and plane.dynamic:
+        inside = slice(np.searchsorted(columns, x[0], side="right") - 1, np.searchsorted(columns, x[1], side="left"))
+        code, n, columns = code[:, inside], n[:, inside], columns[inside.start : inside.stop + 1]
+    elif x is not None:
         # Folds and grazings of the rows are located exactly, so that columns may be as fine as one likes.
         columns = np.linspace(*x, _COLUMNS + 1)
         code, n = labels_at(plane.pieces, 0.5 * (columns[1:] + columns[:-1]))
@@ -77,7 +80,15 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
     if y is not None:
         inside = slice(np.searchsorted(rows, y[0], side="right") - 1, np.searchsorted(rows, y[1], side="left"))
         code, n, rows = code[inside], n[inside], rows[inside.start : inside.stop + 1]
-    return Panel(code, _ends(columns), _ends(rows), *(_polygons(e, columns, rows) for e in label_edges(code, n)))
+    ends = _ends(columns), _ends(rows)
+    if plane.boundaries is not None and not plane.dynamic:
+        return Panel(code, *ends, _lines(plane.boundaries, *ends), _marks(plane.boundaries, *ends))
+    kinds = zip(("fold", "grazing"), label_edges(code, n), strict=True)
+    return Panel(code, *ends, _present({kind: _polygons(edges, columns, rows) for kind, edges in kinds}))
+
+
+def _present(lines: dict[str, Outline]) -> dict[str, Outline]:
+    return {kind: outline for kind, outline in lines.items() if len(outline.vertices)}
 
 
 def cell_borders(axis: Axis) -> np.ndarray:
@@ -99,15 +110,23 @@ def _polygons(segments: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
 def _exact_panel(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> Panel:
     middles = [low + (np.arange(count) + 0.5) / count * (high - low) for (low, high), count in zip((x, y), _FINE)]
     code, _ = region_codes(plane, *middles)
-    kinds = [_outline(plane.boundaries, folds, x, y) for folds in (True, False)]
-    return Panel(code, x, y, *kinds, _marks(plane.boundaries, x, y))
+    return Panel(code, x, y, _lines(plane.boundaries, x, y), _marks(plane.boundaries, x, y))
 
 
-def _outline(boundaries: StoredBoundaries, folds: bool, x: tuple[float, float], y: tuple[float, float]) -> Outline:
+def _lines(boundaries: StoredBoundaries, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
+    """Line kind -> the curves of that kind within a window."""
+    kinds = {
+        "fold": (Event.FOLD,), "grazing": tuple(MARGINS), "period_doubling": (Event.PERIOD_DOUBLING,),
+        "neimark_sacker": (Event.NEIMARK_SACKER,),
+    }  # fmt: skip
+    return _present({kind: _outline(boundaries, events, x, y) for kind, events in kinds.items()})
+
+
+def _outline(boundaries: StoredBoundaries, kinds, x: tuple[float, float], y: tuple[float, float]) -> Outline:
     """The curves within a window as Bezier curves, which are the stored cubics and stay smooth at any magnification."""
     vertices, codes = [np.empty((0, 2))], [np.empty(0, Outline.code_type)]
     for curve in boundaries.curves:
-        if (curve.kind is Event.FOLD) != folds or len(curve.points) < 2:
+        if curve.kind not in kinds or len(curve.points) < 2:
             continue
         controls = curve.arcs.controls()
         # An arc lies within the hull of its control points. What lies outside would only cost dashes.

@@ -12,6 +12,8 @@ from pipeline.boundaries import StoredBoundaries, read_boundaries
 from pipeline.figures.pieces import Piece, pieces_of_row
 from pipeline.plan import Plan
 from pipeline.sweep import model_at
+from solver import domain_code
+from solver.stability import Instability
 
 __all__ = ["StoredPlane", "read_stored"]
 
@@ -34,6 +36,10 @@ class StoredPlane:
     labels : dict
         Code -> n/I label.
     domain, n_stable, open : (P, X) arrays
+    dynamic : bool
+        Whether `domain` and `n_stable` count the dynamically stable motions, instead of the statically stable ones.
+    unstable, disputed : (P, X) bool arrays
+        Where a statically stable motion is dynamically unstable, and where the methods dispute whether one is.
     status : (P,) array
     points : dict
         Name -> (P, point) array of the branches; "position" is where on the sweep axis a point is.
@@ -51,6 +57,9 @@ class StoredPlane:
     domain: np.ndarray
     n_stable: np.ndarray
     open: np.ndarray
+    dynamic: bool
+    unstable: np.ndarray
+    disputed: np.ndarray
     status: np.ndarray
     points: dict[str, np.ndarray]
     n_points: np.ndarray
@@ -97,8 +106,8 @@ class StoredPlane:
         return pieces_of_row(points, backlash)
 
 
-def read_stored(path: Path) -> StoredPlane:
-    """Read a store; raises StoreError as `pipeline.store.read_plan` does."""
+def read_stored(path: Path, dynamic: bool = False) -> StoredPlane:
+    """Read a store, labels by static or by dynamic stability; raises StoreError as `pipeline.store.read_plan` does."""
     plan = store.read_plan(path)
     # Plain arrays are wanted at once: dask would only cost time.
     plane = xr.open_zarr(path, chunks=None)
@@ -108,15 +117,27 @@ def read_stored(path: Path) -> StoredPlane:
     points = {name: branches[name][:, used].values for name in _POINT_ARRAYS}
     points["position"] = branches[plan.sweep.name][:, used].values
     flags = plane["domain"].attrs
+    static, kind = plane["stable"].values == 1, plane["instability"].values
+    domain, n_stable = plane["domain"].values, plane["n_stable"].values
+    if dynamic:
+        kept = static & (kind == Instability.NONE)
+        counts = np.sum(kept, axis=2)
+        states = np.where(kept, 1 << plane["impact"].values.astype(np.int64).clip(0), 0)
+        computed = domain != 0
+        domain = np.where(computed, domain_code(counts, np.bitwise_or.reduce(states, axis=2)), domain)
+        n_stable = np.where(computed, counts, n_stable)
     return StoredPlane(
         plan=plan,
         title=plane.attrs["title"],
         digest=plane.attrs["configuration_hash"],
         attributes={axis.name: plane[axis.name].attrs for axis in (plan.parameter, plan.sweep)},
         labels=dict(zip(map(int, flags["flag_values"]), flags["labels"], strict=True)),
-        domain=plane["domain"].values,
-        n_stable=plane["n_stable"].values,
+        domain=domain,
+        n_stable=n_stable,
         open=plane["open"].values,
+        dynamic=dynamic,
+        unstable=np.any(static & (kind > Instability.NONE) & (kind < Instability.DISPUTED), axis=2),
+        disputed=np.any(static & (kind == Instability.DISPUTED), axis=2),
         status=plane["status"].values,
         points=points,
         n_points=n_points,

@@ -205,7 +205,7 @@ class _Tracer:
             return [0.0]
         theta, found = self.plane.parameters(point), np.empty(64)
         motion = np.append(point[:-2], 0.0)
-        truncated = len(self.plane.kinds) == 2
+        truncated = self.plane.balance.truncated
         for tolerance in (1e-8, 1e-5):
             count = critical_shares(theta, np.zeros_like(theta), motion, truncated, tolerance, found)
             if count:

@@ -27,7 +27,6 @@ from solver.continuation import Event, Problem
 from solver.errors import ParameterError
 from solver.harmonic import first_order, galerkin
 from solver.harmonic.contact_spectrum import contact_arcs
-from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import BACK, FRONT, PAIRS, SIGN, STIFFNESSES, packed
 from solver.model import Model
 from solver.problem import Balance
@@ -195,7 +194,7 @@ class BifurcationPlane:
         second, along_p = packed(system, self.p_axis, self.omega or 0.0, order, period)
         # What either axis sets is 0 in the vector that belongs to it.
         theta = np.where(second == 0.0, 0.0, first)
-        truncated = float(not isinstance(self.balance, Galerkin))
+        truncated = float(self.balance.truncated)
         n, size = self.balance.unknowns, system.motion_size
         ranges = [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
         for name, value in (
@@ -209,7 +208,7 @@ class BifurcationPlane:
     @property
     def kinds(self) -> tuple[Event, ...]:
         """The bifurcations that can be followed."""
-        return (Event.FOLD, *_GRAZINGS, *_BIFURCATIONS) if isinstance(self.balance, Galerkin) else _BIFURCATIONS
+        return _BIFURCATIONS if self.balance.truncated else (Event.FOLD, *_GRAZINGS, *_BIFURCATIONS)
 
     @property
     def scale(self) -> np.ndarray:

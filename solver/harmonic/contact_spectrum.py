@@ -21,6 +21,8 @@ COMPLEX = types.complex128[::1]
 
 # Pieces of the period shorter than this are not divided.
 _SHORTEST = 1e-9
+# Motions that cling to a flank to rounding, over a whole stretch, are not divided for ever.
+_MOST_LOOKS = 100_000
 _PIECES = 8
 _TURN = 2.0 * math.pi
 
@@ -92,7 +94,7 @@ def contact_arcs(u, front, back, angles, zones):
     bend = 0.0
     for k in range(1, u.shape[0] // 2 + 1):
         bend += k * k * math.sqrt(u[2 * k - 1] * u[2 * k - 1] + u[2 * k] * u[2 * k])
-    count, room = 0, angles.shape[0]
+    count, room, looks = 0, angles.shape[0], 0
     # A stack of the pieces still to be looked at, in order of angle: each halving adds one.
     ends = np.empty(64)
     start = displacement(u, 0.0)[0]
@@ -105,8 +107,9 @@ def contact_arcs(u, front, back, angles, zones):
             centre, radius = 0.5 * (left + right), 0.5 * (right - left)
             value, slope = displacement(u, centre)
             reach = abs(slope) * radius + 0.5 * bend * radius * radius
-            clear = abs(value - front) > reach and abs(value + back) > reach
-            if not clear and abs(slope) <= bend * radius and radius > _SHORTEST and depth < 63:
+            clear = abs(value - front) >= reach and abs(value + back) >= reach
+            looks += 1
+            if not clear and abs(slope) <= bend * radius and radius > _SHORTEST and looks < _MOST_LOOKS:
                 ends[depth] = centre
                 depth += 1
                 continue

@@ -239,6 +239,7 @@ class DescribingFunction:
     period: int = 1
     harmonics: int = 1
     unknowns: int = 3
+    truncated: bool = True
     fundamental: tuple[int, int] = (1, 2)
 
     def problem(self, model: Model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:

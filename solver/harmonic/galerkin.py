@@ -197,6 +197,11 @@ class Galerkin:
         return 2 * self.harmonics + 1
 
     @property
+    def truncated(self) -> bool:
+        """No: the product of force and stiffness is complete before it is projected."""
+        return False
+
+    @property
     def fundamental(self) -> tuple[int, int]:
         """Slots of the cosine and sine amplitude of the mesh frequency among the unknowns."""
         return 2 * self.period - 1, 2 * self.period

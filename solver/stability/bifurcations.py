@@ -15,7 +15,6 @@ from solver.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E,
 from solver.continuation import Continuation, Curve, Event
 from solver.correctors import workspace_rows
 from solver.harmonic import layout
-from solver.harmonic.galerkin import Galerkin
 from solver.problem import Balance, Problem
 from solver.stability.scan import critical_shares, half_order_matrix, monitor, scan
 
@@ -34,7 +33,7 @@ def hill_vectors(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.nda
     A Galerkin problem carries them. The describing function feels two harmonics of the stiffness and one of the load,
     which its own vector of the model holds, and so does Hill's matrix truncated in the same way.
     """
-    if isinstance(balance, Galerkin):
+    if not balance.truncated:
         return problem.theta, problem.direction
     vectors = []
     for model, constant in ((problem.theta, 1.0), (problem.direction, 0.0)):
@@ -50,7 +49,7 @@ def hill_vectors(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.nda
 def _watched(balance: Balance, problem: Problem) -> Problem:
     """The problem with the period doubling's determinant as its monitor; what that needs stands behind its theta."""
     theta, direction = hill_vectors(balance, problem)
-    truncated = float(not isinstance(balance, Galerkin))
+    truncated = float(balance.truncated)
     return Problem(
         problem.balance, monitor, np.concatenate([problem.theta, theta, [theta.size, truncated]]),
         np.concatenate([problem.direction, direction, [0.0, 0.0]]), problem.scale, monitors=1,
@@ -136,7 +135,7 @@ def critical_frequencies(balance: Balance, problem: Problem, y: np.ndarray, tole
     theta, direction = hill_vectors(balance, problem)
     found = np.empty(64)
     count = critical_shares(
-        theta, direction, np.asarray(y, dtype=float), not isinstance(balance, Galerkin), tolerance, found
+        theta, direction, np.asarray(y, dtype=float), balance.truncated, tolerance, found
     )
     shares = np.sort(found[:count])
     return shares[np.diff(shares, prepend=-1.0) > 1e-6]
@@ -145,7 +144,7 @@ def critical_frequencies(balance: Balance, problem: Problem, y: np.ndarray, tole
 def doubled(
     balance: Balance, problem: Problem, point: np.ndarray, continuation: Continuation | None = None,
     amplitude: float = 0.02,
-) -> tuple[Galerkin, Problem, np.ndarray]:  # fmt: skip
+) -> tuple[Balance, Problem, np.ndarray]:  # fmt: skip
     """Switch to the branch of twice the period at a period doubling.
 
     Parameters
@@ -179,12 +178,15 @@ def doubled(
     The null vector l of the matrix over the half window can be turned such that l_(-1-k) = conj l_k; the perturbation
     2 Re sum_k l_k exp(i (k + 1/2) Omega tau/nu) is then a motion's harmonic 2 k + 1 of Omega/(2 nu).
     """
+    # Its kernels are many, and who only wants the events does without them.
+    from solver.harmonic.galerkin import Galerkin
+
     corrector, point = (continuation or Continuation()).corrector, np.asarray(point, dtype=float)
     wide = Galerkin(balance.order, 2 * balance.period)
     theta, direction = (vector.copy() for vector in hill_vectors(balance, problem))
     n, harmonics = problem.unknowns, balance.harmonics
     matrix = np.empty((2 * harmonics, 2 * harmonics), dtype=complex)
-    half_order_matrix(theta, direction, point, not isinstance(balance, Galerkin), matrix)
+    half_order_matrix(theta, direction, point, balance.truncated, matrix)
     null = np.linalg.svd(matrix)[2][-1].conj()
     mirrored = null[::-1].conj()
     turned = null + mirrored if np.linalg.norm(null + mirrored) > 1.0 else 1j * (null - mirrored)

@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from pipeline import figures, store
 from pipeline.errors import ConfigurationError
@@ -14,13 +15,14 @@ from pipeline.figures.backbone import draw_backbone
 from pipeline.figures.curves import chosen_rows, draw_curves
 from pipeline.figures.edges import curves_along, label_edges
 from pipeline.figures.map import draw_map
+from pipeline.figures.map_legend import DISPUTED_CELLS, UNSTABLE_CELLS
 from pipeline.figures.naming import axis_label
 from pipeline.figures.palette import label_colour, state_colour
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.pieces import labels_at, pieces_of_row
 from pipeline.figures.stored import read_stored
 from pipeline.figures.windows import coexistence_windows
-from solver import SCALAR_PARAMETERS, Event, ImpactState, domain_labels
+from solver import SCALAR_PARAMETERS, Event, ImpactState, domain_code, domain_labels
 from tests.pipeline.planes import small_plan, small_store
 
 #: With c = cos 20 degrees and the stiffness varying in the mesh row only, branches run away (PHYSICS, section 7).
@@ -32,6 +34,9 @@ NO_FREQUENCY = (
     "plane.sweep.name=f_e", "plane.sweep.min=0.1", "plane.sweep.max=0.3", "plane.parameter.name=omega",
     "plane.parameter.min=0.5", "plane.parameter.max=0.7",
 )  # fmt: skip
+
+
+STABILITY = {UNSTABLE_CELLS["hatch"], DISPUTED_CELLS["hatch"]}
 
 
 @pytest.fixture(scope="module")
@@ -298,7 +303,7 @@ def test_map_shows_what_the_plane_has(plane):
     assert figure.axes[0].get_ylabel() == "transmission error amplitude $f_e$"
     # Cells are centred on the grid values.
     assert figure.axes[0].get_xlim() == pytest.approx((0.05 - 1.95 / 80, 2.0 + 1.95 / 80))
-    assert not hatches(figure)
+    assert hatches(figure) == STABILITY
 
 
 def test_curves_show_the_nearest_rows(plane):
@@ -333,7 +338,7 @@ def test_failed_and_missing_rows(tmp_path):
     plane = read_stored(path)
     assert plane.status.tolist() == [1, 1, 2, 0]
     figure = draw_map(plane)
-    assert hatches(figure) == {"//////"} and "row failed" in texts(figure)
+    assert hatches(figure) - STABILITY == {"//////"} and "row failed" in texts(figure)
     said = texts(draw_curves(plane, plane.rows.tolist()))
     assert said.count("row failed") == said.count("row not computed") == 2
     assert np.isnan(resonance_peaks(plane, np.arange(4))[2:]).all()
@@ -368,7 +373,7 @@ def test_runaway_branches(tmp_path):
     plane = read_stored(path)
     assert np.any(plane.open == 1) and np.nanmax(plane.points["amplitude"]) > 90.0
     figure = draw_map(plane)
-    assert hatches(figure) == {"...."} and "not excluded: motions" in texts(figure)
+    assert hatches(figure) - STABILITY == {"...."} and "not excluded: motions" in texts(figure)
     figure = draw_curves(plane, None)
     assert all(axes.get_ylim()[1] < 45.0 for axes in figure.axes)
     assert any(r"ceiling $\lambda_a$ = 100" in text for text in texts(figure))
@@ -388,3 +393,28 @@ def test_without_frequency_along_the_rows(tmp_path):
 def test_without_mean_load_there_is_no_backbone(tmp_path):
     path = small_store(tmp_path / "plane.zarr", small_plan("gear.f_pm=0", columns=5, rows=2))
     assert [p.name for p in drawn(path, tmp_path)] == ["map.png", "curves.png"]
+
+
+def test_labels_by_dynamic_stability_leave_out_what_is_not_stable(made):
+    static, dynamic = read_stored(made), read_stored(made, dynamic=True)
+    root = xr.open_zarr(made)
+    kept = (root.stable == 1) & (root.instability == 0)
+    np.testing.assert_array_equal(dynamic.n_stable, kept.sum("solution"))
+    assert np.all(dynamic.n_stable <= static.n_stable)
+    marked = dynamic.unstable | dynamic.disputed
+    np.testing.assert_array_equal(marked, dynamic.n_stable < static.n_stable)
+    np.testing.assert_array_equal(dynamic.domain[~marked], static.domain[~marked])
+    assert np.any(marked)
+    for row, column in np.argwhere(marked):
+        states = root.impact[row, column].values[kept[row, column].values]
+        mask = sum({1 << int(state) for state in states})
+        assert dynamic.domain[row, column] == domain_code(states.size, mask)
+
+
+@pytest.mark.parametrize("stability", ["static", "dynamic"])
+def test_maps_hatch_what_is_dynamically_unstable(made, stability):
+    plane = read_stored(made, stability == "dynamic")
+    figure = draw_map(plane)
+    hatches = {patch.get_hatch() for axes in figure.axes for patch in axes.patches}
+    assert (DISPUTED_CELLS["hatch"] in hatches) == bool(plane.disputed.any())
+    assert (UNSTABLE_CELLS["hatch"] in hatches) == (stability == "static" and bool(np.any(plane.unstable & ~plane.disputed)))

@@ -32,7 +32,8 @@ def test_schema(made):
     np.testing.assert_array_equal(plane.f_e, np.linspace(0.0, 0.5, 6))
     kinds = {
         "n_solutions": "uint8", "n_stable": "uint8", "domain": "uint16", "mean": "float64", "amplitude": "float64",
-        "phase": "float64", "stable": "int8", "impact": "int8", "open": "int8", "status": "uint8",
+        "phase": "float64", "stable": "int8", "impact": "int8", "instability": "int8", "multiplier": "float64",
+        "open": "int8", "status": "uint8",
     }  # fmt: skip
     for name, kind in kinds.items():
         assert plane[name].dtype == kind, name
@@ -48,7 +49,7 @@ def test_schema(made):
 def test_flags_follow_cf(made):
     _, path = made
     plane, branches = xr.open_zarr(path), xr.open_zarr(path, group="branches")
-    for variable in (plane.domain, plane.stable, plane.impact, plane.status, branches.event, branches.end_reason):
+    for variable in (plane.domain, plane.stable, plane.impact, plane.instability, plane.status, branches.event, branches.end_reason):
         meanings = variable.attrs["flag_meanings"].split(" ")
         assert len(meanings) == len(variable.attrs["flag_values"]) == len(set(meanings))
         assert all(c.isalnum() or c in "_-.+@" for meaning in meanings for c in meaning)

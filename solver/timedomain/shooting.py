@@ -1,0 +1,266 @@
+"""Periodic orbits of the true system: Newton's method on the Poincare map with the exact monodromy matrix."""
+
+import enum
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.contact_system import ContactSystem
+from solver.errors import ParameterError
+from solver.timedomain.integrator import Status, checked_states
+from solver.timedomain.poincare import checked_count, measure, monodromy
+
+__all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
+
+
+class ShootingStatus(enum.IntEnum):
+    """How the search for a periodic orbit ended."""
+
+    CONVERGED = 0
+    NOT_CONVERGED = 1
+    INTEGRATION_FAILED = 2
+
+    @property
+    def sentence(self) -> str:
+        """What happened, for the reader of a log."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    ShootingStatus.CONVERGED: "The orbit closes to the tolerance.",
+    ShootingStatus.NOT_CONVERGED: "Newton's method did not close the orbit.",
+    ShootingStatus.INTEGRATION_FAILED: "The motion from the last iterate could not be integrated.",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicOrbit:
+    """A periodic orbit, or the last iterate of a search that found none.
+
+    Parameters
+    ----------
+    state : (2 n,) array
+        y, then y', at tau = 0.
+    period : int
+        Forcing periods after which the motion repeats (not always the smallest number: see `minimal_period`).
+    minimal_period : int
+        The smallest divisor of `period` after which it repeats.
+    multipliers : (2 n,) complex array
+        Eigenvalues of the monodromy matrix over `period`, the largest modulus first.
+    residual : float
+        Distance between end and start of the orbit.
+    harmonics : (H + 1,) complex array
+        One-sided harmonics of lambda at multiples of Omega / period.
+    lowest, highest : float
+        Extremes of lambda.
+    switches : int
+        Contact switches over `period` forcing periods.
+    iterations : int
+    status : ShootingStatus
+        Multipliers, harmonics and extremes are nan, and switches 0, unless it is CONVERGED.
+    """
+
+    state: np.ndarray
+    period: int
+    minimal_period: int
+    multipliers: np.ndarray
+    residual: float
+    harmonics: np.ndarray
+    lowest: float
+    highest: float
+    switches: int
+    iterations: int
+    status: ShootingStatus
+
+    @property
+    def largest_multiplier(self) -> float:
+        """Largest modulus of the multipliers."""
+        return float(abs(self.multipliers[0]))
+
+    @property
+    def stable(self) -> bool:
+        """Whether every multiplier lies inside the unit circle."""
+        return self.largest_multiplier < 1.0
+
+
+def shoot(
+    system: ContactSystem, omega: float, state, period: int = 1, *, order: int = 4, tolerance: float = 1e-10,
+    integration_tolerance: float = 1e-13, max_iterations: int = 30,
+) -> PeriodicOrbit:  # fmt: skip
+    """Periodic orbit near a state.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    omega : float
+    state : (2 n,) array_like
+        y, then y', at tau = 0; `orbit_state` gives one from harmonics.
+    period : int
+        Forcing periods of the orbit.
+    order : int
+        Highest harmonic of Omega / period that is returned.
+    tolerance : float
+        The orbit is closed when its ends differ by less than this times max(1, |state|).
+    integration_tolerance : float
+    max_iterations : int
+        Newton steps; a step is halved up to six times while it lengthens the gap.
+
+    Returns
+    -------
+    PeriodicOrbit
+        Whether there is one is told by its status.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
+    """
+    period, max_iterations = checked_count("period", period), checked_count("max_iterations", max_iterations)
+    if not 0.0 < tolerance < 1.0:
+        raise ParameterError("tolerance", tolerance, "above 0 and below 1")
+    (current,) = checked_states(system, state, "state")
+    flow = _Map(system, omega, period, integration_tolerance)
+    end, matrix, status = flow(current)
+    if status is not Status.COMPLETE:
+        return _failure(current, period, order, math.nan, 0, ShootingStatus.INTEGRATION_FAILED)
+    gap, iterations, stalled = _norm(end - current), 0, False
+    while iterations < max_iterations and not stalled and gap > 1e-14 * max(1.0, _norm(current)):
+        correction, singular = _newton_step(matrix, end - current)
+        if singular:
+            break
+        stalled, factor = True, 1.0
+        for _ in range(7):
+            trial = current + factor * correction
+            next_end, next_matrix, status = flow(trial)
+            if status is Status.COMPLETE and _norm(next_end - trial) < gap:
+                current, end, matrix, gap, stalled = trial, next_end, next_matrix, _norm(next_end - trial), False
+                break
+            factor *= 0.5
+            # Below the tolerance a longer gap is rounding and nothing is left to gain.
+            if gap <= tolerance * max(1.0, _norm(current)):
+                break
+        iterations += 1
+    if gap > tolerance * max(1.0, _norm(current)):
+        return _failure(current, period, order, gap, iterations, ShootingStatus.NOT_CONVERGED)
+    found = measure(system, omega, current, period, divisor=period, order=order, tolerance=integration_tolerance)
+    values = np.linalg.eigvals(matrix).astype(complex)
+    # Of a conjugate pair the one above the axis comes first.
+    values = values[np.lexsort((-values.imag, -np.round(np.abs(values), 12)))]
+    return PeriodicOrbit(
+        current, period, _minimal_period(flow, current, tolerance), values, gap, found.harmonics, found.lowest,
+        found.highest, found.switches, iterations, ShootingStatus.CONVERGED,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Map:
+    system: ContactSystem
+    omega: float
+    period: int
+    tolerance: float
+
+    def __call__(self, state, periods=None):
+        # A diverging iterate must not run into overflow: far above any length of the system it is given up.
+        ceiling = 1e8 * max(1.0, _norm(state))
+        periods = self.period if periods is None else periods
+        if not np.all(np.isfinite(state)):
+            return state, np.eye(state.size), Status.NOT_FINITE
+        return monodromy(self.system, self.omega, state, periods, tolerance=self.tolerance, ceiling=ceiling)
+
+
+def _norm(vector) -> float:
+    return float(np.max(np.abs(vector)))
+
+
+def _newton_step(matrix, gap):
+    system = np.eye(gap.size) - matrix
+    if not np.all(np.isfinite(system)) or np.linalg.cond(system) > 1e15:
+        return gap, True
+    return np.linalg.solve(system, gap), False
+
+
+def _minimal_period(flow: _Map, state, tolerance: float) -> int:
+    for divisor in range(1, flow.period):
+        if flow.period % divisor == 0:
+            end, matrix, status = flow(state, divisor)
+            # A gap g over a part of the period betrays a shorter orbit only if it is no larger than Newton's own error.
+            size = max(1.0, _norm(state), _norm(matrix))
+            if status is Status.COMPLETE and _norm(end - state) < 1e3 * tolerance * size:
+                return divisor
+    return flow.period
+
+
+def _failure(state, period, order, residual, iterations, status) -> PeriodicOrbit:
+    nothing = np.full(state.size, np.nan + 0j)
+    harmonics = np.full(checked_count("order", order, 0, 10_000) + 1, np.nan + 0j)
+    return PeriodicOrbit(
+        state, period, period, nothing, residual, harmonics, math.nan, math.nan, 0, iterations, status
+    )
+
+
+def orbit_state(
+    system: ContactSystem, omega: float, coefficients, period: int = 1, *, samples: int = 4096
+) -> np.ndarray:
+    """State (2 n,) at tau = 0 that belongs to a harmonic-balance solution for lambda.
+
+    The contact force f of that lambda acts on the linear system, Z(k Omega / p) Y_k = F_k - h f_k - h_v (s f)_k. Where
+    Z is singular (a mean that the contact alone carries) the harmonic of lambda itself is imposed instead.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    omega : float
+    coefficients : (2 H + 1,) array_like
+        Lambda_0, then c_k, s_k of lambda = Lambda_0 + sum_k c_k cos k theta + s_k sin k theta, theta = Omega tau / p.
+    period : int
+        p.
+    samples : int
+        Points per period of the FFT that gives the force; the result is a start for `shoot`, not an orbit.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
+    """
+    values = np.asarray(coefficients, dtype=float)
+    if values.ndim != 1 or values.size % 2 == 0 or not np.all(np.isfinite(values)):
+        raise ParameterError("coefficients", coefficients, "an odd number of finite numbers")
+    period = checked_count("period", period)
+    order = values.size // 2
+    samples = checked_count("samples", samples, 4 * max(order, 1))
+    theta = 2.0 * np.pi * np.arange(samples) / samples
+    wave = np.zeros(order + 1, dtype=complex)
+    wave[0], wave[1:] = values[0], values[1::2] - 1j * values[2::2]
+    displacement = np.real(np.exp(1j * np.outer(theta, np.arange(order + 1))) @ wave)
+    force = system.contact_force(displacement)
+    variation = np.zeros(samples)
+    for l, (amplitude, phase) in enumerate(system.stiffness_harmonics, start=1):
+        variation += amplitude * np.cos(l * period * theta + phase)
+    highest = max(4 * order, 4 * period, period * (max(len(system.load), len(system.inertial_load)) - 1))
+    highest = min(highest, samples // 2 - 1)
+    plain, varied = (_one_sided(signal, highest) for signal in (force, variation * force))
+    loads = np.zeros((highest + 1, system.degrees), dtype=complex)
+    loads[::period] = system.load_harmonics(omega, highest // period)
+    position, speed = np.zeros(system.degrees), np.zeros(system.degrees)
+    for k in range(highest + 1):
+        rate = k * omega / period
+        right = loads[k] - system.force * plain[k] - system.varying_force * varied[k]
+        stiffness = system.dynamic_stiffness(rate)
+        if np.linalg.cond(stiffness) < 1e12:
+            amplitude = np.linalg.solve(stiffness, right)
+        else:
+            bordered = np.block([
+                [stiffness, system.force[:, None]], [system.contact[None, :], np.zeros((1, 1))]
+            ])  # fmt: skip
+            imposed = wave[k] if k <= order else 0.0
+            amplitude = np.linalg.lstsq(bordered, np.append(right, imposed), rcond=None)[0][:-1]
+        position += amplitude.real
+        speed += np.real(1j * rate * amplitude)
+    return np.concatenate([position, speed])
+
+
+def _one_sided(signal, highest: int) -> np.ndarray:
+    harmonics = np.fft.rfft(signal)[: highest + 1] * (2.0 / signal.size)
+    harmonics[0] *= 0.5
+    return harmonics
