@@ -114,7 +114,7 @@ def gathered_phase(hill, window, matrix, phases):
 @kernel(_C(HILL, _C, COMPLEX_MATRIX), inner=True)
 def exponent(hill, z, matrix):
     """The exponent next to z, by the secant method in the complex plane; nan if there is none nearby."""
-    old, new = z, z + complex(1e-4, 1e-4)
+    old, new = z, z + complex(1e-6, 1e-6)
     fill_matrix(hill, old, matrix)
     at_old = determinant(matrix)
     length = math.inf

@@ -140,13 +140,13 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
             return -1.0
         ends[side, :] = found[: n + 1]
     g_low, g_high, z = 0.0, 0.0, complex(guess, 0.0)
-    bracketed = False
+    at_low, at_high, bracketed = z, z, False
     for _ in range(40):
         at_low = _exponent_about(setup.theta, setup.direction, ends[0], window, z)
         at_high = _exponent_about(setup.theta, setup.direction, ends[1], window, z)
         g_low, g_high = at_low.imag, at_high.imag
-        if g_low * g_high < 0.0 and abs(at_low.real - at_high.real) < 0.05 and -0.01 < at_low.real < 0.51:
-            z, bracketed = 0.5 * (at_low + at_high), True
+        if g_low * g_high < 0.0 and abs(at_low - at_high) < 0.02 and -0.01 < at_low.real < 0.51:
+            bracketed = True
             break
         middle = 0.5 * (low + high)
         if land_between(setup, left, right, arc, middle, found) < 0:
@@ -171,18 +171,20 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
         x = min(max(x, low + margin), high - margin)
         if land_between(setup, left, right, arc, x, found) < 0:
             return -1.0
-        z = _exponent(setup.theta, setup.direction, found[: n + 1], window, z)
-        if not math.isfinite(z.real):
+        # Another exponent may be close by: the path of this one is known at both ends of the bracket.
+        expected = at_low + (x - low) / (high - low) * (at_high - at_low)
+        z = _exponent(setup.theta, setup.direction, found[: n + 1], window, expected)
+        if not math.isfinite(z.real) or abs(z - expected) > abs(at_high - at_low) + 1e-6:
             return -1.0
         if abs(z.imag) <= 1e-13 or (high - low) * arc <= 1e-13:
             break
         if z.imag * g_high < 0.0:
-            low, g_low = x, z.imag
+            low, g_low, at_low = x, z.imag, z
             if side == -1:
                 g_high *= 0.5
             side = -1
         else:
-            high, g_high = x, z.imag
+            high, g_high, at_high = x, z.imag, z
             if side == 1:
                 g_low *= 0.5
             side = 1
