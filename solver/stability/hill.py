@@ -7,7 +7,9 @@ cosines and sines of whole or half-odd multiples of theta.
 
 Of the exponents of a window the physical ones are those whose eigenvector is centred in it: with the mean harmonic c =
 sum_k k |y_k|^2 / sum_k |y_k|^2 from the centre, real ones have c = 0, and one exponent has |c| and 1/2 - |c| in the two windows.
-The 2n of smallest |c| over both represent the 2n multipliers exp(s nu 2 pi/Omega).
+The 2n of smallest |c| over both represent the 2n multipliers exp(s nu 2 pi/Omega). Images s + i m Omega/nu of one of them that
+lost their outer harmonics can look centred as well; they are told by their value, and of the sets with and without them the one
+is taken whose sum is nearest to the negative trace of M^-1 C (Liouville). Real ones never are images.
 """
 
 from dataclasses import dataclass
@@ -20,11 +22,14 @@ from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spec
 from solver.stability.floquet import SYSTEMS
 from solver.stability.system_row import SystemRow
 
-__all__ = ["COMPLEX_MATRIX", "Truncation", "centred_exponents", "coupling", "hill_matrices", "window_exponents"]
+__all__ = ["COMPLEX_MATRIX", "Truncation", "apart", "centred_exponents", "coupling", "hill_matrices", "window_exponents"]
 
 COMPLEX_MATRIX = types.complex128[:, ::1]
 _I, _F = types.int64, types.float64
 _COMPLEX = np.complex128
+
+# Exponents this close, as a share of the base frequency and up to multiples of it, may be images of one.
+_IMAGES = (0.05, 0.1)
 
 
 @dataclass(frozen=True)
@@ -179,17 +184,33 @@ def window_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncation
     return values.astype(complex), np.einsum("p,kpd->kd", harmonics, turn) / whole
 
 
-def _united(s, c, sigma, c_half, half_base, states):
-    """The 2n most centred exponents of both windows of one motion: real ones count once, complex ones as a pair."""
-    found: list[complex] = []
+def apart(left, right, base):
+    """Distance of two exponents when multiples of i times the base frequency do not count."""
+    gap = left - right
+    return np.hypot(gap.real, gap.imag - base * np.rint(gap.imag / base))
+
+
+def _united(s, c, sigma, c_half, base, states, decay):
+    """The 2n physical exponents of one motion from both windows: real ones count once, complex ones as a pair."""
     upper, upper_half = s.imag >= 0.0, sigma.imag >= 0.0
-    exponents = np.concatenate([s[upper], sigma[upper_half]])
-    shift = np.concatenate([np.zeros(np.sum(upper)), np.full(np.sum(upper_half), half_base)])
-    for i in np.argsort(np.abs(np.concatenate([c[upper], c_half[upper_half]])), kind="stable"):
-        both = [exponents[i]] if exponents[i].imag == 0.0 else [exponents[i], exponents[i].conjugate()]
-        if len(found) + len(both) <= states:
-            found += [one + 1j * shift[i] for one in both]
-    return found
+    real = np.concatenate([s[upper], sigma[upper_half]]).imag == 0.0
+    exponents = np.concatenate([s[upper], sigma[upper_half] + 0.5j * base])
+    order = np.argsort(np.abs(np.concatenate([c[upper], c_half[upper_half]])), kind="stable")
+    best, least = [], np.inf
+    for reach in (0.0, *_IMAGES):
+        found: list[complex] = []
+        images = []
+        for again in (False, True):
+            for i in images if again else order:
+                both = [exponents[i]] if real[i] else [exponents[i], np.conj(exponents[i])]
+                if not again and not real[i] and any(apart(both[0], one, base) < reach * base for one in found):
+                    images.append(i)
+                elif len(found) + len(both) <= states:
+                    found += both
+        defect = abs(sum(found).real + decay)
+        if defect < 0.999 * least:
+            best, least = found, defect
+    return best
 
 
 def centred_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncation) -> np.ndarray:
@@ -199,11 +220,16 @@ def centred_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncatio
     order = np.argsort(np.abs(c), axis=1, kind="stable")[:, :states]
     found = np.take_along_axis(s, order, axis=1)
     far = np.abs(np.take_along_axis(c, order[:, -1:], axis=1)[:, 0]) > 0.25
-    # A pair of exponents may not be cut by the end of the list.
+    # A pair of exponents may not be cut by the end of the list, and images of one exponent may not stand for two.
     far |= np.abs(np.sum(found.imag, axis=1)) > 1e-9 * np.max(np.abs(found), axis=1)
+    base = row.omega / truncation.period
+    for i in range(states):
+        for j in range(i):
+            real = (found[:, i].imag == 0.0) | (found[:, j].imag == 0.0)
+            far |= ~real & (apart(found[:, i], found[:, j], base) < _IMAGES[-1] * base)
     places = np.flatnonzero(far)
     if places.size:
         half = window_exponents(row.take(places), motions[places], truncation, half=True)
         for i, sigma, c_half in zip(places, *half, strict=True):
-            found[i] = _united(s[i], c[i], sigma, c_half, 0.5 * row.omega[i] / truncation.period, states)
+            found[i] = _united(s[i], c[i], sigma, c_half, base[i], states, row.decay[i])
     return found

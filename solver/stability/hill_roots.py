@@ -20,7 +20,7 @@ from solver.compiled import ARRAY, MATRIX, kernel
 from solver.harmonic.contact_spectrum import COMPLEX
 from solver.linear import eliminate_rows
 from solver.stability.floquet import SYSTEMS, contact_shares
-from solver.stability.hill import COMPLEX_MATRIX, Truncation, coupling
+from solver.stability.hill import COMPLEX_MATRIX, Truncation, apart, coupling
 from solver.stability.system_row import SystemRow
 
 __all__ = ["condensed_exponents"]
@@ -221,7 +221,5 @@ def condensed_exponents(
     base = row.omega / truncation.period
     for i in range(found.shape[1]):
         for j in range(i):
-            gap = found[:, i] - found[:, j]
-            turns = np.abs(np.remainder(gap.imag / base + 0.5, 1.0) - 0.5) * base
-            complete &= np.hypot(gap.real, turns) > 1e-6 * base
+            complete &= apart(found[:, i], found[:, j], base) > 1e-6 * base
     return found, complete
