@@ -12,6 +12,7 @@ lost their outer harmonics can look centred as well; they are told by their valu
 is taken whose sum is nearest to the negative trace of M^-1 C (Liouville). Real ones never are images.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -190,27 +191,40 @@ def apart(left, right, base):
     return np.hypot(gap.real, gap.imag - base * np.rint(gap.imag / base))
 
 
-def _united(s, c, sigma, c_half, base, states, decay):
-    """The 2n physical exponents of one motion from both windows: real ones count once, complex ones as a pair."""
-    upper, upper_half = s.imag >= 0.0, sigma.imag >= 0.0
-    real = np.concatenate([s[upper], sigma[upper_half]]).imag == 0.0
-    exponents = np.concatenate([s[upper], sigma[upper_half] + 0.5j * base])
-    order = np.argsort(np.abs(np.concatenate([c[upper], c_half[upper_half]])), kind="stable")
-    best, least = [], np.inf
-    for reach in (0.0, *_IMAGES):
-        found: list[complex] = []
-        images = []
-        for again in (False, True):
-            for i in images if again else order:
-                both = [exponents[i]] if real[i] else [exponents[i], np.conj(exponents[i])]
-                if not again and not real[i] and any(apart(both[0], one, base) < reach * base for one in found):
-                    images.append(i)
-                elif len(found) + len(both) <= states:
-                    found += both
-        defect = abs(sum(found).real + decay)
-        if defect < 0.999 * least:
-            best, least = found, defect
-    return best
+@kernel(types.void(COMPLEX_MATRIX, types.int64[:, ::1], types.int64[:, ::1], ARRAY, ARRAY, COMPLEX_MATRIX))
+def _select(exponents, sizes, order, base, decay, found):
+    """Fill found (k, 2n) with exponents of both windows (k, d), tried in the given order.
+
+    sizes (k, d): 1 for a real exponent, 2 for one that stands for a pair, 0 for the other of that pair.
+    """
+    states, many = found.shape[1], exponents.shape[1]
+    chosen, image = np.empty(states, _COMPLEX), np.empty(many, np.bool_)
+    for k in range(found.shape[0]):
+        least = math.inf
+        for reach in (0.0, _IMAGES[0], _IMAGES[1]):
+            count, total = 0, decay[k]
+            image[:] = False
+            for again in range(2):
+                for i in order[k]:
+                    size, s = sizes[k, i], exponents[k, i]
+                    if size == 0 or (again == 1 and not image[i]):
+                        continue
+                    if again == 0 and size == 2:
+                        for j in range(count):
+                            gap = s - chosen[j]
+                            turns = gap.imag / base[k]
+                            image[i] |= math.hypot(gap.real, (turns - np.rint(turns)) * base[k]) < reach * base[k]
+                        if image[i]:
+                            continue
+                    if count + size <= states:
+                        chosen[count] = s
+                        if size == 2:
+                            chosen[count + 1] = s.conjugate()
+                        count += size
+                        total += size * s.real
+            if abs(total) < 0.999 * least:
+                least = abs(total)
+                found[k, :] = chosen
 
 
 def centred_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncation) -> np.ndarray:
@@ -229,7 +243,13 @@ def centred_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncatio
             far |= ~real & (apart(found[:, i], found[:, j], base) < _IMAGES[-1] * base)
     places = np.flatnonzero(far)
     if places.size:
-        half = window_exponents(row.take(places), motions[places], truncation, half=True)
-        for i, sigma, c_half in zip(places, *half, strict=True):
-            found[i] = _united(s[i], c[i], sigma, c_half, base[i], states, row.decay[i])
+        some = row.take(places)
+        sigma, c_half = window_exponents(some, motions[places], truncation, half=True)
+        both = np.concatenate([s[places], sigma], axis=1)
+        sizes = np.where(both.imag == 0.0, 1, np.where(both.imag > 0.0, 2, 0))
+        shifted = np.concatenate([s[places], sigma + 0.5j * base[places, None]], axis=1)
+        order = np.argsort(np.abs(np.concatenate([c[places], c_half], axis=1)), axis=1, kind="stable")
+        chosen = np.empty((len(places), states), dtype=complex)
+        _select(shifted, sizes, order, base[places], some.decay, chosen)
+        found[places] = chosen
     return found

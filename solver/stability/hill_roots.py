@@ -140,7 +140,8 @@ def _follow(
                     ready = True
                 # The window is symmetric about its centre, so that a start below the axis is its mirror image above it.
                 s = complex(s.real, abs(s.imag))
-                for attempt in range(4):
+                kept, least = complex(math.nan, math.nan), math.inf
+                for _ in range(3):
                     s = _root(
                         s, base, -order, damping[g], stiffness[g], force[g], varying[g], contact[g], near, varied,
                         matrix, vectors, work,
@@ -150,11 +151,17 @@ def _follow(
                         share = abs(vectors[0, i]) ** 2
                         turn += (i - order + 0.5 * half) * share
                         weight += share
-                    # One image i Omega/nu further the harmonics are one less: the best image is the most centred.
-                    shift = np.rint(turn / weight)
-                    if not abs(shift) > 0.0 or math.isnan(s.real):
+                    # One image i Omega/nu further the harmonics are one less: the best image is the most centred. It may
+                    # not be found, or be taken for that of another exponent.
+                    centre = turn / weight
+                    moved = (s - kept).imag / base if least < math.inf else 0.0
+                    if not abs(centre) < least or abs(moved - np.rint(moved)) > 0.1:
+                        break
+                    kept, least, shift = s, abs(centre), np.rint(centre)
+                    if shift == 0.0:
                         break
                     s += 1j * shift * base
+                s = kept
                 found[k, r] = s if starts[k, r].imag >= 0.0 else s.conjugate()
 
 
@@ -176,6 +183,8 @@ def _images(row: SystemRow, motions: np.ndarray, truncation: Truncation, starts:
         distance = np.abs(starts[:, :, None] + 1j * turns * base - exponents)
         nearest = np.argmin(distance, axis=2)[..., None]
         turns = np.take_along_axis(turns, nearest, axis=2)[..., 0]
+        # Where harmonics enough are kept, the image of smallest imaginary part is the best one.
+        turns[2.0 * np.abs(turns) <= truncation.harmonics] = 0.0
         half_turns = 2.0 * starts.imag / base[..., 0]
         # Real multipliers stay on their lines, where only the centred image is real in the truncated matrix too.
         free = np.abs(half_turns - np.rint(half_turns)) > 1e-9
