@@ -8,7 +8,8 @@ whose rows are those of `solver.harmonic.perturbation` but for a factor. gamma o
 of the system closed by the stiffness gamma: with a negative one they are far from those of any motion. Roots are found by
 Newton's method on (s, l), which is inverse iteration with the exact derivative of the matrix (Ruhe, SIAM Journal on Numerical
 Analysis 10, 1973), from given exponents, in the window whose centre is nearest to them. Whether they are all is checked by their sum,
-which is the negative trace of M^-1 C (Liouville) up to truncation.
+which is the negative trace of M^-1 C (Liouville) up to truncation, and by the sign of the determinant at s = 0, which tells
+whether the growing real exponents are even or odd in number: static stability is never contradicted.
 """
 
 import math
@@ -109,22 +110,54 @@ def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, va
     return complex(math.nan, math.nan)
 
 
-@kernel(types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX))
+@kernel(
+    _F(_F, MATRIX, MATRIX, ARRAY, ARRAY, ARRAY, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX,
+       types.complex128[:, :, ::1]),
+    inner=True,
+)  # fmt: skip
+def _determinant(base, damping, stiffness, force, varying, contact, near, varied, matrix, right, work):
+    """Determinant of the matrix over -H ... H at s = 0, where it is real."""
+    size = near.shape[0]
+    for i in range(size):
+        s = 1j * (i - size // 2) * base
+        A, B, _, _ = _receptances(s, damping, stiffness, force, varying, contact, work)
+        for j in range(size):
+            matrix[i, j] = A * near[i, j] + B * varied[i, j]
+        matrix[i, i] += 1.0 - _GAMMA * A
+    return (eliminate_rows(matrix, right) + 0j).real
+
+
+@kernel(
+    types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX, ARRAY)
+)
 def _follow(
-    damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, starts, found
-):
-    """Fill found (k, 2n) with the roots next to starts (k, 2n); nan where Newton's method does not settle."""
+    damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, starts, found,
+    signs,
+):  # fmt: skip
+    """Fill found (k, 2n) with the roots next to starts (k, 2n), nan where Newton's method does not settle.
+
+    signs (k,) is filled with the sign of the matrix's determinant over -H ... H at s = 0.
+    """
     order, n = motions.shape[1] // 2, force.shape[1]
     size = 2 * order + 1
     room, work = np.empty((5, size, size), _COMPLEX), np.empty((3, max(n, 3), n), _COMPLEX)
     for k in range(motions.shape[0]):
         g, base = which[k], omega[k] / period
         for half in range(2):
-            width, ready = size - half, False
+            width, ready = size - half, half == 0
             near = room[0].reshape(size * size)[: width * width].reshape((width, width))
             varied = room[1].reshape(size * size)[: width * width].reshape((width, width))
             matrix = room[2].reshape(size * size)[: width * width].reshape((width, width))
             vectors = room[3].reshape(size * size)[: 2 * width].reshape((2, width))
+            if half == 0:
+                coupling(motions[k], gaps[k, 0], gaps[k, 1], phasors[g], period, truncated, near, varied)
+                vectors[:] = 0.0
+                signs[k] = np.sign(
+                    _determinant(
+                        base, damping[g], stiffness[g], force[g], varying[g], contact[g], near, varied, matrix,
+                        vectors[1:2], work,
+                    )
+                )  # fmt: skip
             for r in range(starts.shape[1]):
                 s = starts[k, r]
                 # Half-odd multiples are for exponents whose mirror image lies an odd number of harmonics away, if kept.
@@ -216,18 +249,22 @@ def condensed_exponents(
     -------
     exponents : (k, 2n) complex array
     complete : (k,) bool array
-        Whether every one was found, all differ, and their sum is right.
+        Whether every one was found, all differ, and their sum and the number of real ones that grow are right.
     """
     starts = _images(row, motions, truncation, starts)
-    found = np.empty_like(starts)
+    found, signs = np.empty_like(starts), np.empty(len(motions))
     _follow(
         *row.systems, row.which, row.omega, row.gaps, np.ascontiguousarray(motions, dtype=float), truncation.period,
-        truncation.truncated, starts, found,
+        truncation.truncated, starts, found, signs,
     )  # fmt: skip
     with np.errstate(over="ignore", invalid="ignore"):
         real = found.real
         complete = np.abs(np.sum(real, axis=1) + row.decay) <= defect * np.sum(np.abs(real), axis=1)
     base = row.omega / truncation.period
+    # The uncondensed determinant at s = 0 has the sign of the number of growing real exponents.
+    poles = np.linalg.slogdet(row.stiffness + _GAMMA * row.force[:, :, None] * row.contact[:, None, :])[0]
+    growing = np.sum((np.abs(found.imag) < 1e-6 * base[:, None]) & (real > 0.0), axis=1)
+    complete &= (growing % 2 == 0) == (signs * poles[row.which] > 0.0)
     for i in range(found.shape[1]):
         for j in range(i):
             complete &= apart(found[:, i], found[:, j], base) > 1e-6 * base
