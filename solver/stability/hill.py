@@ -1,15 +1,16 @@
-"""Hill's method of the order and truncation of the balance: exponents of a perturbation exp(s tau) sum_k y_k exp(i k theta).
+"""Hill's method of the order and truncation of the balance: perturbations exp(s tau) sum_k y_k exp(i k theta).
 
 It is taken in two windows of harmonics. Over k = -H ... H a real exponent passes through 0 exactly at the folds of the
-balance; over k = -H ... H - 1 with s = i Omega/(2 nu) + sigma a real sigma passes through 0 exactly where the balance of the same
-order on the doubled period branches off. Both windows are symmetric about their centre, so that their matrix is real in
-cosines and sines of whole or half-odd multiples of theta.
+balance; over k = -H ... H - 1 with s = i Omega/(2 nu) + sigma a real sigma passes through 0 exactly where the balance
+of the same order on the doubled period branches off. Both windows are symmetric about their centre, so that their
+matrix is real in cosines and sines of whole or half-odd multiples of theta.
 
 Of the exponents of a window the physical ones are those whose eigenvector is centred in it: with the mean harmonic c =
-sum_k k |y_k|^2 / sum_k |y_k|^2 from the centre, real ones have c = 0, and one exponent has |c| and 1/2 - |c| in the two windows.
-The 2n of smallest |c| over both represent the 2n multipliers exp(s nu 2 pi/Omega). Images s + i m Omega/nu of one of them that
-lost their outer harmonics can look centred as well; they are told by their value, and of the sets with and without them the one
-is taken whose sum is nearest to the negative trace of M^-1 C (Liouville). Real ones never are images.
+sum_k k |y_k|^2 / sum_k |y_k|^2 from the centre, real ones have c = 0, and one exponent has |c| and 1/2 - |c| in the two
+windows. The 2n of smallest |c| over both represent the 2n multipliers exp(s nu 2 pi/Omega). Images s + i m Omega/nu of
+one of them that lost their outer harmonics can look centred as well; they are told by their value, and of the sets with
+and without them the one is taken whose sum is nearest to the negative trace of M^-1 C (Liouville). Real ones never are
+images.
 """
 
 import math
@@ -23,7 +24,9 @@ from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spec
 from solver.stability.floquet import SYSTEMS
 from solver.stability.system_row import SystemRow
 
-__all__ = ["COMPLEX_MATRIX", "Truncation", "apart", "centred_exponents", "coupling", "hill_matrices", "window_exponents"]
+__all__ = [
+    "COMPLEX_MATRIX", "Truncation", "apart", "centred_exponents", "coupling", "hill_matrices", "window_exponents",
+]  # fmt: skip
 
 COMPLEX_MATRIX = types.complex128[:, ::1]
 _I, _F = types.int64, types.float64
@@ -54,7 +57,7 @@ class Truncation:
 
 @kernel(types.void(ARRAY, _F, _F, COMPLEX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)
 def coupling(motion, front, back, phasors, period, truncated, near, varied):
-    """Fill near[i, j] and varied[i, j]: what harmonic j of a perturbation gives harmonic i of chi lambda and s chi lambda."""
+    """Fill near[i, j] and varied[i, j]: what harmonic j of lambda gives harmonic i of chi lambda and s chi lambda."""
     size, shifts = near.shape[0], phasors.shape[0]
     room = 2 * motion.shape[0] + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
@@ -88,9 +91,12 @@ def _couple(matrix, row, column, n, force, varying, contact, near, varied, real,
             matrix[row + n + i, column + l] -= value * contact[l]
 
 
+_FLAG = types.boolean
+
+
 @kernel(
-    types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, types.boolean, types.float64[:, :, ::1])
-)
+    types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, _FLAG, _FLAG, types.float64[:, :, ::1])
+)  # fmt: skip
 def _hill_matrices(
     damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, half, found
 ):

@@ -1,15 +1,17 @@
-"""Hill's exponents one by one, as roots of the matrix condensed to the contact coordinate: for orders where it is large.
+"""Hill's exponents one by one, as roots of the matrix condensed to the contact coordinate: for larger orders.
 
-With Z = s^2 M + s C + K + gamma h w^T at s_k = s + i k Omega/nu, A = w.Z^-1 h, B = w.Z^-1 h_v, and the coupling of `hill.coupling`,
+With Z = s^2 M + s C + K + gamma h w^T at s_k = s + i k Omega/nu, A = w.Z^-1 h, B = w.Z^-1 h_v, and chi and
+s chi as in `hill.coupling`,
 
     (1 - gamma A_k) l_k + A_k (chi l)_k + B_k (s chi l)_k = 0
 
-whose rows are those of `solver.harmonic.perturbation` but for a factor. gamma only moves the poles, which are the exponents
-of the system closed by the stiffness gamma: with a negative one they are far from those of any motion. Roots are found by
-Newton's method on (s, l), which is inverse iteration with the exact derivative of the matrix (Ruhe, SIAM Journal on Numerical
-Analysis 10, 1973), from given exponents, in the window whose centre is nearest to them. Whether they are all is checked by their sum,
-which is the negative trace of M^-1 C (Liouville) up to truncation, and by the sign of the determinant at s = 0, which tells
-whether the growing real exponents are even or odd in number: static stability is never contradicted.
+whose rows are those of `solver.harmonic.perturbation` but for a factor. gamma only moves the poles, which are the
+exponents of the system closed by the stiffness gamma: with a negative one they are far from those of any motion. Roots
+are found by Newton's method on (s, l), which is inverse iteration with the exact derivative of the matrix (Ruhe, SIAM
+Journal on Numerical Analysis 10, 1973), from given exponents, in the window whose centre is nearest to them. Whether
+they are all is checked by their sum, which is the negative trace of M^-1 C (Liouville) up to truncation, and by the
+sign of the determinant at s = 0, which tells whether the growing real exponents are even or odd in number: static
+stability is never contradicted.
 """
 
 import math
@@ -78,7 +80,7 @@ def _receptances(s, damping, stiffness, force, varying, contact, work):
     inner=True,
 )  # fmt: skip
 def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, varied, matrix, vectors, work):
-    """The root next to s of the matrix over harmonics lowest ..., whose vector is left in vectors[0]; nan if none is found."""
+    """The root next to s over the harmonics lowest ..., with its vector left in vectors[0]; nan if none is found."""
     size = near.shape[0]
     wave, right = vectors[0], vectors[1:2]
     for iteration in range(_ITERATIONS):
@@ -92,7 +94,7 @@ def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, va
                 through += near[i, j] * wave[j]
                 modulated += varied[i, j] * wave[j]
             matrix[i, i] += 1.0 - _GAMMA * A
-            # The first solution is of inverse iteration from all harmonics alike: it makes the vector, and does not move s.
+            # The first solution only makes the vector, by inverse iteration from all harmonics alike.
             right[0, i] = d_A * (through - _GAMMA * wave[i]) + d_B * modulated if iteration > 0 else 1.0 + 0j
         eliminate_rows(matrix, right)
         largest, place = 0.0, 0
@@ -128,8 +130,10 @@ def _determinant(base, damping, stiffness, force, varying, contact, near, varied
 
 
 @kernel(
-    types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX, ARRAY)
-)
+    types.void(
+        *SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX, ARRAY
+    )
+)  # fmt: skip
 def _follow(
     damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, starts, found,
     signs,
@@ -184,8 +188,8 @@ def _follow(
                         share = abs(vectors[0, i]) ** 2
                         turn += (i - order + 0.5 * half) * share
                         weight += share
-                    # One image i Omega/nu further the harmonics are one less: the best image is the most centred. It may
-                    # not be found, or be taken for that of another exponent.
+                    # One image i Omega/nu further the harmonics are one less: the best image is the most centred. It
+                    # may not be found, or be taken for that of another exponent.
                     centre = turn / weight
                     moved = (s - kept).imag / base if least < math.inf else 0.0
                     if not abs(centre) < least or abs(moved - np.rint(moved)) > 0.1:

@@ -34,7 +34,8 @@ def integrated(system, omega, motion):
     k = np.arange(1, order + 1)
 
     def displacement(angle):
-        return motion[0] + np.cos(np.multiply.outer(angle, k)) @ motion[1::2] + np.sin(np.multiply.outer(angle, k)) @ motion[2::2]
+        turns = np.multiply.outer(angle, k)
+        return motion[0] + np.cos(turns) @ motion[1::2] + np.sin(turns) @ motion[2::2]
 
     def closed(angle):
         return (displacement(angle) > system.front_gap) | (displacement(angle) < -system.back_gap)
@@ -126,7 +127,7 @@ def test_liouville(model, omega, numbers, period):
     assert abs(determinant - expected) < 1e-9 * max(1.0, np.max(np.abs(multipliers(row, motion, period))) ** 2)
 
 
-@pytest.mark.parametrize("unlike", [{}, {"kappa": [0.3, 0.6], "xi_support": [0.02] * 3 + [0.05] * 3, "xi_translation": 0.02}])
+@pytest.mark.parametrize("unlike", [{}, {"kappa": [0.3, 0.6], "xi_support": [0.02] * 3 + [0.05] * 3}])
 @pytest.mark.parametrize("make", [published, antiphase])
 def test_merged_supports_leave_out_their_own_multipliers(make, unlike):
     model, omega = make(**unlike), 0.58
@@ -154,7 +155,10 @@ def flow(system, omega, load, state):
         drive = (system.force + system.varying_force * variation(system, omega * t)) * force
         return np.concatenate([v, inverse @ (load(t) - system.damping @ v - system.stiffness @ y - drive)])
 
-    return solve_ivp(slope, (0.0, 2.0 * np.pi / omega), state, method="DOP853", rtol=1e-11, atol=1e-12, max_step=0.05, dense_output=True)
+    return solve_ivp(
+        slope, (0.0, 2.0 * np.pi / omega), state, method="DOP853", rtol=1e-11, atol=1e-12, max_step=0.05,
+        dense_output=True,
+    )  # fmt: skip
 
 
 def test_derivative_of_the_flow():
@@ -166,8 +170,8 @@ def test_derivative_of_the_flow():
         return np.array([0.0, model.f_pm + model.f_e * omega**2 * np.cos(omega * t)])
 
     def jacobian(state, h=2e-6):
-        ends = [flow(system, omega, load, state + sign * h * np.eye(4)[i]).y[:, -1] for i in range(4) for sign in (1, -1)]
-        return np.array([(ends[2 * i] - ends[2 * i + 1]) / (2.0 * h) for i in range(4)]).T
+        near = [[flow(system, omega, load, state + h * sign * unit).y[:, -1] for sign in (1, -1)] for unit in np.eye(4)]
+        return np.array([(after - before) / (2.0 * h) for after, before in near]).T
 
     motion = first_order(model, omega)[0][0]
     state = np.array([-0.5, motion[0] + motion[1], 0.0, omega * motion[2]])
@@ -181,7 +185,8 @@ def test_derivative_of_the_flow():
     samples = result.sol(np.arange(512) * 2.0 * np.pi / omega / 512)[1]
     assert samples.min() < model.b < samples.max()
     harmonics = np.fft.rfft(samples)[:65] / 512
-    exact = np.concatenate([[harmonics[0].real], np.column_stack([2.0 * harmonics[1:].real, -2.0 * harmonics[1:].imag]).ravel()])
+    waves = 2.0 * np.column_stack([harmonics[1:].real, -harmonics[1:].imag])
+    exact = np.concatenate([[harmonics[0].real], waves.ravel()])
     found = monodromies(system_row(model, "omega", [omega]), exact[None])[0]
     np.testing.assert_allclose(found, jacobian(state), rtol=0, atol=2e-5)
 

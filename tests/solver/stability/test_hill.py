@@ -11,7 +11,9 @@ from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import packed
 from solver.harmonic.perturbation import contact_and_modulated, perturbation_matrix
 from solver.stability import (
+    Instability,
     Truncation,
+    assess,
     centred_exponents,
     condensed_exponents,
     hill_multipliers,
@@ -29,10 +31,10 @@ FIRST = Truncation()
 
 
 def curve(model, balance, high, low, step=0.004):
-    """Points of the Galerkin curve from one frequency down to another."""
+    """The Galerkin curve from one frequency down to another."""
     start = galerkin_motion(model, balance, high, first_order(model, high)[0][0])
     problem = balance.problem(model, "omega", low, high)
-    return Continuation(parameter_step=step).trace(problem, np.append(start, high), low, high, -1).points
+    return Continuation(parameter_step=step).trace(problem, np.append(start, high), low, high, -1)
 
 
 @pytest.mark.parametrize("make, omega, choice", [(published, 0.6, 1), (antiphase, 1.3, 1), (consistent, 1.6, 0)])
@@ -115,7 +117,7 @@ def test_exponents_are_roots_of_the_condensed_matrix(model, omega, numbers, half
 @pytest.mark.parametrize("make", [published, antiphase])
 def test_roots_one_by_one_are_those_all_at_once(make):
     balance = Galerkin(5)
-    points = curve(make(), balance, 1.5, 0.4, 0.02)
+    points = curve(make(), balance, 1.5, 0.4, 0.02).points
     row, truncation = system_row(make(), "omega", points[:, -1]), truncation_of(balance)
     orbits, time = points[:, :-1].copy(), 2.0 * np.pi / points[:, -1:]
     starts = np.log(multipliers(row, orbits)) / time
@@ -152,6 +154,22 @@ def test_incomplete_sets_are_found_all_at_once():
     assert matched(found[0], floquet[0]) < 1e-2
 
 
+@pytest.mark.parametrize("make, changes", [(published, {"f_e": 0.4}), (antiphase, {})])
+@pytest.mark.parametrize("order", [3, 5])
+def test_hill_of_the_same_order_never_calls_a_statically_unstable_motion_stable(make, changes, order):
+    """Along whole curves: an odd number of real exponents grows wherever det J < 0, and one passes 0 at each fold."""
+    model, balance = make(**changes), Galerkin(order)
+    traced = curve(model, balance, 2.0, 0.3)
+    found = assess(model, "omega", traced.points[:, -1], traced.points[:, :-1], balance=balance, static=traced.stable)
+    regular = traced.event != Event.FOLD
+    unstable = regular & (traced.stable == 0)
+    assert np.sum(unstable) > 20 and np.sum(~regular) >= 4
+    assert not np.any(found.hill_kind[unstable] == Instability.NONE)
+    assert not np.any(found.hill_kind[regular & (traced.stable == 1)] == Instability.FOLD)
+    assert np.all(found.hill_kind[~regular] == Instability.DISPUTED)
+    assert np.mean(found.kind == Instability.DISPUTED) < 0.05
+
+
 def test_half_odd_window_is_singular_where_the_doubled_balance_branches():
     """Along the 1T curve of order 3: sigma = 0 is where the Jacobian on the doubled period changes its sign."""
     model = consistent(rotation_coupling=0.93969262, variation_translation=0.0)
@@ -160,12 +178,14 @@ def test_half_odd_window_is_singular_where_the_doubled_balance_branches():
 
     def at(omega, guess):
         motion = solved(once_problem, guess, omega)
-        y, residual, jacobian = np.zeros(twice.unknowns + 1), np.empty(twice.unknowns), np.empty((twice.unknowns, twice.unknowns + 1))
+        n = twice.unknowns
+        y, residual, jacobian = np.zeros(n + 1), np.empty(n), np.empty((n, n + 1))
         y[[0, *[s for k in range(1, 4) for s in (4 * k - 1, 4 * k)]]], y[-1] = motion, omega
         twice_problem.balance(twice_problem.theta, twice_problem.direction, y, residual, jacobian)
         assert np.max(np.abs(residual)) < 1e-10
         determinant = np.linalg.det(jacobian[:, :-1])
-        exponents, _ = window_exponents(system_row(model, "omega", [omega]), motion[None], truncation_of(once), half=True)
+        row = system_row(model, "omega", [omega])
+        exponents, _ = window_exponents(row, motion[None], truncation_of(once), half=True)
         return motion, determinant, exponents[0]
 
     omega, guess = 1.2, galerkin_motion(model, once, 1.2, first_order(model, 1.2)[0][0])

@@ -10,6 +10,7 @@ from solver.stability import (
     Instability,
     Truncation,
     assess,
+    assessment,
     both_multipliers,
     classify,
     combine,
@@ -18,7 +19,6 @@ from solver.stability import (
     system_row,
     truncation_of,
 )
-from solver.stability import assessment
 from tests.conftest import antiphase, consistent, published
 from tests.solver.stability.orbits import first_order, galerkin_motion, matched, oscillator
 from tests.solver.stability.test_hill import curve
@@ -29,7 +29,7 @@ SIDE = consistent(rotation_coupling=0.93969262, variation_translation=0.0)
 @pytest.fixture(autouse=True)
 def forget():
     """Every test starts with nothing remembered."""
-    assessment._linear.clear()
+    assessment.forget()
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_period_doubling_that_one_harmonic_calls_stable():
 def test_neimark_sacker_of_the_antiphase_pair():
     """PHYSICS, section 8: a complex pair passes through the unit circle at Omega = 1.904."""
     model, balance = antiphase(rotation_coupling=0.93969262), Galerkin(15)
-    points = curve(model, balance, 1.92, 1.89)
+    points = curve(model, balance, 1.92, 1.89).points
     found = assess(model, "omega", points[:, -1], points[:, :-1], balance=balance)
     above = points[:, -1] > 1.905
     assert np.all(found.kind[above] == Instability.NEIMARK_SACKER)
@@ -103,7 +103,7 @@ def test_neimark_sacker_of_the_antiphase_pair():
 
 
 def test_doubled_motions_are_stable_where_the_single_one_is_not():
-    """The 2T motion of PHYSICS, section 8, half-order amplitude 0.7888: on its own period it is stable by both methods."""
+    """The 2T motion of PHYSICS, section 8, half-order amplitude 0.7888: stable on its own period by both methods."""
     balance = Galerkin(8, 2)
     start = balance.lifted(first_order(SIDE, 1.2)[0][0])
     start[1] = 0.8
