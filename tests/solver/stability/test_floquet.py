@@ -9,7 +9,6 @@ from scipy.linalg import expm
 from scipy.special import mathieu_a, mathieu_b
 
 from solver.contact_system import gear_system
-from solver.harmonic.galerkin import Galerkin
 from solver.stability import Instability, classify, monodromies, motion_multipliers, multipliers, system_row
 from tests.conftest import antiphase, consistent, published
 from tests.solver.stability.orbits import first_order, matched, oscillator, unmerged
@@ -198,4 +197,18 @@ def test_one_motion_and_many():
     for i in range(3):
         np.testing.assert_array_equal(motion_multipliers(published(), 0.6, motions[i]), many[i])
     assert np.all(motion_multipliers(published(), [0.6, 0.7, 0.8], motions)[0] == many[0])
-    assert Galerkin(1).unknowns == motions.shape[1]
+
+
+def test_without_backlash_there_is_always_contact():
+    """A motion through both flanks at once, which touch each other."""
+    model, omega = antiphase(b=0.0), 0.7
+    through, beside = motion_multipliers(model, omega, [[0.1, 1.0, 0.3], [5.0, 1.0, 0.3]])
+    assert matched(through, beside) < 1e-11
+
+
+def test_motions_that_never_touch():
+    """Free of contact lambda may rest anywhere: one multiplier is 1."""
+    model, omega = published(), 0.7
+    free = motion_multipliers(model, omega, [0.2, 0.3, 0.1])
+    expected = np.linalg.eigvals(expm(first_order_form(gear_system(model), 0.0) * 2.0 * np.pi / omega))
+    assert matched(free, expected) < 1e-7 and np.min(np.abs(free - 1.0)) < 1e-9

@@ -98,7 +98,6 @@ def test_exponents_are_roots_of_the_condensed_matrix(model, omega, numbers, half
     found, _ = window_exponents(row, motion[None], Truncation(3, period, truncated), half)
     assert abs(np.sum(found).real + row.decay[0] * found.size / row.states) < 1e-10 * found.size
     theta, direction = packed(model, "omega", None, 1, period)
-    theta[1] = 3.0
     size = 7 - half
     shifts = len(model.stiffness_harmonics()) * period
     chi, psi = np.empty(size + shifts, complex), np.empty(size, complex)
