@@ -4,9 +4,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from solver.boundaries.bifurcation_plane import WINDOW, BifurcationPlane
+from solver.boundaries.bifurcation_plane import ANY, WINDOW, BifurcationPlane
 from solver.boundaries.bifurcation_points import named_points
-from solver.boundaries.chain import Chain, joined
+from solver.boundaries.chain import MEET, Chain, joined, reversed_piece
 from solver.boundaries.curve import BoundaryCurve, Piece
 from solver.boundaries.incidence import distances
 from solver.boundaries.tangent import curve_tangent
@@ -24,11 +24,15 @@ __all__ = ["bifurcation_curves", "bifurcation_events"]
 # A start that lies this close to a traced curve, in scaled unknowns, belongs to it.
 _SAME = 1e-6
 _MOST_PIECES = 100
+# How far to look for the other side of a corner, in scaled unknowns.
+_HOPS = (1e-3, 1e-2, 1e-4)
 # How far the two truncations may disagree where a Neimark-Sacker curve changes its window.
 _WINDOWS_AGREE = 0.3
 
 
-def bifurcation_events(curves: Iterable[Curve], parameter: float, kinds: Iterable[Event]) -> list[tuple[Event, np.ndarray]]:
+def bifurcation_events(
+    curves: Iterable[Curve], parameter: float, kinds: Iterable[Event]
+) -> list[tuple[Event, np.ndarray]]:
     """The events of one row, as starts for `bifurcation_curves`.
 
     Parameters
@@ -65,11 +69,12 @@ def bifurcation_curves(
     omega: float | None = None,
     continuation: Continuation | None = None,
 ) -> tuple[BoundaryCurve, ...]:
-    """Follow every bifurcation curve on which a start lies until it leaves the plane, closes or cannot be followed further.
+    """Follow every bifurcation curve on which a start lies until it leaves the plane, closes or cannot be followed
+    further.
 
-    Where the motion of a fold, period doubling or Neimark-Sacker begins to touch a flank, the curve has a corner with an
-    infinite gradient, at which continuation stops. It is joined there with what the starts on the other side lead to;
-    without any it ends for STEP_TOO_SMALL.
+    Where the motion of a fold, period doubling or Neimark-Sacker begins to touch a flank, the curve has a corner with
+    an infinite gradient. Continuation stops there on either side, and what meets is joined; where the other side is not
+    found, neither by a hop nor by a start, the curve ends for STEP_TOO_SMALL.
 
     Parameters
     ----------
@@ -89,8 +94,8 @@ def bifurcation_curves(
     Returns
     -------
     tuple of BoundaryCurve
-        Every curve once: sorted by kind and first point. Open ones run from the end with the smaller p (then x). A start
-        from which nothing could be followed is a curve of one point that ends for STEP_TOO_SMALL.
+        Every curve once: sorted by kind and first point. Open ones run from the end with the smaller p (then x). A
+        start from which nothing could be followed is a curve of one point that ends for STEP_TOO_SMALL.
 
     Raises
     ------
@@ -103,22 +108,25 @@ def bifurcation_curves(
     curves = []
     for kind in plane.kinds:
         tracer = _Tracer(plane, kind, continuation)
-        waiting, chains = points[kinds == kind], []
+        waiting, found = points[kinds == kind], list[Chain]()
         while len(waiting):
             chain = tracer.boundary(waiting[0])
             nearest = np.full(len(waiting), np.inf) if chain is None else tracer.distances(chain, waiting)
             if nearest[0] > _SAME:
                 curves.append(tracer.unfollowed(waiting[0]))
-                nearest[0] = 0.0
-            else:
-                chains.append(chain)
+                waiting = waiting[1:]
+                continue
+            # Two starts may lead to the same stretch between two corners, and from one of them alone across.
+            for part in chain.parts():
+                if not any(tracer.covers(known, part) for known in found):
+                    found.append(part)
             waiting = waiting[nearest > _SAME]
-        curves += [named_points(plane, kind, list(chain.pieces), chain.ends) for chain in joined(chains)]
+        curves += [named_points(plane, kind, list(chain.pieces), chain.ends) for chain in joined(found)]
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
 
 
 def _sorted(plane: BifurcationPlane, starts) -> tuple[np.ndarray, np.ndarray]:
-    """Kinds (k,) and points (k, n + 2) of the starts, checked, by kind, p, x and unknowns; those on the border come last."""
+    """Kinds (k,) and points (k, n + 2) of the starts, checked, by kind, p, x and unknowns; those on the border last."""
     starts = list(starts)
     kinds = np.array([kind for kind, _ in starts], dtype=np.int64)
     size = plane.balance.unknowns + 2
@@ -155,13 +163,19 @@ class _Tracer:
             nearest = np.minimum(nearest, found)
         return nearest
 
+    def covers(self, chain: Chain, other: Chain) -> bool:
+        """Whether a chain runs through the middle of another one."""
+        longest = max((piece.curve.points for piece in other.pieces), key=len)
+        middle = longest[len(longest) // 2, self.plane.components(self.kind)]
+        return bool(self.distances(chain, middle[None])[0] <= _SAME)
+
     def unfollowed(self, point: np.ndarray) -> BoundaryCurve:
         """A start from which no curve could be followed."""
         shown = point[[0, *self.plane.balance.fundamental, -2, -1]]
         nothing = np.zeros(1, np.int8)
         return BoundaryCurve(
-            self.kind, shown[None], np.zeros((1, 5)), np.zeros(1), nothing, nothing, (EndReason.STEP_TOO_SMALL,) * 2, (),
-            self.plane.seen(self.kind),
+            self.kind, shown[None], np.zeros((1, 5)), np.zeros(1), nothing, nothing,
+            (EndReason.STEP_TOO_SMALL,) * 2, (), self.plane.seen(self.kind),
         )  # fmt: skip
 
     def boundary(self, point: np.ndarray) -> Chain | None:
@@ -169,10 +183,8 @@ class _Tracer:
         first = self._through(point)
         if first is None:
             return None
-        chain = Chain((first,))
-        if not first.curve.closed:
-            chain = self._extended(self._extended(chain).reversed())
-        return chain
+        chain = Chain((first,), first.curve.closed)
+        return self._extended(self._extended(chain).reversed())
 
     def _through(self, point: np.ndarray) -> Piece | None:
         """The curve through a start (n + 2,) within its window."""
@@ -193,7 +205,7 @@ class _Tracer:
             return [0.0]
         theta, found = self.plane.parameters(point), np.empty(64)
         motion = np.append(point[:-2], 0.0)
-        truncated = len(self.plane.kinds) == 2
+        truncated = self.plane.balance.truncated
         for tolerance in (1e-8, 1e-5):
             count = critical_shares(theta, np.zeros_like(theta), motion, truncated, tolerance, found)
             if count:
@@ -213,7 +225,8 @@ class _Tracer:
             return None
         iterations = corrector.kernel(
             problem.balance, problem.theta, problem.direction, problem.scale, y,
-            normal if abs(tangent @ normal) > 0.01 else tangent, corrector.tolerance, 2 * corrector.max_iterations,
+            np.ascontiguousarray(normal if abs(tangent @ normal) > 0.01 else tangent),
+            corrector.tolerance, 2 * corrector.max_iterations,
             np.empty((workspace_rows(y.size - 1), y.size)),
         )  # fmt: skip
         inside = np.clip(y, low, high)
@@ -223,27 +236,62 @@ class _Tracer:
         return inside
 
     def _leg(self, window: int, y: np.ndarray, heading: np.ndarray, trace) -> Piece:
-        problem = self.plane.problem(self.kind, window)
-        return Piece(problem, trace(problem, y, *self.plane.box(self.kind, window), heading))
+        problem = self.plane.problem(self.kind, window, self.plane.switches(self.kind, y))
+        # Confined only while it is traced: between two of its points the equations hold without.
+        return Piece(
+            self.plane.problem(self.kind, window), trace(problem, y, *self.plane.box(self.kind, window), heading)
+        )
 
     def _extended(self, chain: Chain) -> Chain:
-        """Follow a Neimark-Sacker curve from window to window beyond the last piece.
+        """Follow a curve beyond its last piece, from window to window and across corners."""
+        while len(chain.pieces) < _MOST_PIECES and not chain.closed:
+            last = chain.pieces[-1].curve
+            piece, end = None, last.ends[1]
+            if end is EndReason.STEP_TOO_SMALL:
+                piece = self._hop(chain)
+            elif self.kind is Event.NEIMARK_SACKER and end is EndReason.RANGE_LEFT and last.points[-1, -3] == 0.25:
+                piece = self._next_window(chain)
+            if piece is None:
+                break
+            chain = chain.followed_by(piece)
+        return chain
+
+    def _next_window(self, chain: Chain) -> Piece | None:
+        """The piece of a Neimark-Sacker curve in the other window; None if it is not found.
 
         The windows cut off different harmonics, so that the curve moves by what the truncation leaves out.
         """
-        while self.kind is Event.NEIMARK_SACKER and len(chain.pieces) < _MOST_PIECES:
-            last = chain.pieces[-1]
-            if last.curve.ends[1] is not EndReason.RANGE_LEFT or last.curve.points[-1, -3] != 0.25:
-                break
-            window, normal = 1 - int(last.problem.theta[WINDOW]), np.eye(last.curve.points.shape[1])[-3]
-            y = self._landed(window, last.curve.points[-1].copy(), normal, _WINDOWS_AGREE)
-            if y is None:
-                break
-            y[-3] = 0.25
-            if chain.starts_at(window, y):
-                return chain.closed_up()
-            piece = self._leg(window, y, normal if window == HALF else -normal, self.continuation.trace)
-            if not len(piece.curve.points):
-                break
-            chain = Chain((*chain.pieces, piece))
-        return chain
+        last = chain.pieces[-1]
+        window, normal = 1 - int(last.problem.theta[WINDOW]), np.eye(last.curve.points.shape[1])[-3]
+        y = self._landed(window, last.curve.points[-1].copy(), normal, _WINDOWS_AGREE)
+        if y is None or abs(y[-3] - 0.25) > 1e-9:
+            return None
+        y[-3] = 0.25
+        piece = self._leg(window, y, normal if window == HALF else -normal, self.continuation.trace)
+        return piece if len(piece.curve.points) > 1 else None
+
+    def _hop(self, chain: Chain) -> Piece | None:
+        """The piece on the other side of the corner at which the last one stops; None if it is not found.
+
+        Somewhere close by, along the tangents of arrival, lies a motion with other switches of contact whose curve,
+        followed back, stops at the same corner.
+        """
+        last, window = chain.pieces[-1], int(chain.pieces[-1].problem.theta[WINDOW])
+        corner, tangent = last.curve.points[-1], last.curve.tangents[-1]
+        # At the corner itself rounding decides.
+        switches = self.plane.switches(self.kind, last.curve.points[len(last.curve.points) // 2])
+        if switches == ANY:
+            return None
+        for length in _HOPS:
+            for sense in (1.0, -1.0):
+                guess = corner + sense * length * tangent * last.problem.scale
+                y = self._landed(window, guess, tangent, length)
+                if y is None or self.plane.switches(self.kind, y) == switches:
+                    continue
+                piece = self._leg(window, y, tangent, self.continuation.trace_both_ways)
+                if len(piece.curve.points) > 1:
+                    for way in (piece, reversed_piece(piece)):
+                        gap = np.max(np.abs(way.curve.points[0] - corner) / piece.problem.scale)
+                        if way.curve.ends[0] is EndReason.STEP_TOO_SMALL and gap < MEET:
+                            return way
+        return None

@@ -1,13 +1,17 @@
 """Bifurcations of a balance over a plane of two parameters, as the curve problems that continuation follows.
 
-The unknowns are y = (u, x, p) with the motion u and the axes x and p; for Neimark-Sackers (u, omega nu/Omega, x, p) with the
-second frequency. Rows are the balance, then what makes the motion special: the scaled determinant of Hill's matrix at the
-exponent 0 (fold), at half the base frequency (period doubling), at i omega (Neimark-Sacker: real and imaginary part), or the
-distance of an extreme of lambda from a flank (grazing).
+The unknowns are y = (u, x, p) with the motion u and the axes x and p; for Neimark-Sackers (u, omega nu/Omega, x, p)
+with the second frequency. Rows are the balance, then what makes the motion special: the scaled determinant of Hill's
+matrix at the exponent 0 (fold), at half the base frequency (period doubling), at i omega (Neimark-Sacker: real and
+imaginary part), or the distance of an extreme of lambda from a flank (grazing).
 
-Kernels see theta = (parameters with both axes at 0 | what x adds | their number | the event | the window | whether the force
-is truncated before the stiffness multiplies it), and direction, what p adds. The parameters are those of
-`solver.harmonic.layout.packed`.
+Kernels see theta = (parameters with both axes at 0 | what x adds | their number | the event | the window | whether the
+force is truncated before the stiffness multiplies it | switches of contact, or ANY), and direction, what p adds. The
+parameters are those of `solver.harmonic.layout.packed`.
+
+A determinant has an infinite gradient where the motion grazes a flank, and its curve a corner. A problem may be
+confined to motions that switch contact a given number of times: beyond, its equations are not numbers, and continuation
+stops at the corner.
 """
 
 import math
@@ -22,23 +26,27 @@ from solver.contact_system import ContactSystem
 from solver.continuation import Event, Problem
 from solver.errors import ParameterError
 from solver.harmonic import first_order, galerkin
-from solver.harmonic.galerkin import Galerkin
-from solver.harmonic.layout import PAIRS, SIGN, STIFFNESSES, packed
+from solver.harmonic.contact_spectrum import contact_arcs
+from solver.harmonic.layout import BACK, FRONT, PAIRS, SIGN, STIFFNESSES, packed
 from solver.model import Model
 from solver.problem import Balance
-from solver.stability.hill_determinant import HALF, WHOLE, determinant_slopes
+from solver.stability.hill_determinant import HALF, WHOLE
+from solver.stability.hill_slopes import determinant_slopes
 
-__all__ = ["BifurcationPlane"]
+__all__ = ["ANY", "WINDOW", "BifurcationPlane"]
 
 _FOLD, _DOUBLING, _NEIMARK_SACKER = int(Event.FOLD), int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
 _GRAZINGS = (Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK)
 _BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
 
 #: Slots of the packed theta from its end.
-NUMBER, KIND, WINDOW, TRUNCATED = range(-4, 0)
+NUMBER, KIND, WINDOW, TRUNCATED, SWITCHES = range(-5, 0)
+ANY = -1
+# Switches at the back flank count so many of those at the front one.
+_BACK = 1000
 
-# The imaginary part of the determinant is odd about the centre of a window. Divided by the distance from it, which is taken to
-# be at least this, it leaves a regular equation.
+# The imaginary part of the determinant is odd about the centre of a window. Divided by the distance from it, which is
+# taken to be at least this, it leaves a regular equation.
 _CENTRE = 1e-4
 
 _balance_1, _balance_h, _monitor_h = first_order.balance, galerkin.balance, galerkin.monitor
@@ -52,11 +60,27 @@ def _at(theta, direction, y):
     return theta[:size] + y[last - 1] * along_x + y[last] * along_p, along_x, along_p
 
 
+@kernel(types.int64(ARRAY, ARRAY, ARRAY))
+def _switches(theta, direction, y):
+    """How often the motion at y switches contact over its period, both flanks told apart."""
+    here, _, _ = _at(theta, direction, y)
+    n = y.shape[0] - (3 if int(theta[KIND]) == _NEIMARK_SACKER else 2)
+    angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
+    count, total = contact_arcs(y[:n], here[FRONT], here[BACK], angles, zones), 0
+    for i in range(count):
+        total += 1 if zones[i - 1 if i > 0 else count - 1] + zones[i] > 0 else _BACK
+    return total
+
+
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 def _balance(theta, direction, y, residual, jacobian):
     """Rows of the module: (n + 1,) and (n + 1, n + 2), one more of each for Neimark-Sackers."""
     total, kind, truncated = y.shape[0], int(theta[KIND]), theta[TRUNCATED] != 0.0
     n = total - (3 if kind == _NEIMARK_SACKER else 2)
+    if theta[SWITCHES] != ANY and _switches(theta, direction, y) != int(theta[SWITCHES]):
+        residual[:] = math.nan
+        jacobian[:] = math.nan
+        return
     here, along_x, along_p = _at(theta, direction, y)
     motion, part = np.zeros(n + 1), np.empty((n, n + 1))
     motion[:n] = y[:n]
@@ -102,7 +126,7 @@ def _balance(theta, direction, y, residual, jacobian):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 def _monitor(theta, direction, y, values, gradient):
-    """Size of the oscillation, and the determinant at the exponent 0 where there is room for it (its gradient is left at 0)."""
+    """Size of the oscillation, and the determinant at the exponent 0 if there is room (its gradient is left at 0)."""
     total = y.shape[0]
     n = total - (3 if int(theta[KIND]) == _NEIMARK_SACKER else 2)
     gradient[:] = 0.0
@@ -170,12 +194,12 @@ class BifurcationPlane:
         second, along_p = packed(system, self.p_axis, self.omega or 0.0, order, period)
         # What either axis sets is 0 in the vector that belongs to it.
         theta = np.where(second == 0.0, 0.0, first)
-        truncated = float(not isinstance(self.balance, Galerkin))
+        truncated = float(self.balance.truncated)
         n, size = self.balance.unknowns, system.motion_size
         ranges = [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
         for name, value in (
-            ("theta", np.concatenate([theta, along_x, [theta.size, 0.0, 0.0, truncated]])),
-            ("direction", np.concatenate([along_p, np.zeros(theta.size + 4)])),
+            ("theta", np.concatenate([theta, along_x, [theta.size, 0.0, 0.0, truncated, ANY]])),
+            ("direction", np.concatenate([along_p, np.zeros(theta.size + 5)])),
             ("scale", np.concatenate([np.full(n, size), ranges])),
         ):
             value.setflags(write=False)
@@ -184,7 +208,7 @@ class BifurcationPlane:
     @property
     def kinds(self) -> tuple[Event, ...]:
         """The bifurcations that can be followed."""
-        return (Event.FOLD, *_GRAZINGS, *_BIFURCATIONS) if isinstance(self.balance, Galerkin) else _BIFURCATIONS
+        return _BIFURCATIONS if self.balance.truncated else (Event.FOLD, *_GRAZINGS, *_BIFURCATIONS)
 
     @property
     def scale(self) -> np.ndarray:
@@ -193,7 +217,7 @@ class BifurcationPlane:
 
     @property
     def sign(self) -> float:
-        """What the determinant at the exponent 0 has to be multiplied by for that of the balance, up to a positive factor."""
+        """What makes the determinant at the exponent 0 that of the balance, up to a positive factor."""
         return float(self._theta[SIGN])
 
     def components(self, kind: Event) -> list[int]:
@@ -218,10 +242,15 @@ class BifurcationPlane:
             return [WHOLE, HALF]
         return [WHOLE if share < 0.25 else HALF]
 
-    def problem(self, kind: Event, window: int) -> Problem:
-        """The curve of one kind, its exponents sought in one window."""
+    def switches(self, kind: Event, y: np.ndarray) -> int:
+        """How often the motion at y switches contact, ANY for a grazing: what confines a curve between its corners."""
+        problem = self.problem(kind, WHOLE)
+        return ANY if kind in _GRAZINGS else int(_switches(problem.theta, problem.direction, y))
+
+    def problem(self, kind: Event, window: int, switches: int = ANY) -> Problem:
+        """The curve of one kind, exponents sought in one window, confined to motions of so many switches of contact."""
         theta = self._theta.copy()
-        theta[KIND], theta[WINDOW] = kind, window
+        theta[KIND], theta[WINDOW], theta[SWITCHES] = kind, window, switches
         scale = self._scale.copy()
         if kind is Event.NEIMARK_SACKER:
             scale = np.insert(scale, self.balance.unknowns, 0.5)

@@ -45,8 +45,8 @@ def named_points(
             # What a Neimark-Sacker leaves elsewhere is the range of its second frequency.
             codes[place] = SpecialPoint.BORDER if outside else SpecialPoint.RESONANCE
     return BoundaryCurve(
-        kind, points, np.concatenate(slopes), np.concatenate(lengths), np.concatenate(stable).astype(np.int8), codes, ends,
-        tuple(pieces), plane.seen(kind),
+        kind, points, np.concatenate(slopes), np.concatenate(lengths), np.concatenate(stable).astype(np.int8),
+        codes, ends, tuple(pieces), plane.seen(kind),
     )  # fmt: skip
 
 
@@ -69,10 +69,11 @@ def _turning_point(plane: BifurcationPlane, kind: Event, piece: Piece, curve: Cu
 
 
 def _multiplicity_grows(plane: BifurcationPlane, piece: Piece, y: np.ndarray) -> float:
-    """Sign of the direction of p in which a fold's pair of solutions appears at fixed x, as in `solver.boundaries.special`.
+    """Sign of the direction of p in which a fold's pair of solutions appears at fixed x, as in
+    `solver.boundaries.special`.
 
-    It is that of -(d det J [v]) (v . adj(J) E_p) with the null vector v of J = dE/du. From J = W S V^T with its last singular
-    value 0, adj J is v w^T times det(W) det(V) and the other singular values; w is the left null vector.
+    It is that of -(d det J [v]) (v . adj(J) E_p) with the null vector v of J = dE/du. From J = W S V^T with its last
+    singular value 0, adj J is v w^T times det(W) det(V) and the other singular values; w is the left null vector.
     """
     n = plane.balance.unknowns
     problem = piece.problem

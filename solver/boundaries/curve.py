@@ -46,8 +46,8 @@ _SENTENCES = {
     SpecialPoint.MERGER: "The fold curve turns round in the row parameter: two branches touch and reconnect.",
     SpecialPoint.EXTREMUM: "The grazing curve turns round in the row parameter: a contact state begins or ends.",
     SpecialPoint.DOUBLE_GRAZING: "The motion just touches both flanks.",
-    SpecialPoint.RESONANCE: "The second frequency of a Neimark-Sacker boundary falls to 0, on a fold, or to half the motion's, "
-    "on a period doubling: it ends there.",
+    SpecialPoint.RESONANCE: "The second frequency of a Neimark-Sacker boundary comes to 0, on a fold, or to half the "
+    "motion's, on a period doubling: it ends there.",
     SpecialPoint.CORNER: "The bifurcating motion just touches a flank: the boundary has a corner.",
 }
 

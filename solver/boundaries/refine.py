@@ -15,8 +15,7 @@ _I, _F = types.int64, types.float64
 @kernel(
     _I(
         CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, MATRIX, MATRIX, ARRAY, types.int64[::1], MATRIX
-    ),
-    inner=True,
+    )
 )  # fmt: skip
 def _refined(
     corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, points, tangents, arclength,

@@ -1,9 +1,10 @@
 """Period doublings and Neimark-Sacker points of a branch: where a periodic motion loses stability unseen by its folds.
 
-Both are seen by Hill's determinant at the order and truncation of the balance itself (`solver.stability.hill_determinant`):
-over the half window it is real at half the base frequency and changes sign at a period doubling; the phase that it gathers
-along the imaginary axis jumps by a turn where a pair of exponents crosses the axis (`solver.stability.exponents`). What is
-bracketed so between two points of the branch is located on the branch and becomes a point of its own.
+Both are seen by Hill's determinant at the order and truncation of the balance itself
+(`solver.stability.hill_determinant`): over the half window it is real at half the base frequency and changes sign at a
+period doubling; the phase that it gathers along the imaginary axis jumps by a turn where a pair of exponents crosses
+the axis (`solver.stability.exponents`). What is bracketed so between two points of the branch is located on the branch
+and becomes a point of its own.
 """
 
 import dataclasses
@@ -37,8 +38,8 @@ def hill_vectors(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.nda
     vectors = []
     for model, constant in ((problem.theta, 1.0), (problem.direction, 0.0)):
         head = np.zeros(layout.PAIRS)
-        head[[layout.HARMONICS, layout.PERIOD, layout.STIFFNESSES, layout.LOADS]] = constant, constant, 2 * constant, constant
-        head[layout.KIND], head[layout.SIGN] = layout.GEAR, constant
+        head[[layout.HARMONICS, layout.PERIOD, layout.LOADS, layout.SIGN]] = constant
+        head[layout.KIND], head[layout.STIFFNESSES] = layout.GEAR, 2.0 * constant
         head[[layout.OMEGA, layout.FRONT, layout.BACK]] = model[[OMEGA, B, B]]
         pairs, load = model[[ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE]], model[[F_E, F_E_PHASE]]
         vectors.append(np.concatenate([head, pairs, model, load]))
@@ -46,7 +47,7 @@ def hill_vectors(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.nda
 
 
 def _watched(balance: Balance, problem: Problem) -> Problem:
-    """The problem with the period doubling's determinant as its monitor; what that needs stands behind its own theta."""
+    """The problem with the period doubling's determinant as its monitor; what that needs stands behind its theta."""
     theta, direction = hill_vectors(balance, problem)
     truncated = float(balance.truncated)
     return Problem(
@@ -91,8 +92,8 @@ def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continua
     after, kinds, fractions = np.empty(_MOST, np.int64), np.empty(_MOST, np.int8), np.empty(_MOST)
     points, tangents = np.empty((_MOST, size)), np.empty((_MOST, size))
     count = scan(
-        corrector.kernel, corrector.tolerance, corrector.max_iterations, watched.balance, watched.monitor, watched.theta,
-        watched.direction, watched.scale, curve.points, curve.tangents, curve.arclength, curve.event,
+        corrector.kernel, corrector.tolerance, corrector.max_iterations, watched.balance, watched.monitor,
+        watched.theta, watched.direction, watched.scale, curve.points, curve.tangents, curve.arclength, curve.event,
         after, kinds, fractions, points, tangents,
     )  # fmt: skip
     if count < 0:

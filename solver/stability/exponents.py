@@ -1,9 +1,9 @@
 """Exponents of a motion near the imaginary axis: the phase of Hill's determinant along it, and single exponents.
 
-Between two motions of a branch an exponent has crossed the imaginary axis where the phase that the determinant gathers along
-it has jumped by a full turn (the argument principle, on the loop along the axis at one motion and back at the other).
-Exponents are in units of i times the base frequency, z = s/(i Omega/nu): the axis is real z, a window is followed from its
-centre to z = 1/4, where the other one takes over.
+Between two motions of a branch an exponent has crossed the imaginary axis where the phase that the determinant gathers
+along it has jumped by a full turn (the argument principle, on the loop along the axis at one motion and back at the
+other). Exponents are in units of i times the base frequency, z = s/(i Omega/nu): the axis is real z, a window is
+followed from its centre to z = 1/4, where the other one takes over.
 """
 
 import cmath
@@ -74,8 +74,8 @@ def gathered_phase(hill, window, matrix, phases):
 
     Notes
     -----
-    A piece is taken for straight once the determinant at its middle is closer to its chord than the chord is to 0: twice the
-    curvature of the halves would still leave the origin on its side.
+    A piece is taken for straight once the determinant at its middle is closer to its chord than the chord is to 0:
+    twice the curvature of the halves would still leave the origin on its side.
     """
     ends, values = np.empty(_DEPTH + 2), np.empty(_DEPTH + 2, np.complex128)
     left = 0.0

@@ -1,4 +1,5 @@
-"""The compiled search for period doublings and Neimark-Sacker points along a branch; see `solver.stability.bifurcations`.
+"""The compiled search for period doublings and Neimark-Sacker points along a branch; see
+`solver.stability.bifurcations`.
 
 Kernels see the parameters as one vector: those of the balance, then the packed ones of Hill's matrix, their number, and
 whether the force is truncated before the stiffness multiplies it.
@@ -76,7 +77,7 @@ def _exponent(theta, direction, y, window, z):
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, _B, _F, ARRAY))
 def critical_shares(theta, direction, y, truncated, tolerance, found):
-    """Fill `found` with exponents on the imaginary axis, over the base frequency, each perhaps several times; their number."""
+    """Fill `found` with the exponents on the imaginary axis, over the base frequency, some repeatedly; their number."""
     extended = np.concatenate((theta, np.array([float(theta.shape[0]), 1.0 if truncated else 0.0])))
     along = np.concatenate((direction, np.zeros(2)))
     count = 0
@@ -171,7 +172,7 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
 
 @kernel(_F(SETUP, ARRAY, ARRAY, _F, _I, ARRAY, _C, ARRAY, _C, ARRAY), inner=True)
 def _crossing(setup, left, right, arc, window, phases, end, other_phases, other_end, found):
-    """Look for an exponent that crosses the axis between two points: the fraction, -1 if there is none, -2 if it is lost."""
+    """Look for an exponent that crosses the axis between two points: the fraction, -1 without one, -2 if it is lost."""
     if abs(cmath.phase(other_end * end.conjugate())) <= _TURN:
         if abs(_winding(phases, end, other_phases, other_end)) <= _CROSSED:
             return -1.0
@@ -215,10 +216,11 @@ def scan(
     corrector, tolerance, limit, balance, monitor, theta, direction, scale, branch, branch_tangents, arclength, events,
     after, kinds, fractions, points, tangents,
 ):  # fmt: skip
-    """Locate the bifurcations of a branch: fill the last five arrays; their number, or -1 - i if one near point i is lost.
+    """Locate the bifurcations of a branch: fill the last five arrays; their number, or -1 - i if one near point i is
+    lost.
 
-    The search along the axis is repeated at every point of the branch but its folds, where the determinant over the whole
-    window vanishes at its centre: the step across a fold is one step there, and its windings are halves.
+    The search along the axis is repeated at every point of the branch but its folds, where the determinant over the
+    whole window vanishes at its centre: the step across a fold is one step there, and its windings are halves.
     """
     n = scale.shape[0] - 1
     setup = Setup(
@@ -261,7 +263,9 @@ def scan(
                 if x == -2.0:
                     return -1 - i
                 if x >= 0.0:
-                    count = _record(count, i - 1, _NEIMARK_SACKER, x, found, n, after, kinds, fractions, points, tangents)
+                    count = _record(
+                        count, i - 1, _NEIMARK_SACKER, x, found, n, after, kinds, fractions, points, tangents
+                    )
                 continue
             turns = _winding(phases[first, window], ends[first, window], phases[i, window], ends[i, window])
             if abs(turns) <= _CROSSED:
