@@ -242,22 +242,19 @@ def orbit_state(
     plain, varied = (_one_sided(signal, highest) for signal in (force, variation * force))
     loads = np.zeros((highest + 1, system.degrees), dtype=complex)
     loads[::period] = system.load_harmonics(omega, highest // period)
-    position, speed = np.zeros(system.degrees), np.zeros(system.degrees)
-    for k in range(highest + 1):
-        rate = k * omega / period
-        right = loads[k] - system.force * plain[k] - system.varying_force * varied[k]
-        stiffness = system.dynamic_stiffness(rate)
-        if np.linalg.cond(stiffness) < 1e12:
-            amplitude = np.linalg.solve(stiffness, right)
-        else:
-            bordered = np.block([
-                [stiffness, system.force[:, None]], [system.contact[None, :], np.zeros((1, 1))]
-            ])  # fmt: skip
-            imposed = wave[k] if k <= order else 0.0
-            amplitude = np.linalg.lstsq(bordered, np.append(right, imposed), rcond=None)[0][:-1]
-        position += amplitude.real
-        speed += np.real(1j * rate * amplitude)
-    return np.concatenate([position, speed])
+    rates = np.arange(highest + 1) * omega / period
+    right = loads - plain[:, None] * system.force - varied[:, None] * system.varying_force
+    stiffness = system.dynamic_stiffness(rates[:, None, None])
+    regular = np.linalg.cond(stiffness) < 1e12
+    amplitude = np.zeros_like(loads)
+    amplitude[regular] = np.linalg.solve(stiffness[regular], right[regular][:, :, None])[:, :, 0]
+    for k in np.flatnonzero(~regular):
+        bordered = np.block([
+            [stiffness[k], system.force[:, None]], [system.contact[None, :], np.zeros((1, 1))]
+        ])  # fmt: skip
+        imposed = wave[k] if k <= order else 0.0
+        amplitude[k] = np.linalg.lstsq(bordered, np.append(right[k], imposed), rcond=None)[0][:-1]
+    return np.concatenate([amplitude.real.sum(axis=0), np.real(1j * rates[:, None] * amplitude).sum(axis=0)])
 
 
 def _one_sided(signal, highest: int) -> np.ndarray:
