@@ -20,7 +20,7 @@ from pipeline.store import COMPLETE
 from solver import Event
 from solver.boundaries import SpecialPoint
 
-__all__ = ["MARKED", "Panel", "panel_of"]
+__all__ = ["MARKED", "Panel", "cell_borders", "outlines_of", "panel_of"]
 
 #: Points that panels mark.
 MARKED = (SpecialPoint.CUSP, SpecialPoint.FOLD_GRAZING, SpecialPoint.ISOLA, SpecialPoint.MERGER)
@@ -99,8 +99,15 @@ def _polygons(segments: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
 def _exact_panel(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> Panel:
     middles = [low + (np.arange(count) + 0.5) / count * (high - low) for (low, high), count in zip((x, y), _FINE)]
     code, _ = region_codes(plane, *middles)
-    kinds = [_outline(plane.boundaries, folds, x, y) for folds in (True, False)]
-    return Panel(code, x, y, *kinds, _marks(plane.boundaries, x, y))
+    return Panel(code, x, y, *outlines_of(plane, x, y), _marks(plane.boundaries, x, y))
+
+
+def outlines_of(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> tuple[Outline, Outline]:
+    """Folds and grazings within a part of the plane, without the labels between them."""
+    if plane.boundaries is not None:
+        return tuple(_outline(plane.boundaries, folds, x, y) for folds in (True, False))
+    rows, columns = cell_borders(plane.plan.parameter), cell_borders(plane.plan.sweep)
+    return tuple(_polygons(edges, columns, rows) for edges in label_edges(plane.domain, plane.n_stable))
 
 
 def _outline(boundaries: StoredBoundaries, folds: bool, x: tuple[float, float], y: tuple[float, float]) -> Outline:

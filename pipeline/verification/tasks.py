@@ -138,11 +138,13 @@ def unstable_motions(plan: Plan, value: float, row: Row) -> np.ndarray:
         False also where there is no such motion, and where it cannot be decided.
     """
     found = np.zeros(row.stable.shape, dtype=bool)
+    system = None
     for column, solution in np.argwhere(row.stable == 1).tolist():
         model, omega = point_of(plan, value, float(row.grid[column]))
-        found[column, solution] = _unstable(
-            gear_system(model), omega, row.motions[column, solution], row.balance.period
-        )
+        # Along the frequency the gear stays the same.
+        if system is None or plan.sweep.name != "omega":
+            system = gear_system(model)
+        found[column, solution] = _unstable(system, omega, row.motions[column, solution], row.balance.period)
     return found
 
 

@@ -232,7 +232,8 @@ def orbit_state(
     theta = 2.0 * np.pi * np.arange(samples) / samples
     wave = np.zeros(order + 1, dtype=complex)
     wave[0], wave[1:] = values[0], values[1::2] - 1j * values[2::2]
-    displacement = np.real(np.exp(1j * np.outer(theta, np.arange(order + 1))) @ wave)
+    # Two-sided amplitudes of the harmonics above the mean are half of the one-sided ones.
+    displacement = np.fft.irfft(samples * wave * np.where(np.arange(order + 1) > 0, 0.5, 1.0), samples)
     force = system.contact_force(displacement)
     variation = np.zeros(samples)
     for l, (amplitude, phase) in enumerate(system.stiffness_harmonics, start=1):
