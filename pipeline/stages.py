@@ -261,6 +261,49 @@ def _verify(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if summary.failures else 0
 
 
+def _basins(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import basins
+
+    path, options = job.store_path, job.settings.config.basins
+    begin = perf_counter()
+    total = len(options.points) if options.points is not None else options.cells
+    with RowProgress(reporter, total, what="basins", unit="places") as bar:
+        found, done = basins.measure(path, job.plan, options, workforce.run, bar.advance)
+    sheet = basins.write_sheet(found, job.plan, job.settings.output_root / "basins", job.settings.store_name)
+    failures = [f"basins at {job.plan.sweep.name} = {x:.6g}, {job.plan.parameter.name} = {p:.6g} failed: {text}"
+                for x, p, text in zip(found.places["x"], found.places["p"], found.messages, strict=True)
+                if text]  # fmt: skip
+    _say_failures(failures, reporter)
+    attractors = int(found.places["n_attractors"].sum())
+    end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
+    places = f"{len(found.messages)} places" if len(found.messages) else "no place with coexisting motions"
+    reporter.line(f"basins: {attractors} attractors at {places} from {options.starts} starts each, {end}")
+    reporter.line(f"basins: {sheet.name} in {sheet.parent.resolve()}")
+    return 1 if failures else 0
+
+
+def _jumps(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import jumps
+
+    path, options = job.store_path, job.settings.config.jumps
+    begin = perf_counter()
+    with RowProgress(reporter, jumps.rows_of(job.plan, options).size, what="jumps") as bar:
+        found, done = jumps.follow(path, job.plan, options, workforce.run, bar.advance)
+    sheets = jumps.write_sheets(found, job.plan, job.settings.output_root / "jumps", job.settings.store_name)
+    values = job.plan.parameter.values[found.rows]
+    failures = [f"row {row} ({job.plan.parameter.name} = {value:.6g}) could not be followed: {text}"
+                for row, value, text in zip(found.rows, values, found.messages, strict=True) if text]  # fmt: skip
+    _say_failures(failures, reporter)
+    widest = int(np.argmax(found.widths))
+    end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
+    reporter.line(
+        f"jumps: {found.rows.size} rows, {int(np.sum(found.widths > 0.0))} with hysteresis, at most {found.widths[widest]:.4g} "
+        f"wide at {job.plan.parameter.name} = {values[widest]:.6g}, {end}"
+    )
+    reporter.line(f"jumps: {', '.join(sheet.name for sheet in sheets)} in {sheets[0].parent.resolve()}")
+    return 1 if failures else 0
+
+
 def _say_failures(failures, reporter: Reporter) -> None:
     for text in failures[:10]:
         reporter.error(text)
@@ -310,6 +353,8 @@ PLANE_STAGES: dict[str, Callable[[Job, Workforce, Reporter], int]] = {
     "sweep": _sweep,
     "boundaries": _trace,
     "verify": _verify,
+    "basins": _basins,
+    "jumps": _jumps,
     "figures": _draw,
 }
 SHARED_STAGES: dict[str, Callable[[Job, Reporter], int]] = {"tables": _tabulate}

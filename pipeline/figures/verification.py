@@ -44,6 +44,7 @@ _AREAS = {
     Credibility.NOT_PERIOD_1_MOTION: (150, 182, 214),
     Credibility.UNCHECKED: (190, 190, 190),
 }
+_AREA_WORDS = {**{kind: kind.words for kind in Credibility}, Credibility.NOT_PERIOD_1_MOTION: "not period-1"}
 _BLANK = (255, 255, 255)
 _MARK = {"linestyle": "none", "markeredgecolor": "white", "markeredgewidth": 0.35, "zorder": 5}
 _MARKS = {
@@ -60,13 +61,15 @@ _WORDS = {
     Verdict.CONFIRMED: "confirmed",
     Verdict.WRONG_IMPACT: "other impact state",
     Verdict.OTHER_MOTION: "other motion",
-    Verdict.NOT_PERIOD_1: "not period 1",
+    Verdict.NOT_PERIOD_1: "not period-1",
     Verdict.UNBOUNDED: "unbounded",
     Verdict.UNSETTLED: "not settled",
     Verdict.FAILED: "failed",
 }
 #: Inches between the middles of two marks, at least.
 _APART = 0.052
+#: Inches to the right end of the legend's numbers.
+_SHARE = 1.54
 
 
 def verification_of(store_path: Path) -> StoredVerification | None:
@@ -105,7 +108,7 @@ def draw_verification(plane: StoredPlane, found: StoredVerification) -> Figure:
     figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan), ha="right", va="top", fontsize=8)
     labels = tuple(axis_label(name, plane.attributes[name]) for name in (sweep.name, parameter.name))
     main.set(xlabel=labels[0], ylabel=labels[1])
-    draw_legend(figure, entries, LEGEND, bottom + tall)
+    draw_legend(figure, entries, LEGEND, bottom + tall, _SHARE)
     if windows:
         main.set_title("(a)")
     for i, (window, place) in enumerate(zip(windows, zoom_places(len(windows)), strict=True)):
@@ -165,16 +168,17 @@ def _image(plane: StoredPlane, found: StoredVerification) -> np.ndarray:
 
 def _entries(plane: StoredPlane, found: StoredVerification, verdicts, folds: bool, grazings: bool) -> list[Entry]:
     judged = found.layers["credibility"][plane.domain != 0]
-    entries = [Entry("the map's label is", "cells")]
+    entries = [Entry("label of the map", "cells")]
     for kind, colour in _AREAS.items():
         share = float(np.mean(judged == kind)) if judged.size else 0.0
         if share:
             percent = "< 0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
             area = {"facecolor": hex_colour(colour), "edgecolor": "0.3", "linewidth": 0.4}
-            entries.append(Entry(kind.words, percent, area=area))
+            entries.append(Entry(_AREA_WORDS[kind], percent, area=area))
     if verdicts:
-        entries += [Entry(), Entry("integrated from it", "cells")]
+        entries += [Entry(), Entry("integration", "cells")]
         entries += [Entry(_WORDS[kind], str(len(where)), mark=_MARKS[kind]) for kind, where in verdicts.items()]
+        entries.append(Entry("(thinned out in crowds)"))
     if folds or grazings:
         entries.append(Entry())
     if folds:
