@@ -26,6 +26,7 @@ __all__ = [
     "create",
     "failures",
     "flags",
+    "label_flags",
     "pending_blocks",
     "read_numbers",
     "read_plan",
@@ -95,9 +96,7 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "n_stable": spec(cell, "uint8", 255, "number of statically stable solutions; 255: not computed"),
         "domain": spec(
             cell, "uint16", 0, "n/I label of the solution domain; 0: not computed", None,
-            flag_values=[0, *labels],
-            flag_meanings=" ".join(["not_computed", *(_meaning(label) for label in labels.values())]),
-            labels=["", *labels.values()],
+            **label_flags(labels),
         ),
         "mean": spec(solution, "float64", nan, "mean of the mesh displacement"),
         "amplitude": spec(solution, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
@@ -146,6 +145,15 @@ def _order_h_arrays(spec, solution: tuple[str, ...]) -> dict[str, dict]:
             "mean of the mesh displacement, then cosine and sine amplitude of each harmonic of the base frequency",
         ),
     }  # fmt: skip
+
+
+def label_flags(labels: dict[int, str]) -> dict:
+    """CF attributes of codes of n/I labels; 0 is "not computed"."""
+    return {
+        "flag_values": [0, *labels],
+        "flag_meanings": " ".join(["not_computed", *(_meaning(label) for label in labels.values())]),
+        "labels": ["", *labels.values()],
+    }
 
 
 def _meaning(label: str) -> str:
