@@ -89,9 +89,13 @@ def contact_arcs(u, front, back, angles, zones):
     int
         Number of crossings; where it is 0, zones[0] holds all the time.
     """
-    bend = 0.0
+    bend, size = 0.0, abs(u[0])
     for k in range(1, u.shape[0] // 2 + 1):
-        bend += k * k * math.sqrt(u[2 * k - 1] * u[2 * k - 1] + u[2 * k] * u[2 * k])
+        amplitude = math.sqrt(u[2 * k - 1] * u[2 * k - 1] + u[2 * k] * u[2 * k])
+        bend += k * k * amplitude
+        size += amplitude
+    # A motion that rests on a flank would be divided for ever: what moves by less than this does not move.
+    rounding = 1e-16 * size
     count, room = 0, angles.shape[0]
     # A stack of the pieces still to be looked at, in order of angle: each halving adds one.
     ends = np.empty(64)
@@ -110,7 +114,7 @@ def contact_arcs(u, front, back, angles, zones):
                 left, value_left = right, value
                 depth -= 1
                 continue
-            if abs(slope) <= bend * radius and radius > _SHORTEST and depth < 63:
+            if abs(slope) <= bend * radius and radius > _SHORTEST and reach > rounding and depth < 63:
                 ends[depth] = centre
                 depth += 1
                 continue
