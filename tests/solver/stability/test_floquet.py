@@ -212,3 +212,12 @@ def test_motions_that_never_touch():
     free = motion_multipliers(model, omega, [0.2, 0.3, 0.1])
     expected = np.linalg.eigvals(expm(first_order_form(gear_system(model), 0.0) * 2.0 * np.pi / omega))
     assert matched(free, expected) < 1e-7 and np.min(np.abs(free - 1.0)) < 1e-9
+
+
+@pytest.mark.parametrize("gap, motion", [(0.0, [0.0, 0.0, 0.0]), (1.0, [1.0, 0.0, 0.0]), (1.0, [1.0, 1e-17, 0.0])])
+def test_a_motion_that_rests_on_a_flank_is_free(gap, motion):
+    """Nothing is pressed together; the search for crossings must not look for them for ever."""
+    model, omega = published(b=gap), 0.7
+    resting = motion_multipliers(model, omega, motion)
+    closed, free = motion_multipliers(published(), omega, [[5.0, 0.0, 0.0], [0.2, 0.0, 0.0]])
+    assert min(matched(resting, free), matched(resting, closed)) < 1e-9
