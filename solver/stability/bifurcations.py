@@ -73,8 +73,8 @@ def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continua
     Returns
     -------
     Curve
-        With points of the events PERIOD_DOUBLING and NEIMARK_SACKER inserted; all else is as it was. Static stability
-        of an inserted point is that of its piece.
+        With points of the events PERIOD_DOUBLING and NEIMARK_SACKER inserted, in place of those that it may have had;
+        all else is as it was. Static stability of an inserted point is that of its piece.
 
     Raises
     ------
@@ -85,6 +85,10 @@ def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continua
     -----
     Two of one kind between two neighbouring points of the branch cancel and are not seen.
     """
+    known = np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
+    if np.any(known):
+        names = ("points", "tangents", "arclength", "stable", "event")
+        curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~known] for name in names})
     if len(curve.points) < 2:
         return curve
     watched, corrector = _watched(balance, problem), continuation.corrector

@@ -25,7 +25,7 @@ NODES = 9
 _EDGE = 0.25
 _DEPTH = 16
 _STEPS = 25
-_SETTLED = 1e-12
+_SETTLED, _STALLED = 1e-12, 1e-9
 
 
 @kernel(_F(_I, _F), inline=True)
@@ -117,6 +117,7 @@ def exponent(hill, z, matrix):
     old, new = z, z + complex(1e-4, 1e-4)
     fill_matrix(hill, old, matrix)
     at_old = determinant(matrix)
+    length = math.inf
     for _ in range(_STEPS):
         fill_matrix(hill, new, matrix)
         at_new = determinant(matrix)
@@ -124,12 +125,13 @@ def exponent(hill, z, matrix):
         if change == 0.0:
             return new if abs(new - old) < 1e-9 else complex(math.nan, math.nan)
         step = -at_new * (new - old) / change
-        length = abs(step)
+        length, previous = abs(step), length
         if not math.isfinite(length):
             return complex(math.nan, math.nan)
         if length > 0.1:
             step *= 0.1 / length
         old, at_old, new = new, at_new, new + step
-        if length <= _SETTLED:
+        # Rounding may keep the steps from falling further.
+        if length <= _SETTLED or (length <= _STALLED and length >= 0.5 * previous):
             return new
     return complex(math.nan, math.nan)

@@ -27,6 +27,8 @@ _FOLD, _DOUBLING, _NEIMARK_SACKER = int(Event.FOLD), int(Event.PERIOD_DOUBLING),
 # How far the determinant at z = 1/4 may turn between two points (rad) before their step is divided, and into how many.
 _TURN = 1.5
 _PARTS = 8
+# Into how many parts the distance between two nodes is divided to see where on the axis the determinant is smallest.
+_LOOKS = 12
 # Windings are whole, or half next to a fold or a period doubling, up to rounding.
 _CROSSED = 0.75
 
@@ -73,6 +75,23 @@ def _exponent(theta, direction, y, window, z):
     n = y.shape[0] - 1
     matrix = np.empty((n - window, n - window), _COMPLEX)
     return exponent(hill_of(packed, along, y[:n], y[n], window, theta[-1] != 0.0), z, matrix)
+
+
+@kernel(_C(ARRAY, ARRAY, ARRAY, _I, _C), inner=True)
+def _exponent_about(theta, direction, y, window, z):
+    """The exponent of a motion next to where its determinant is smallest on the axis, within a node's distance of z."""
+    packed, along = _packed(theta, direction)
+    n = y.shape[0] - 1
+    matrix = np.empty((n - window, n - window), _COMPLEX)
+    hill = hill_of(packed, along, y[:n], y[n], window, theta[-1] != 0.0)
+    best, least = z, math.inf
+    for i in range(-_LOOKS, _LOOKS + 1):
+        trial = z + 0.25 * i / (_LOOKS * (NODES - 1))
+        fill_matrix(hill, trial, matrix)
+        size = abs(determinant(matrix))
+        if size < least:
+            best, least = trial, size
+    return exponent(hill, best, matrix)
 
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, _B, _F, ARRAY))
@@ -123,8 +142,8 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
     g_low, g_high, z = 0.0, 0.0, complex(guess, 0.0)
     bracketed = False
     for _ in range(40):
-        at_low = _exponent(setup.theta, setup.direction, ends[0], window, z)
-        at_high = _exponent(setup.theta, setup.direction, ends[1], window, at_low if math.isfinite(at_low.real) else z)
+        at_low = _exponent_about(setup.theta, setup.direction, ends[0], window, z)
+        at_high = _exponent_about(setup.theta, setup.direction, ends[1], window, z)
         g_low, g_high = at_low.imag, at_high.imag
         if g_low * g_high < 0.0 and abs(at_low.real - at_high.real) < 0.05 and -0.01 < at_low.real < 0.51:
             z, bracketed = 0.5 * (at_low + at_high), True

@@ -96,8 +96,9 @@ def test_nothing_else_of_the_branch_changes(balance):
     _, curve, found = located(published(), balance)
     new = np.isin(found.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
     assert np.any(new)
+    before = ~np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
     for name in ("points", "tangents", "arclength", "stable", "event"):
-        np.testing.assert_array_equal(getattr(found, name)[~new], getattr(curve, name))
+        np.testing.assert_array_equal(getattr(found, name)[~new], getattr(curve, name)[before])
     assert found.ends == curve.ends
     assert np.all(np.diff(found.arclength) > 0.0)
     np.testing.assert_allclose(np.linalg.norm(found.tangents, axis=1), 1.0, rtol=1e-12)
@@ -109,6 +110,13 @@ def test_nothing_else_of_the_branch_changes(balance):
         assert found.tangents[i] @ found.tangents[i - 1] > 0.5
         neighbours = [j for j in (i - 1, i + 1) if found.event[j] != Event.FOLD]
         assert found.stable[i] in found.stable[neighbours]
+
+
+def test_locating_twice_changes_nothing():
+    problem, _, found = located(published(), Galerkin(1))
+    again = with_bifurcations(Galerkin(1), problem, found, Continuation())
+    for name in ("points", "tangents", "arclength", "stable", "event"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
 
 
 def test_points_are_located_to_rounding():
