@@ -52,7 +52,7 @@ def report(name, model, values, motions, balance):
     found = multipliers(row, motions, truncation.period)
 
     def fresh():
-        assessment._linear.clear()
+        assessment.forget()
         assess(model, "omega", values, motions, balance=balance)
 
     calls = (

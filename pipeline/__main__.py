@@ -17,14 +17,19 @@ groups
   cluster  local none scheduler                      (default local: two worker processes)
 
 keys people need
-  stages=[sweep,boundaries,figures]  what to do (this is the default; there is also tables); each reads what the ones
-                                     before it stored
+  stages=[sweep,boundaries,figures]  what to do (this is the default); each reads what the ones before it stored.
+                                     There are also: verify (where the map can be trusted, by higher orders and by
+                                     integration), basins (shares of random initial states), jumps (attractors followed
+                                     along rows, up and down), tables
   gear.b=0.5 gear.alpha=0.3          any parameter of the gear that is not an axis of the plane
   plane.parameter.name=kappa         any scalar parameter as an axis, with plane.parameter.min, .max and .num
   plane.sweep.num=800                columns
   figures.curves=[0.1,0.5,1.0]       parameter values whose amplitude-frequency curves are drawn
   figures.window=[0.5,0.7,0.1,0.3]   a part of the plane, drawn in addition, as sharp as the whole: lowest and highest
                                      column value, then row value
+  verify.samples=1000                cells that are integrated; also verify.order, verify.delta, verify.seed
+  basins.points=[[0.6,0.2]]          where basins are measured, column value and row value; also basins.starts
+  jumps.values=[0.1,0.2]             rows along which attractors are followed; also jumps.rows
   store.name=mine                    name of the store and of its figures' folder
   store.overwrite=true               replace a store of another configuration
   solver.corrector=broyden           the study's corrector instead of Newton's
@@ -41,9 +46,10 @@ examples
   python -m pipeline plane=omega_b quality=draft
   python -m pipeline -m plane=omega_b,omega_alpha,omega_fe,omega_fpm
   python -m pipeline plane=omega_fe stages=[boundaries]
+  python -m pipeline plane=omega_fe stages=[verify,basins,jumps,figures]
   python -m pipeline stages=[tables]
 
-exit status: 0 all well; 1 some rows or boundaries failed (the store or a line says why);
+exit status: 0 all well; 1 some rows, boundaries or integrations failed (the store or a line says why);
              2 the input is not allowed (nothing was written)
 """
 

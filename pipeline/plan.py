@@ -85,12 +85,16 @@ class Plan:
         return self.parameter.num, self.sweep.num
 
     @property
+    def motion_size(self) -> int:
+        """Numbers of a motion that the store keeps beside mean, amplitude and phase: all harmonics of a Galerkin balance."""
+        unknowns = 2 * int(self.solver["order"]) * int(self.solver["period"]) + 1
+        return unknowns if self.solver["balance"] == "galerkin" else 0
+
+    @property
     def rows_per_block(self) -> int:
         """Rows of a chunk: about 1 MB of the largest array, and at least sixteen blocks a plane; no more is needed to
         keep workers busy, and the number of workers may not matter."""
-        unknowns = 2 * int(self.solver["order"]) * int(self.solver["period"]) + 1
-        motion = unknowns if self.solver["balance"] == "galerkin" else 1
-        row_bytes = 8 * max(self.sweep.num * self.max_solutions * motion, self.max_points)
+        row_bytes = 8 * max(self.motion_size, 1) * max(self.sweep.num * self.max_solutions, self.max_points)
         return max(1, min(_BLOCK_BYTES // row_bytes, -(-self.parameter.num // _BLOCKS_AT_LEAST)))
 
     @property
@@ -103,9 +107,9 @@ class Plan:
     def bytes(self) -> int:
         """Upper bound of the store's size, uncompressed."""
         rows, columns = self.shape
-        unknowns = 2 * int(self.solver["order"]) * int(self.solver["period"]) + 1
-        solution = 51 + (8 * unknowns if self.solver["balance"] == "galerkin" else 0)
-        return rows * (columns * (solution * self.max_solutions + 8) + 53 * self.max_points)
+        extra = 8 * self.motion_size
+        solution = 35 + (16 + extra if extra else 0)
+        return rows * (columns * (solution * self.max_solutions + 8) + (53 + extra) * self.max_points)
 
 
 def numbers_digest(numbers: dict) -> str:

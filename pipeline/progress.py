@@ -53,10 +53,17 @@ class RowProgress:
         Rows to do.
     every : float
         Seconds between plain lines; the first and the last always come.
+    what : str
+        The stage.
+    unit : str
+        What is counted.
     """
 
-    def __init__(self, reporter: Reporter | None, total: int, every: float = 5.0):
+    def __init__(
+        self, reporter: Reporter | None, total: int, every: float = 5.0, what: str = "sweep", unit: str = "rows"
+    ):
         self.reporter, self.total, self.every = reporter, total, every
+        self.what, self.unit = what, unit
         self.done = self.failed = 0
         self._begin = self._said = time.monotonic()
         self._bar = self._task = None
@@ -72,11 +79,11 @@ class RowProgress:
             )
 
             self._bar = Progress(
-                TextColumn("sweep"), BarColumn(), TextColumn("{task.completed:.0f}/{task.total:.0f} rows"),
+                TextColumn(self.what), BarColumn(), TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {self.unit}"),
                 TextColumn("{task.fields[rate]}"), TimeRemainingColumn(), TextColumn("{task.fields[failed]} failed"),
                 console=Console(file=self.reporter.stream),
             )  # fmt: skip
-            self._task = self._bar.add_task("sweep", total=self.total, rate="", failed=0)
+            self._task = self._bar.add_task(self.what, total=self.total, rate="", failed=0)
             self._bar.start()
         return self
 
@@ -91,10 +98,10 @@ class RowProgress:
         elapsed = max(now - self._begin, 1e-9)
         rate = self.done / elapsed
         if self._bar is not None:
-            self._bar.update(self._task, completed=self.done, rate=f"{rate:.0f} rows/s", failed=self.failed)
+            self._bar.update(self._task, completed=self.done, rate=f"{rate:.0f} {self.unit}/s", failed=self.failed)
         elif self.reporter is not None and (self.done == self.total or now - self._said >= self.every):
             self._said = now
             left = (self.total - self.done) / rate if rate > 0.0 else float("inf")
             self.reporter.line(
-                f"  {self.done}/{self.total} rows, {rate:.0f} rows/s, {left:.0f} s left, {self.failed} failed"
+                f"  {self.done}/{self.total} {self.unit}, {rate:.0f} {self.unit}/s, {left:.0f} s left, {self.failed} failed"
             )

@@ -132,6 +132,40 @@ class Figures:
 
 
 @dataclass
+class Verify:
+    """How a map is checked by higher orders and by direct integration."""
+
+    samples: int = MISSING
+    beside: int = MISSING
+    seed: int = MISSING
+    order: int = MISSING
+    columns: int = MISSING
+    delta: float = MISSING
+    max_periods: int = MISSING
+    tolerance: float = MISSING
+
+
+@dataclass
+class Basins:
+    """Where shares of basins are measured, and from how many random starts."""
+
+    cells: int = MISSING
+    points: list[list[float]] | None = MISSING
+    starts: int = MISSING
+    seed: int = MISSING
+    max_periods: int = MISSING
+
+
+@dataclass
+class Jumps:
+    """Along which rows attractors are followed up and down."""
+
+    rows: int = MISSING
+    values: list[float] | None = MISSING
+    max_periods: int = MISSING
+
+
+@dataclass
 class Configuration:
     """All of it."""
 
@@ -143,4 +177,7 @@ class Configuration:
     quality: Quality = MISSING
     output: Output = MISSING
     store: Store = MISSING
+    verify: Verify = MISSING
+    basins: Basins = MISSING
+    jumps: Jumps = MISSING
     figures: Figures = MISSING

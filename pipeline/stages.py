@@ -10,10 +10,11 @@ from time import perf_counter
 
 import numpy as np
 
-from pipeline import store
+from pipeline import groups, store
 from pipeline.cluster import Workforce, check_cluster
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError, StoreError
+from pipeline.integration_options import check_basins, check_jumps, check_verify
 from pipeline.plan import Plan, plan, warnings
 from pipeline.progress import Reporter, RowProgress
 
@@ -65,12 +66,25 @@ def prepare(settings: Settings) -> Job:
         if not job.store_path.exists():
             raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
         job = Job(settings, store.read_plan(job.store_path))
+    _check_integration(job)
     if job.asks("figures"):
         from pipeline import figures
 
         options = config.figures
         figures.check_options(job.plan, **_figure_options(options))
     return job
+
+
+def _check_integration(job: Job) -> None:
+    config = job.settings.config
+    if any(job.asks(stage) for stage in ("verify", "basins", "jumps")):
+        check_cluster(config.cluster)
+    if job.asks("verify"):
+        check_verify(config.verify)
+    if job.asks("basins"):
+        check_basins(config.basins, job.plan)
+    if job.asks("jumps"):
+        check_jumps(config.jumps, job.plan)
 
 
 def sweep_command(settings: Settings, plane: str | None = None) -> str:
@@ -125,10 +139,8 @@ def _sweep(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     where = workforce.start()
     _open_log(job, reporter)
     if present:
-        from pipeline import boundaries
-
         # They belong to the rows as they were.
-        boundaries.remove_boundaries(path)
+        groups.remove_added(path)
     else:
         shutil.rmtree(path, ignore_errors=True)
         store.create(path, job.plan, settings.store_name, settings.yaml())
@@ -227,6 +239,78 @@ def _note_unfinished(job: Job, reporter: Reporter, consequence: str) -> None:
         reporter.line(f"note: {unfinished} rows of {job.store_path} are not complete, {consequence}")
 
 
+def _verify(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import verification
+
+    path, options = job.store_path, job.settings.config.verify
+    _note_unfinished(job, reporter, "they are not verified")
+    begin = perf_counter()
+    with RowProgress(reporter, verification.tasks_of(path, job.plan, options), what="verify", unit="motions and rows") as bar:
+        summary = verification.verify(path, job.plan, options, workforce.run, bar.advance)
+    folder = job.settings.output_root / "verification"
+    (domain, _), stored = verification.read_labels(path), verification.read_verification(path)
+    names = verification.write_sheets(domain, stored, job.plan, options, folder, job.settings.store_name)
+    _say_failures(summary.failures, reporter)
+    whole = verification.region_lines(domain, stored)[-1]
+    reporter.line(f"verify: {', '.join(f'{n} {kind.name.lower()}' for kind, n in summary.verdicts.items() if n)}")
+    right = f"{whole.share:.1%} ({whole.low:.1%} to {whole.high:.1%}) right by integration; " if whole.samples else ""
+    shares = ", ".join(f"{share:.1%} {kind.words}" for kind, share in summary.shares.items() if share)
+    done = f"are in {path} already, nothing to do" if summary.found_done else f"into {path} ({perf_counter() - begin:.2f} s)"
+    reporter.line(f"verify: of the cells {right}{shares}; {done}")
+    reporter.line(f"verify: {', '.join(name.name for name in names)} in {folder.resolve()}")
+    return 1 if summary.failures else 0
+
+
+def _basins(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import basins
+
+    path, options = job.store_path, job.settings.config.basins
+    begin = perf_counter()
+    total = len(options.points) if options.points is not None else options.cells
+    with RowProgress(reporter, total, what="basins", unit="places") as bar:
+        found, done = basins.measure(path, job.plan, options, workforce.run, bar.advance)
+    sheet = basins.write_sheet(found, job.plan, job.settings.output_root / "basins", job.settings.store_name)
+    failures = [f"basins at {job.plan.sweep.name} = {x:.6g}, {job.plan.parameter.name} = {p:.6g} failed: {text}"
+                for x, p, text in zip(found.places["x"], found.places["p"], found.messages, strict=True)
+                if text]  # fmt: skip
+    _say_failures(failures, reporter)
+    attractors = int(found.places["n_attractors"].sum())
+    end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
+    places = f"{len(found.messages)} places" if len(found.messages) else "no place with coexisting motions"
+    reporter.line(f"basins: {attractors} attractors at {places} from {options.starts} starts each, {end}")
+    reporter.line(f"basins: {sheet.name} in {sheet.parent.resolve()}")
+    return 1 if failures else 0
+
+
+def _jumps(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import jumps
+
+    path, options = job.store_path, job.settings.config.jumps
+    begin = perf_counter()
+    with RowProgress(reporter, jumps.rows_of(job.plan, options).size, what="jumps") as bar:
+        found, done = jumps.follow(path, job.plan, options, workforce.run, bar.advance)
+    sheets = jumps.write_sheets(found, job.plan, job.settings.output_root / "jumps", job.settings.store_name)
+    values = job.plan.parameter.values[found.rows]
+    failures = [f"row {row} ({job.plan.parameter.name} = {value:.6g}) could not be followed: {text}"
+                for row, value, text in zip(found.rows, values, found.messages, strict=True) if text]  # fmt: skip
+    _say_failures(failures, reporter)
+    widest = int(np.argmax(found.widths))
+    end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
+    reporter.line(
+        f"jumps: {found.rows.size} rows, {int(np.sum(found.widths > 0.0))} with hysteresis, at most {found.widths[widest]:.4g} "
+        f"wide at {job.plan.parameter.name} = {values[widest]:.6g}, {end}"
+    )
+    reporter.line(f"jumps: {', '.join(sheet.name for sheet in sheets)} in {sheets[0].parent.resolve()}")
+    return 1 if failures else 0
+
+
+def _say_failures(failures, reporter: Reporter) -> None:
+    for text in failures[:10]:
+        reporter.error(text)
+    if len(failures) > 10:
+        reporter.line(f"  and {len(failures) - 10} more; the store has every reason")
+
+
 def _figure_options(options) -> dict:
     """The settings of figures as `pipeline.figures.draw` takes them."""
     return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability")}
@@ -273,6 +357,9 @@ def _open_log(job: Job, reporter: Reporter) -> None:
 PLANE_STAGES: dict[str, Callable[[Job, Workforce, Reporter], int]] = {
     "sweep": _sweep,
     "boundaries": _trace,
+    "verify": _verify,
+    "basins": _basins,
+    "jumps": _jumps,
     "figures": _draw,
 }
 SHARED_STAGES: dict[str, Callable[[Job, Reporter], int]] = {"tables": _tabulate}

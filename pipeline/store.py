@@ -26,6 +26,7 @@ __all__ = [
     "create",
     "failures",
     "flags",
+    "label_flags",
     "pending_blocks",
     "read_numbers",
     "read_plan",
@@ -95,9 +96,7 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "n_stable": spec(cell, "uint8", 255, "number of statically stable solutions; 255: not computed"),
         "domain": spec(
             cell, "uint16", 0, "n/I label of the solution domain; 0: not computed", None,
-            flag_values=[0, *labels],
-            flag_meanings=" ".join(["not_computed", *(_meaning(label) for label in labels.values())]),
-            labels=["", *labels.values()],
+            **label_flags(labels),
         ),
         "mean": spec(solution, "float64", nan, "mean of the mesh displacement"),
         "amplitude": spec(solution, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
@@ -108,7 +107,7 @@ def _arrays(plan: Plan) -> dict[str, dict]:
         "instability": spec(solution, "int8", -1, "dynamic stability: how the motion is unstable; -1: no such solution",
                             None, **flags(Instability)),
         "multiplier": spec(solution, "float64", nan, "largest modulus of the multipliers"),
-        **(_order_h_arrays(spec, solution) if plan.solver["balance"] == "galerkin" else {}),
+        **(_order_h_arrays(spec, solution, point) if plan.solver["balance"] == "galerkin" else {}),
         "open": spec(cell, "int8", 0, "1: solutions above the amplitude ceiling are not excluded", None,
                      flag_values=[0, 1], flag_meanings="closed open"),
         **({"certified": certified} if plan.solver["certify"] == "all" else {}),
@@ -135,17 +134,25 @@ def _arrays(plan: Plan) -> dict[str, dict]:
     }  # fmt: skip
 
 
-def _order_h_arrays(spec, solution: tuple[str, ...]) -> dict[str, dict]:
+def _order_h_arrays(spec, solution: tuple[str, ...], point: tuple[str, ...]) -> dict[str, dict]:
     """What only a balance of order H has."""
     nan = float("nan")
+    harmonics = "mean of the mesh displacement, then cosine and sine amplitude of each harmonic of the base frequency"
     return {
         "lowest": spec(solution, "float64", nan, "lowest mesh displacement over the period"),
         "highest": spec(solution, "float64", nan, "highest mesh displacement over the period"),
-        "motion": spec(
-            (*solution, "component"), "float64", nan,
-            "mean of the mesh displacement, then cosine and sine amplitude of each harmonic of the base frequency",
-        ),
+        "motion": spec((*solution, "component"), "float64", nan, harmonics),
+        "branches/motion": spec((*point, "component"), "float64", nan, harmonics),
     }  # fmt: skip
+
+
+def label_flags(labels: dict[int, str]) -> dict:
+    """CF attributes of codes of n/I labels; 0 is "not computed"."""
+    return {
+        "flag_values": [0, *labels],
+        "flag_meanings": " ".join(["not_computed", *(_meaning(label) for label in labels.values())]),
+        "labels": ["", *labels.values()],
+    }
 
 
 def _meaning(label: str) -> str:
@@ -385,6 +392,8 @@ def _fill_branches(values: dict, i: int, row: Row, axis: str) -> None:
         for name, value in (("mean", mean), ("cos", cos), ("sin", sin), (axis, curve.points[:, -1])):
             values[f"branches/{name}"][i, here] = value
         values["branches/amplitude"][i, here] = np.hypot(cos, sin)
+        if "branches/motion" in values:
+            values["branches/motion"][i, here] = curve.points[:, :-1]
         values["branches/arclength"][i, here] = curve.arclength
         values["branches/stable"][i, here] = curve.stable
         values["branches/impact"][i, here] = row.branch_impact(curve)

@@ -25,7 +25,7 @@ from solver import (
     sweep_row,
 )
 
-__all__ = ["Receipt", "balance_of", "continuation_of", "model_at", "seeds_of", "sweep_block"]
+__all__ = ["Receipt", "balance_of", "continuation_of", "model_at", "point_of", "row_of", "seeds_of", "sweep_block"]
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
 CERTIFY = ("none", "columns", "all")
@@ -94,13 +94,23 @@ def model_at(plan: Plan, row: float, column: float) -> Model:
     return Model(**plan.gear, **values)
 
 
-def _sweep(plan: Plan, value: float, continuation: Continuation, seeds) -> Row:
+def point_of(plan: Plan, row: float, column: float) -> tuple[Model, float]:
+    """The gear and the mesh frequency at one point of the plane."""
+    axes = {plan.parameter.name: row, plan.sweep.name: column}
+    return model_at(plan, row, column), axes.get("omega", plan.omega)
+
+
+def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+    """One row of the plane, with whatever balance; raises as `solver.sweep_row` does."""
     omega = value if plan.parameter.name == "omega" else plan.omega
     model = model_at(plan, value, plan.sweep.low)
-    row = sweep_row(
-        model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation, seeds=seeds,
-        balance=balance_of(plan.solver),
-    )  # fmt: skip
+    return sweep_row(
+        model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation, seeds=seeds, balance=balance
+    )
+
+
+def _sweep(plan: Plan, value: float, continuation: Continuation, seeds) -> Row:
+    row = row_of(plan, value, balance_of(plan.solver), continuation, seeds)
     for name, size, room in (
         ("max_solutions", row.mean.shape[1], plan.max_solutions),
         ("max_branches", len(row.curves), plan.max_branches),

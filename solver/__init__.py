@@ -24,6 +24,7 @@ from solver.impact import (
     domain_code,
     domain_label,
     domain_labels,
+    domain_parts,
     impact_state,
 )
 from solver.model import GEOMETRIC, SCALAR_PARAMETERS, Model
@@ -60,6 +61,7 @@ __all__ = [
     "domain_code",
     "domain_label",
     "domain_labels",
+    "domain_parts",
     "enumerate_row",
     "first_order_problem",
     "gear_system",

@@ -126,8 +126,8 @@ class ContactSystem:
             total[:rows] += array[:rows] * (np.arange(rows)[:, None] * omega) ** power
         return total
 
-    def dynamic_stiffness(self, omega: complex) -> np.ndarray:
-        """Z = K - omega^2 M + i omega C, complex (n, n)."""
+    def dynamic_stiffness(self, omega) -> np.ndarray:
+        """Z = K - omega^2 M + i omega C, complex (n, n); omega may be an array of shape (..., 1, 1)."""
         return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-__all__ = ["ImpactState", "domain_code", "domain_label", "domain_labels", "impact_state"]
+__all__ = ["ImpactState", "domain_code", "domain_label", "domain_labels", "domain_parts", "impact_state"]
 
 
 class ImpactState(enum.IntEnum):
@@ -92,6 +92,19 @@ def domain_code(n, states):
     uint16 array
     """
     return (1 + (np.asarray(n, dtype=np.uint16) << _STATES) + np.asarray(states, dtype=np.uint16)).astype(np.uint16)
+
+
+def domain_parts(code) -> tuple[np.ndarray, np.ndarray]:
+    """n and the bit mask of the states of codes of any shape, two int64 arrays; n is -1 where nothing was computed.
+
+    Examples
+    --------
+    >>> n, mask = domain_parts([domain_code(2, 0b011), 0])
+    >>> n.tolist(), mask.tolist()
+    ([2, -1], [3, 0])
+    """
+    inside = np.asarray(code, dtype=np.int64) - 1
+    return inside >> _STATES, np.where(inside < 0, 0, inside & (1 << _STATES) - 1)
 
 
 def _states(mask: int) -> list[ImpactState]:

@@ -30,10 +30,10 @@ def folder(tmp_path_factory):
 
 
 def test_there_is_something_to_check():
-    assert len(SNIPPETS) == 4 and len(COMMANDS) >= 7
+    assert len(SNIPPETS) == 5 and len(COMMANDS) >= 7
 
 
-@pytest.mark.parametrize("snippet", SNIPPETS, ids=["store", "boundaries", "solver", "thresholds"])
+@pytest.mark.parametrize("snippet", SNIPPETS, ids=["store", "boundaries", "solver", "thresholds", "order"])
 def test_snippets_run(snippet, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     exec(compile(snippet, "README.md", "exec"), {})

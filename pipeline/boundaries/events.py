@@ -9,10 +9,10 @@ import zarr
 
 from pipeline.plan import Plan
 from pipeline.store import COMPLETE
-from pipeline.sweep import model_at
+from pipeline.sweep import balance_of, model_at
 from solver import Event
 
-__all__ = ["MARGINS", "RowEvents", "half_backlash", "read_events"]
+__all__ = ["BIFURCATIONS", "GRAZINGS_AND_FOLDS", "MARGINS", "RowEvents", "half_backlash", "read_events"]
 
 #: Grazing -> (sign of the amplitude, sign of b) in its margin lambda_m +- lambda_a -+ b.
 MARGINS = {
@@ -21,6 +21,10 @@ MARGINS = {
     Event.MAX_AT_DRIVE: (1.0, 1.0),
     Event.MAX_AT_BACK: (1.0, -1.0),
 }
+
+
+GRAZINGS_AND_FOLDS = (Event.FOLD, *MARGINS)
+BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
 
 
 @dataclass(frozen=True)
@@ -33,27 +37,32 @@ class RowEvents:
         `Event`: folds and grazings.
     points : (k, 5) array
         lambda_m, lambda_c, lambda_s, x, p.
+    motions : (k, n) array
+        All unknowns of the balance there.
     ahead : (k,) array
         In which direction of x, +1 or -1, a fold's pair of solutions exists, and the margin of a grazing is positive
-        where the grazing solution is stable (negative where it is not); 0 where that cannot be told.
+        where the grazing solution is stable (negative where it is not); 0 where that cannot be told, and for events that
+        change neither number nor impact state.
     rows : int
         Number of complete rows.
     """
 
     kind: np.ndarray
     points: np.ndarray
+    motions: np.ndarray
     ahead: np.ndarray
     rows: int
 
     @property
     def digest(self) -> str:
         """Digest of what boundaries depend on besides the configuration."""
-        parts = (np.int64(self.rows), self.kind.astype(np.int8), self.points, self.ahead.astype(np.int8))
+        parts = (np.int64(self.rows), self.kind.astype(np.int8), self.points, self.motions, self.ahead.astype(np.int8))
         return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
 
-    def starts(self) -> list[tuple[Event, np.ndarray]]:
-        """As `solver.boundaries.boundary_curves` takes them."""
-        return [(Event(kind), point) for kind, point in zip(self.kind.tolist(), self.points, strict=True)]
+    def starts(self, kinds=GRAZINGS_AND_FOLDS) -> list[tuple[Event, np.ndarray]]:
+        """(kind, (unknowns, x, p)) of the events of some kinds, as `boundary_curves` and `bifurcation_curves` take them."""
+        points = np.column_stack([self.motions, self.points[:, 3:]])
+        return [(Event(kind), y) for kind, y in zip(self.kind.tolist(), points, strict=True) if kind in kinds]
 
 
 def half_backlash(plan: Plan, x, p) -> np.ndarray:
@@ -70,12 +79,18 @@ def read_events(path: Path, plan: Plan) -> RowEvents:
     used = slice(int(root["branches/n_points"][:].max(initial=0)))
     names = ("mean", "cos", "sin", plan.sweep.name, "stable", "branch", "event")
     table = {name: root[f"branches/{name}"][:, used] for name in names}
-    row, point = np.nonzero(np.isin(table["event"], (Event.FOLD, *MARGINS)) & complete[:, None])
+    row, point = np.nonzero(np.isin(table["event"], (*GRAZINGS_AND_FOLDS, *BIFURCATIONS)) & complete[:, None])
     kind = table["event"][row, point].astype(np.int64)
     columns = [table[name][row, point] for name in names[:4]]
     points = np.column_stack([*columns, plan.parameter.values[row]]).reshape(-1, 5)
+    balance = balance_of(plan.solver)
+    if plan.motion_size:
+        motions = root["branches/motion"][:, used]
+    else:
+        motions = np.stack([table[name] for name in ("mean", "cos", "sin")], axis=2)
+    lowest, highest = balance.extremes(motions)
     x, p = table[plan.sweep.name], np.broadcast_to(plan.parameter.values[:, None], table["mean"].shape)
-    size, b = np.hypot(table["cos"], table["sin"]), half_backlash(plan, x, p)
+    b = half_backlash(plan, x, p)
     # Of the two neighbours on the branch the one that tells more decides.
     ahead, telling = np.zeros(row.size), np.zeros(row.size)
     for step in (-1, 1):
@@ -86,9 +101,10 @@ def read_events(path: Path, plan: Plan) -> RowEvents:
         side = np.sign(move)
         for grazing, (of_size, of_b) in MARGINS.items():
             here = kind == grazing
-            margin = (table["mean"] + of_size * size - of_b * b)[row[here], other[here]]
+            margin = ((lowest if of_size < 0.0 else highest) - of_b * b)[row[here], other[here]]
             weight[here] = np.abs(margin)
             side[here] *= np.sign(margin) * np.where(table["stable"][row[here], point[here]] == 1, 1.0, -1.0)
         better = same & (weight > telling)
         ahead[better], telling[better] = side[better], weight[better]
-    return RowEvents(kind, points, ahead, int(complete.sum()))
+    ahead[np.isin(kind, BIFURCATIONS)] = 0.0
+    return RowEvents(kind, points, motions[row, point], ahead, int(complete.sum()))

@@ -1,18 +1,12 @@
-"""The group `boundaries` of a store: curves one after the other, CF's contiguous ragged arrays.
+"""The group `boundaries` of a store: curves one after the other, CF's contiguous ragged arrays."""
 
-It is written beside the store and moved into it whole, and counts only once the store's metadata lists it, so that a
-run killed at any moment leaves either the group or nothing. A sweep that computes rows takes it away first.
-"""
-
-import shutil
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import zarr
 
-from pipeline import store
+from pipeline import groups, store
 from pipeline.boundaries.arcs import Arcs, arcs_of
 from pipeline.plan import Plan
 from solver import EndReason, Event
@@ -129,10 +123,6 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
     }  # fmt: skip
 
 
-def _beside(path: Path, what: str) -> Path:
-    return path.with_name(f".{path.name}.{GROUP}.{what}")
-
-
 def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> None:
     """Put the boundaries of a plane into its store, in place of what was there."""
     curves, names = boundaries.curves, (*COMPONENTS, plan.sweep.name, plan.parameter.name)
@@ -152,47 +142,27 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> No
         **{f"{name}_slope": column for name, column in zip(names, slopes.T, strict=True)},
         **{name: along(name) for name in ("amplitude", "arclength", "stable", "special")},
     }
-    draft = _beside(path, "draft")
-    shutil.rmtree(draft, ignore_errors=True)
     # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
-    group = zarr.create_group(
-        draft, zarr_format=3,
-        attributes={
-            "coordinates": f"{plan.sweep.name} {plan.parameter.name}", "configuration_hash": plan.digest,
-            "events_hash": boundaries.digest,
-        },
-    )  # fmt: skip
-    for name, (dims, kind, attributes) in _arrays(plan).items():
-        data = np.ascontiguousarray(values[name], dtype=kind)
-        group.create_array(
-            name, shape=data.shape, chunks=tuple(max(size, 1) for size in data.shape), dtype=kind,
-            dimension_names=[dims] if isinstance(dims, str) else list(dims), attributes=attributes,
-        )[...] = data  # fmt: skip
-    remove_boundaries(path)
-    draft.rename(path / GROUP)
-    store.consolidate(path)
+    attributes = {
+        "coordinates": f"{plan.sweep.name} {plan.parameter.name}", "configuration_hash": plan.digest,
+        "events_hash": boundaries.digest,
+    }  # fmt: skip
+    variables = {
+        name: groups.Variable(dims, kind, values[name], described)
+        for name, (dims, kind, described) in _arrays(plan).items()
+    }
+    groups.write_group(path, GROUP, attributes, variables)
 
 
 def remove_boundaries(path: Path) -> None:
     """Take the group away, if there is one or the metadata still lists one that a killed run has taken away."""
-    old = _beside(path, "old")
-    shutil.rmtree(old, ignore_errors=True)
-    if (path / GROUP).exists():
-        (path / GROUP).rename(old)
-        store.consolidate(path)
-        shutil.rmtree(old)
-    elif GROUP in zarr.open_group(path, mode="r"):
-        store.consolidate(path)
+    groups.remove_group(path, GROUP)
 
 
 def read_boundaries(path: Path, plan: Plan) -> StoredBoundaries | None:
     """The boundaries of a stored plane; None if they have not been traced since its rows were computed."""
-    # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
-    root = zarr.open_group(path, mode="r")
-    if GROUP not in root or not (path / GROUP).exists():
-        return None
-    group = root[GROUP]
-    if group.attrs["configuration_hash"] != plan.digest:
+    group = groups.open_group(path, GROUP)
+    if group is None or group.attrs["configuration_hash"] != plan.digest:
         return None
     values = {name: group[name][...] for name in _arrays(plan)}
     names = (*COMPONENTS, plan.sweep.name, plan.parameter.name)

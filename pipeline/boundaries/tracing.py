@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.boundaries.events import RowEvents, read_events
+from pipeline.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, RowEvents, read_events
 from pipeline.boundaries.group import (
     StoredBoundaries,
     StoredCurve,
@@ -16,7 +16,7 @@ from pipeline.boundaries.group import (
     write_boundaries,
 )
 from pipeline.plan import Plan
-from pipeline.sweep import continuation_of, model_at
+from pipeline.sweep import balance_of, continuation_of, model_at
 from solver import Continuation, EndReason, Event
 from solver.boundaries import BoundaryCurve, SpecialPoint, boundary_curves
 
@@ -24,6 +24,9 @@ __all__ = ["Summary", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
+_WORDS = {
+    Event.FOLD: "fold", Event.PERIOD_DOUBLING: "period doubling", Event.NEIMARK_SACKER: "Neimark-Sacker",
+}  # fmt: skip
 # A start this close to a curve, in scaled unknowns, belongs to it.
 _SAME = 1e-6
 
@@ -62,15 +65,42 @@ def trace(path: Path, plan: Plan) -> Summary:
     stored = read_boundaries(path, plan)
     if stored is not None and stored.digest == events.digest:
         return _summary(plan, stored, True)
-    continuation = _with_short_steps(continuation_of(plan.solver))
-    x, p = plan.sweep, plan.parameter
-    curves = boundary_curves(
-        model_at(plan, p.low, x.low), x.name, p.name, (x.low, x.high), (p.low, p.high), events.starts(),
-        omega=None if "omega" in (x.name, p.name) else plan.omega, continuation=continuation,
-    )  # fmt: skip
-    fresh = StoredBoundaries(tuple(_to_store(curve, events, continuation) for curve in curves), events.digest)
+    curves = _first_order_curves(plan, events) if balance_of(plan.solver).truncated else []
+    traced = {curve.kind for curve in curves}
+    others = [kind for kind in (*GRAZINGS_AND_FOLDS, *BIFURCATIONS) if kind not in traced and np.any(events.kind == kind)]
+    curves += _curves_of_any_order(plan, events.starts(others)) if others else []
+    fresh = StoredBoundaries(tuple(curves), events.digest)
     write_boundaries(path, plan, fresh)
     return _summary(plan, fresh, False)
+
+
+def _frame(plan: Plan) -> tuple:
+    """Model, names and ranges of both axes."""
+    x, p = plan.sweep, plan.parameter
+    return model_at(plan, p.low, x.low), x.name, p.name, (x.low, x.high), (p.low, p.high)
+
+
+def _first_order_curves(plan: Plan, events: RowEvents) -> list[StoredCurve]:
+    """Folds and grazings of the describing function, on the angles of contact."""
+    continuation = _with_short_steps(continuation_of(plan.solver))
+    curves = boundary_curves(*_frame(plan), events.starts(), omega=_frequency(plan), continuation=continuation)
+    return [_to_store(curve, _side(curve, events, continuation)) for curve in curves]
+
+
+def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
+    """Bifurcations of the balance itself; whose sides are not told."""
+    # Its kernels are many, and planes without such events do without them.
+    from solver.boundaries.bifurcation_curves import bifurcation_curves
+
+    continuation = dataclasses.replace(continuation_of(plan.solver), max_points=_MOST_POINTS)
+    curves = bifurcation_curves(
+        balance_of(plan.solver), *_frame(plan), starts, omega=_frequency(plan), continuation=continuation
+    )  # fmt: skip
+    return [_to_store(curve, 0) for curve in curves]
+
+
+def _frequency(plan: Plan) -> float | None:
+    return None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
 
 
 def _with_short_steps(continuation: Continuation) -> Continuation:
@@ -82,9 +112,9 @@ def _with_short_steps(continuation: Continuation) -> Continuation:
     )
 
 
-def _to_store(curve: BoundaryCurve, events: RowEvents, continuation: Continuation) -> StoredCurve:
+def _to_store(curve: BoundaryCurve, side: int) -> StoredCurve:
     return StoredCurve(
-        curve.kind, curve.ends, _side(curve, events, continuation), curve.points, curve.slopes, curve.arclength,
+        curve.kind, curve.ends, side, curve.points, curve.slopes, curve.arclength,
         curve.stable, curve.special,
     )  # fmt: skip
 
@@ -110,13 +140,16 @@ def _side(curve: BoundaryCurve, events: RowEvents, continuation: Continuation) -
 
 
 def _summary(plan: Plan, boundaries: StoredBoundaries, found_done: bool) -> Summary:
-    curves = Counter("fold" if curve.kind is Event.FOLD else "grazing" for curve in boundaries.curves)
+    curves = Counter(_WORDS.get(curve.kind, "grazing") for curve in boundaries.curves)
+    first_order = balance_of(plan.solver).truncated
     special: Counter[str] = Counter()
     cut_short = []
     for curve in boundaries.curves:
         special.update(SpecialPoint(curve.special[place]).name.lower() for place in special_places(curve))
         for end, place in zip(curve.ends, (0, -1), strict=True):
-            if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
+            # Curves of any order may stop at a corner, where a motion begins to touch a flank; that is no failure.
+            known = first_order and curve.kind in GRAZINGS_AND_FOLDS
+            if known and end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
                 x, p = curve.points[place, 3:]
                 where = f"{plan.sweep.name} = {x:.9g}, {plan.parameter.name} = {p:.9g}"
                 cut_short.append(f"{curve.kind.name.lower()} boundary stops at {where}: {end.sentence}")

@@ -6,6 +6,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
+from pipeline.figures.layout import (
+    BETWEEN,
+    BOTTOM,
+    HEIGHT,
+    LEFT,
+    LEGEND,
+    PANEL,
+    RIGHT,
+    TOP,
+    WIDTH,
+    ZOOM_HEIGHT,
+    enlarged,
+    mark_window,
+    shares_of,
+    zoom_places,
+)
 from pipeline.figures.map_legend import (
     DISPUTED_CELLS,
     FAILED_ROWS,
@@ -28,11 +44,6 @@ from pipeline.store import FAILED
 
 __all__ = ["draw_map", "draw_window"]
 
-#: Inches.
-_WIDTH, _LEFT, _PANEL, _RIGHT, _TOP, _BOTTOM = 7.2, 0.56, 4.82, 0.1, 0.36, 0.42
-_HEIGHT, _ZOOM_HEIGHT, _BETWEEN, _BESIDE, _LEGEND = 3.0, 2.5, 0.72, 0.25, 5.54
-#: Images are enlarged to at least this many pixels, so that no viewer blurs the cells of a small plane.
-_PIXELS = 400
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
 
@@ -53,20 +64,18 @@ def draw_map(plane: StoredPlane) -> Figure:
     sweep = plane.plan.sweep
     zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
     whole = panel_of(plane)
-    figure, main, labels = _with_main_panel(plane, [whole, *zooms], _ZOOM_HEIGHT + _BETWEEN if zooms else 0.0, True)
+    figure, main, labels = _with_main_panel(plane, [whole, *zooms], ZOOM_HEIGHT + BETWEEN if zooms else 0.0, True)
     height = figure.get_figheight()
     if zooms:
         main.set_title("(a)")
-    width = (_WIDTH - _LEFT - _RIGHT - _BESIDE * (len(zooms) - 1)) / max(len(zooms), 1)
-    for i, panel in enumerate(zooms):
-        place = (_LEFT + i * (width + _BESIDE), _BOTTOM, width, _ZOOM_HEIGHT)
-        axes = figure.add_axes(_shares(place, height), sharey=main)
+    for i, (panel, place) in enumerate(zip(zooms, zoom_places(len(zooms)), strict=True)):
+        axes = figure.add_axes(shares_of(place, height), sharey=main)
         _fill(axes, panel, plane)
         axes.set_title(f"({'bc'[i]})")
         axes.set(xlabel=labels[0], ylabel=labels[1] if i == 0 else "")
         axes.tick_params(labelleft=i == 0)
         axes.locator_params(axis="x", nbins=6)
-        _mark_window(main, panel.x, "bc"[i])
+        mark_window(main, panel.x, "bc"[i])
     return figure
 
 
@@ -95,23 +104,18 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Figure:
 def _with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, shares: bool):
     """A figure with the first panel and the legend of all, with room below: figure, axes and their labels."""
     entries = _entries(plane, panels, shares)
-    tall = max(_HEIGHT, legend_height(entries))
-    bottom = _BOTTOM + below
-    height = bottom + tall + _TOP
-    figure = Figure((_WIDTH, height))
-    axes = figure.add_axes(_shares((_LEFT, bottom, _PANEL, tall), height))
+    tall = max(HEIGHT, legend_height(entries))
+    bottom = BOTTOM + below
+    height = bottom + tall + TOP
+    figure = Figure((WIDTH, height))
+    axes = figure.add_axes(shares_of((LEFT, bottom, PANEL, tall), height))
     _fill(axes, panels[0], plane)
-    figure.text(1 - _RIGHT / _WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan), ha="right", va="top", fontsize=8)
+    figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan), ha="right", va="top", fontsize=8)
     names = (plane.plan.sweep.name, plane.plan.parameter.name)
     labels = tuple(axis_label(name, plane.attributes[name]) for name in names)
     axes.set(xlabel=labels[0], ylabel=labels[1])
-    draw_legend(figure, entries, _LEGEND, bottom + tall)
+    draw_legend(figure, entries, LEGEND, bottom + tall)
     return figure, axes, labels
-
-
-def _shares(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
-    """Left, bottom, width and height as matplotlib wants them."""
-    return tuple(size / whole for size, whole in zip(inches, (_WIDTH, height, _WIDTH, height), strict=True))
 
 
 def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entry]:
@@ -161,10 +165,7 @@ def _image(code: np.ndarray, labels: dict[int, str]) -> np.ndarray:
     """Colours of the cells, (P, X, 3) uint8, each cell a block of whole pixels."""
     present, place = np.unique(code, return_inverse=True)
     colours = np.array([label_colour(labels[int(value)]) for value in present], dtype=np.uint8)
-    image = colours[place.reshape(code.shape)]
-    for axis in (0, 1):
-        image = np.repeat(image, -(-_PIXELS // code.shape[axis]), axis=axis)
-    return image
+    return enlarged(colours[place.reshape(code.shape)])
 
 
 def _rectangles(marked: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
@@ -175,11 +176,3 @@ def _rectangles(marked: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
     corners = np.stack([[left, low], [right, low], [right, high], [left, high], [left, low]]).transpose(2, 0, 1)
     codes = [Outline.MOVETO, Outline.LINETO, Outline.LINETO, Outline.LINETO, Outline.CLOSEPOLY]
     return Outline(corners.reshape(-1, 2), np.tile(codes, len(row)))
-
-
-def _mark_window(axes: Axes, x: tuple[float, float], letter: str) -> None:
-    """A bar above the panel over the stretch that another panel enlarges."""
-    above = axes.get_xaxis_transform()
-    axes.plot(x, [1.022, 1.022], transform=above, color="black", linewidth=1.6, clip_on=False,
-              solid_capstyle="butt")  # fmt: skip
-    axes.text(0.5 * (x[0] + x[1]), 1.035, f"({letter})", transform=above, ha="center", va="bottom", fontsize=8)

@@ -134,8 +134,9 @@ def legend_height(entries: list[Entry]) -> float:
     return _PITCH * len(entries)
 
 
-def draw_legend(figure: Figure, entries: list[Entry], left: float, top: float) -> None:
-    """Draw the legend with its upper left corner `left` inches from the left and `top` from the bottom."""
+def draw_legend(figure: Figure, entries: list[Entry], left: float, top: float, share: float = _SHARE) -> None:
+    """Draw the legend with its upper left corner `left` inches from the left and `top` from the bottom, the numbers ending
+    `share` inches further right."""
     width, height = figure.get_size_inches()
     sheet = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height), zorder=-1)
     sheet.set_axis_off()
@@ -148,4 +149,4 @@ def draw_legend(figure: Figure, entries: list[Entry], left: float, top: float) -
         if entry.mark is not None:
             sheet.add_line(Line2D([left + 0.5 * _KEY], [y], **entry.mark))
         sheet.text(left + _TEXT, y, entry.text, va="center_baseline", fontsize=8)
-        sheet.text(left + _SHARE, y, entry.share, va="center_baseline", ha="right", fontsize=8)
+        sheet.text(left + share, y, entry.share, va="center_baseline", ha="right", fontsize=8)

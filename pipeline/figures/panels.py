@@ -21,7 +21,7 @@ from pipeline.store import COMPLETE
 from solver import Event
 from solver.boundaries import SpecialPoint
 
-__all__ = ["MARKED", "Panel", "panel_of"]
+__all__ = ["MARKED", "Panel", "cell_borders", "lines_of", "panel_of"]
 
 #: Points that panels mark.
 MARKED = (SpecialPoint.CUSP, SpecialPoint.FOLD_GRAZING, SpecialPoint.ISOLA, SpecialPoint.MERGER)
@@ -83,8 +83,13 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
     ends = _ends(columns), _ends(rows)
     if plane.boundaries is not None and not plane.dynamic:
         return Panel(code, *ends, _lines(plane.boundaries, *ends), _marks(plane.boundaries, *ends))
+    return Panel(code, *ends, _cell_lines(code, n, columns, rows))
+
+
+def _cell_lines(code: np.ndarray, n: np.ndarray, columns: np.ndarray, rows: np.ndarray) -> dict[str, Outline]:
+    """Line kind -> the borders between cells of different labels."""
     kinds = zip(("fold", "grazing"), label_edges(code, n), strict=True)
-    return Panel(code, *ends, _present({kind: _polygons(edges, columns, rows) for kind, edges in kinds}))
+    return _present({kind: _polygons(edges, columns, rows) for kind, edges in kinds})
 
 
 def _present(lines: dict[str, Outline]) -> dict[str, Outline]:
@@ -111,6 +116,13 @@ def _exact_panel(plane: StoredPlane, x: tuple[float, float], y: tuple[float, flo
     middles = [low + (np.arange(count) + 0.5) / count * (high - low) for (low, high), count in zip((x, y), _FINE)]
     code, _ = region_codes(plane, *middles)
     return Panel(code, x, y, _lines(plane.boundaries, x, y), _marks(plane.boundaries, x, y))
+
+
+def lines_of(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
+    """Line kind -> the lines within a part of the plane, without the labels between them."""
+    if plane.boundaries is not None:
+        return _lines(plane.boundaries, x, y)
+    return _cell_lines(plane.domain, plane.n_stable, cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter))
 
 
 def _lines(boundaries: StoredBoundaries, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:

@@ -9,7 +9,7 @@ amplitude ceiling, a boundary that could not be followed) the nearer row is take
 
 import numpy as np
 
-from pipeline.boundaries.events import MARGINS, half_backlash
+from pipeline.boundaries.events import GRAZINGS_AND_FOLDS, MARGINS, half_backlash
 from pipeline.boundaries.group import StoredBoundaries, StoredCurve
 from pipeline.figures.stored import StoredPlane
 from pipeline.plan import Plan
@@ -92,7 +92,7 @@ _NOTHING = (np.empty(0, np.int64), np.empty(0), np.empty(0, np.int64))
 
 def _upward(curve: StoredCurve, plan: Plan, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Where a curve crosses the lines at x: number of the line, p, and what is added to the set by going upwards."""
-    if len(curve.points) < 2:
+    if len(curve.points) < 2 or curve.kind not in GRAZINGS_AND_FOLDS:
         return _NOTHING
     crossings = curve.arcs.crossings(3, x)
     shown = curve.arc_shows[crossings.arc]

@@ -91,9 +91,13 @@ def contact_arcs(u, front, back, angles, zones):
     int
         Number of crossings; where it is 0, zones[0] holds all the time.
     """
-    bend = 0.0
+    bend, size = 0.0, abs(u[0])
     for k in range(1, u.shape[0] // 2 + 1):
-        bend += k * k * math.sqrt(u[2 * k - 1] * u[2 * k - 1] + u[2 * k] * u[2 * k])
+        amplitude = math.sqrt(u[2 * k - 1] * u[2 * k - 1] + u[2 * k] * u[2 * k])
+        bend += k * k * amplitude
+        size += amplitude
+    # A motion that rests on a flank would be divided for ever: what moves by less than this does not move.
+    rounding = 1e-16 * size
     count, room, looks = 0, angles.shape[0], 0
     # A stack of the pieces still to be looked at, in order of angle: each halving adds one.
     ends = np.empty(64)
@@ -109,7 +113,8 @@ def contact_arcs(u, front, back, angles, zones):
             reach = abs(slope) * radius + 0.5 * bend * radius * radius
             clear = abs(value - front) >= reach and abs(value + back) >= reach
             looks += 1
-            if not clear and abs(slope) <= bend * radius and radius > _SHORTEST and looks < _MOST_LOOKS:
+            divided = abs(slope) <= bend * radius and radius > _SHORTEST and reach > rounding and looks < _MOST_LOOKS
+            if not clear and divided:
                 ends[depth] = centre
                 depth += 1
                 continue

@@ -171,7 +171,7 @@ class Galerkin:
     Parameters
     ----------
     order : int
-        H of PHYSICS: harmonics of the mesh frequency, 1 to 64. Order 1 differs from `FirstOrder`, which truncates the
+        H of PHYSICS: harmonics of the mesh frequency, 1 to 64. Order 1 differs from `DescribingFunction`, which truncates the
         force before it is multiplied by the stiffness.
     period : int
         nu: motions may repeat after that many forcing periods only; 1 to 4. There are then nu * order harmonics of Omega/nu.

@@ -14,12 +14,17 @@ from solver.stability.hill_roots import condensed_exponents
 from solver.stability.instability import Stability, combine
 from solver.stability.system_row import SystemRow, system_row
 
-__all__ = ["assess", "both_multipliers", "hill_multipliers", "truncation_of"]
+__all__ = ["assess", "both_multipliers", "forget", "hill_multipliers", "truncation_of"]
 
-# Motions in contact all the time are linear: their multipliers depend on the linear system and the frequency alone, which
-# the rows of a plane share. Keyed by exactly that; emptied when full, which no plane of 400 columns reaches soon.
+# Motions in contact all the time are linear: their multipliers depend on the linear system and the frequency alone,
+# which the rows of a plane share. Keyed by exactly that; emptied when full, which no plane of 400 columns reaches soon.
 _linear: dict[tuple, np.ndarray] = {}
 _LINEAR_ROOM = 20_000
+
+
+def forget() -> None:
+    """Drop what is remembered of linear motions; only measurements of time need it."""
+    _linear.clear()
 
 
 def truncation_of(balance: Balance | None) -> Truncation:
@@ -98,7 +103,7 @@ def both_multipliers(row: SystemRow, motions: np.ndarray, truncation: Truncation
         floquet = multipliers(some, chosen, truncation.period)
         found[places, 0], found[places, 1] = hill_multipliers(some, chosen, truncation, floquet), floquet
         if len(_linear) > _LINEAR_ROOM:
-            _linear.clear()
+            forget()
         for i, key in enumerate(keys):
             if key is not None and key in asked:
                 found[i] = _linear[key] = found[asked[key]]
@@ -116,8 +121,9 @@ def hill_multipliers(
     motions : (k, 2 H + 1) array
     truncation : Truncation
     starts : (k, 2n) complex array, optional
-        Multipliers near those sought, conjugates side by side, such as Floquet's. With them Hill's exponents are found one
-        by one, and all at once only where that does not give a complete set, and for motions of one harmonic that lose contact.
+        Multipliers near those sought, conjugates side by side, such as Floquet's. With them Hill's exponents are found
+        one by one, and all at once only where that does not give a complete set, and for motions of one harmonic that
+        lose contact.
     """
     time = 2.0 * math.pi * truncation.period / row.omega[:, None]
     found, complete = np.empty((len(motions), row.states), dtype=complex), np.zeros(len(motions), dtype=bool)

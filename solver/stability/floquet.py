@@ -1,10 +1,11 @@
 """Floquet multipliers of a given periodic motion, from its monodromy matrix.
 
-A motion u = (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu need not be a true one: what is perturbed is its contact, found
-exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches (PHYSICS,
-section 6). Each piece is integrated by the Taylor series of the solution, which are entire: their coefficients follow from a
-recurrence, the rank-one contact term needs one product of scalar series, and the last terms tell the step (Jorba and Zou,
-Experimental Mathematics 14, 2005). Where the coefficients are constant this is the scaled series of the exponential.
+A motion u = (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu need not be a true one: it tells when there is contact,
+exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches
+(PHYSICS, section 6). Each piece is integrated by the Taylor series of the solution, which are entire: their
+coefficients follow from a recurrence, the rank-one contact term needs one product of scalar series, and the last terms
+tell the step (Jorba and Zou, Experimental Mathematics 14, 2005). Where the coefficients are constant this is the scaled
+series of the exponential.
 """
 
 import math
@@ -159,7 +160,7 @@ def _contact_shares(gaps, motions, found):
 
 
 def contact_shares(row: SystemRow, motions: np.ndarray) -> np.ndarray:
-    """Share of the period in contact, (k,): exactly 1 for motions always in contact, exactly 0 for those never in it."""
+    """Share of the period in contact, (k,): exactly 1 for motions always in it, exactly 0 for those never in it."""
     found = np.empty(len(motions))
     _contact_shares(row.gaps, np.ascontiguousarray(motions, dtype=float), found)
     return found

@@ -1,15 +1,19 @@
-"""Hill's method of the order and truncation of the balance: exponents of a perturbation exp(s tau) sum_k y_k exp(i k theta).
+"""Hill's method of the order and truncation of the balance: perturbations exp(s tau) sum_k y_k exp(i k theta).
 
 It is taken in two windows of harmonics. Over k = -H ... H a real exponent passes through 0 exactly at the folds of the
-balance; over k = -H ... H - 1 with s = i Omega/(2 nu) + sigma a real sigma passes through 0 exactly where the balance of the same
-order on the doubled period branches off. Both windows are symmetric about their centre, so that their matrix is real in
-cosines and sines of whole or half-odd multiples of theta.
+balance; over k = -H ... H - 1 with s = i Omega/(2 nu) + sigma a real sigma passes through 0 exactly where the balance
+of the same order on the doubled period branches off. Both windows are symmetric about their centre, so that their
+matrix is real in cosines and sines of whole or half-odd multiples of theta.
 
 Of the exponents of a window the physical ones are those whose eigenvector is centred in it: with the mean harmonic c =
-sum_k k |y_k|^2 / sum_k |y_k|^2 from the centre, real ones have c = 0, and one exponent has |c| and 1/2 - |c| in the two windows.
-The 2n of smallest |c| over both represent the 2n multipliers exp(s nu 2 pi/Omega).
+sum_k k |y_k|^2 / sum_k |y_k|^2 from the centre, real ones have c = 0, and one exponent has |c| and 1/2 - |c| in the two
+windows. The 2n of smallest |c| over both represent the 2n multipliers exp(s nu 2 pi/Omega). Images s + i m Omega/nu of
+one of them that lost their outer harmonics can look centred as well; they are told by their value, and of the sets with
+and without them the one is taken whose sum is nearest to the negative trace of M^-1 C (Liouville). Real ones never are
+images.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,11 +24,16 @@ from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spec
 from solver.stability.floquet import SYSTEMS
 from solver.stability.system_row import SystemRow
 
-__all__ = ["COMPLEX_MATRIX", "Truncation", "centred_exponents", "coupling", "hill_matrices", "window_exponents"]
+__all__ = [
+    "COMPLEX_MATRIX", "Truncation", "apart", "centred_exponents", "coupling", "hill_matrices", "window_exponents",
+]  # fmt: skip
 
 COMPLEX_MATRIX = types.complex128[:, ::1]
 _I, _F = types.int64, types.float64
 _COMPLEX = np.complex128
+
+# Exponents this close, as a share of the base frequency and up to multiples of it, may be images of one.
+_IMAGES = (0.05, 0.1)
 
 
 @dataclass(frozen=True)
@@ -48,7 +57,7 @@ class Truncation:
 
 @kernel(types.void(ARRAY, _F, _F, COMPLEX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)
 def coupling(motion, front, back, phasors, period, truncated, near, varied):
-    """Fill near[i, j] and varied[i, j]: what harmonic j of a perturbation gives harmonic i of chi lambda and s chi lambda."""
+    """Fill near[i, j] and varied[i, j]: what harmonic j of lambda gives harmonic i of chi lambda and s chi lambda."""
     size, shifts = near.shape[0], phasors.shape[0]
     room = 2 * motion.shape[0] + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
@@ -82,9 +91,12 @@ def _couple(matrix, row, column, n, force, varying, contact, near, varied, real,
             matrix[row + n + i, column + l] -= value * contact[l]
 
 
+_FLAG = types.boolean
+
+
 @kernel(
-    types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, types.boolean, types.float64[:, :, ::1])
-)
+    types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, _FLAG, _FLAG, types.float64[:, :, ::1])
+)  # fmt: skip
 def _hill_matrices(
     damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, half, found
 ):
@@ -179,17 +191,46 @@ def window_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncation
     return values.astype(complex), np.einsum("p,kpd->kd", harmonics, turn) / whole
 
 
-def _united(s, c, sigma, c_half, half_base, states):
-    """The 2n most centred exponents of both windows of one motion: real ones count once, complex ones as a pair."""
-    found: list[complex] = []
-    upper, upper_half = s.imag >= 0.0, sigma.imag >= 0.0
-    exponents = np.concatenate([s[upper], sigma[upper_half]])
-    shift = np.concatenate([np.zeros(np.sum(upper)), np.full(np.sum(upper_half), half_base)])
-    for i in np.argsort(np.abs(np.concatenate([c[upper], c_half[upper_half]])), kind="stable"):
-        both = [exponents[i]] if exponents[i].imag == 0.0 else [exponents[i], exponents[i].conjugate()]
-        if len(found) + len(both) <= states:
-            found += [one + 1j * shift[i] for one in both]
-    return found
+def apart(left, right, base):
+    """Distance of two exponents when multiples of i times the base frequency do not count."""
+    gap = left - right
+    return np.hypot(gap.real, gap.imag - base * np.rint(gap.imag / base))
+
+
+@kernel(types.void(COMPLEX_MATRIX, types.int64[:, ::1], types.int64[:, ::1], ARRAY, ARRAY, COMPLEX_MATRIX))
+def _select(exponents, sizes, order, base, decay, found):
+    """Fill found (k, 2n) with exponents of both windows (k, d), tried in the given order.
+
+    sizes (k, d): 1 for a real exponent, 2 for one that stands for a pair, 0 for the other of that pair.
+    """
+    states, many = found.shape[1], exponents.shape[1]
+    chosen, image = np.empty(states, _COMPLEX), np.empty(many, np.bool_)
+    for k in range(found.shape[0]):
+        least = math.inf
+        for reach in (0.0, _IMAGES[0], _IMAGES[1]):
+            count, total = 0, decay[k]
+            image[:] = False
+            for again in range(2):
+                for i in order[k]:
+                    size, s = sizes[k, i], exponents[k, i]
+                    if size == 0 or (again == 1 and not image[i]):
+                        continue
+                    if again == 0 and size == 2:
+                        for j in range(count):
+                            gap = s - chosen[j]
+                            turns = gap.imag / base[k]
+                            image[i] |= math.hypot(gap.real, (turns - np.rint(turns)) * base[k]) < reach * base[k]
+                        if image[i]:
+                            continue
+                    if count + size <= states:
+                        chosen[count] = s
+                        if size == 2:
+                            chosen[count + 1] = s.conjugate()
+                        count += size
+                        total += size * s.real
+            if abs(total) < 0.999 * least:
+                least = abs(total)
+                found[k, :] = chosen
 
 
 def centred_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncation) -> np.ndarray:
@@ -199,11 +240,22 @@ def centred_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncatio
     order = np.argsort(np.abs(c), axis=1, kind="stable")[:, :states]
     found = np.take_along_axis(s, order, axis=1)
     far = np.abs(np.take_along_axis(c, order[:, -1:], axis=1)[:, 0]) > 0.25
-    # A pair of exponents may not be cut by the end of the list.
+    # A pair of exponents may not be cut by the end of the list, and images of one exponent may not stand for two.
     far |= np.abs(np.sum(found.imag, axis=1)) > 1e-9 * np.max(np.abs(found), axis=1)
+    base = row.omega / truncation.period
+    for i in range(states):
+        for j in range(i):
+            real = (found[:, i].imag == 0.0) | (found[:, j].imag == 0.0)
+            far |= ~real & (apart(found[:, i], found[:, j], base) < _IMAGES[-1] * base)
     places = np.flatnonzero(far)
     if places.size:
-        half = window_exponents(row.take(places), motions[places], truncation, half=True)
-        for i, sigma, c_half in zip(places, *half, strict=True):
-            found[i] = _united(s[i], c[i], sigma, c_half, 0.5 * row.omega[i] / truncation.period, states)
+        some = row.take(places)
+        sigma, c_half = window_exponents(some, motions[places], truncation, half=True)
+        both = np.concatenate([s[places], sigma], axis=1)
+        sizes = np.where(both.imag == 0.0, 1, np.where(both.imag > 0.0, 2, 0))
+        shifted = np.concatenate([s[places], sigma + 0.5j * base[places, None]], axis=1)
+        order = np.argsort(np.abs(np.concatenate([c[places], c_half], axis=1)), axis=1, kind="stable")
+        chosen = np.empty((len(places), states), dtype=complex)
+        _select(shifted, sizes, order, base[places], some.decay, chosen)
+        found[places] = chosen
     return found

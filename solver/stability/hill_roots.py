@@ -1,14 +1,17 @@
-"""Hill's exponents one by one, as roots of the matrix condensed to the contact coordinate: for orders where it is large.
+"""Hill's exponents one by one, as roots of the matrix condensed to the contact coordinate: for larger orders.
 
-With Z = s^2 M + s C + K + gamma h w^T at s_k = s + i k Omega/nu, A = w.Z^-1 h, B = w.Z^-1 h_v, and the coupling of `hill.coupling`,
+With Z = s^2 M + s C + K + gamma h w^T at s_k = s + i k Omega/nu, A = w.Z^-1 h, B = w.Z^-1 h_v, and chi and
+s chi as in `hill.coupling`,
 
     (1 - gamma A_k) l_k + A_k (chi l)_k + B_k (s chi l)_k = 0
 
-whose rows are those of `solver.harmonic.perturbation` but for a factor. gamma only moves the poles, which are the exponents
-of the system closed by the stiffness gamma: with a negative one they are far from those of any motion. Roots are found by
-Newton's method on (s, l), which is inverse iteration with the exact derivative of the matrix (Ruhe, SIAM Journal on Numerical
-Analysis 10, 1973), from given exponents, in the window whose centre is nearest to them. Whether they are all is checked by their sum,
-which is the negative trace of M^-1 C (Liouville) up to truncation.
+whose rows are those of `solver.harmonic.perturbation` but for a factor. gamma only moves the poles, which are the
+exponents of the system closed by the stiffness gamma: with a negative one they are far from those of any motion. Roots
+are found by Newton's method on (s, l), which is inverse iteration with the exact derivative of the matrix (Ruhe, SIAM
+Journal on Numerical Analysis 10, 1973), from given exponents, in the window whose centre is nearest to them. Whether
+they are all is checked by their sum, which is the negative trace of M^-1 C (Liouville) up to truncation, and by the
+sign of the determinant at s = 0, which tells whether the growing real exponents are even or odd in number: static
+stability is never contradicted.
 """
 
 import math
@@ -20,7 +23,7 @@ from solver.compiled import ARRAY, MATRIX, kernel
 from solver.harmonic.contact_spectrum import COMPLEX
 from solver.linear import eliminate_rows
 from solver.stability.floquet import SYSTEMS, contact_shares
-from solver.stability.hill import COMPLEX_MATRIX, Truncation, coupling
+from solver.stability.hill import COMPLEX_MATRIX, Truncation, apart, coupling
 from solver.stability.system_row import SystemRow
 
 __all__ = ["condensed_exponents"]
@@ -77,7 +80,7 @@ def _receptances(s, damping, stiffness, force, varying, contact, work):
     inner=True,
 )  # fmt: skip
 def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, varied, matrix, vectors, work):
-    """The root next to s of the matrix over harmonics lowest ..., whose vector is left in vectors[0]; nan if none is found."""
+    """The root next to s over the harmonics lowest ..., with its vector left in vectors[0]; nan if none is found."""
     size = near.shape[0]
     wave, right = vectors[0], vectors[1:2]
     for iteration in range(_ITERATIONS):
@@ -91,7 +94,7 @@ def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, va
                 through += near[i, j] * wave[j]
                 modulated += varied[i, j] * wave[j]
             matrix[i, i] += 1.0 - _GAMMA * A
-            # The first solution is of inverse iteration from all harmonics alike: it makes the vector, and does not move s.
+            # The first solution only makes the vector, by inverse iteration from all harmonics alike.
             right[0, i] = d_A * (through - _GAMMA * wave[i]) + d_B * modulated if iteration > 0 else 1.0 + 0j
         eliminate_rows(matrix, right)
         largest, place = 0.0, 0
@@ -109,22 +112,56 @@ def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, va
     return complex(math.nan, math.nan)
 
 
-@kernel(types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX))
+@kernel(
+    _F(_F, MATRIX, MATRIX, ARRAY, ARRAY, ARRAY, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX,
+       types.complex128[:, :, ::1]),
+    inner=True,
+)  # fmt: skip
+def _determinant(base, damping, stiffness, force, varying, contact, near, varied, matrix, right, work):
+    """Determinant of the matrix over -H ... H at s = 0, where it is real."""
+    size = near.shape[0]
+    for i in range(size):
+        s = 1j * (i - size // 2) * base
+        A, B, _, _ = _receptances(s, damping, stiffness, force, varying, contact, work)
+        for j in range(size):
+            matrix[i, j] = A * near[i, j] + B * varied[i, j]
+        matrix[i, i] += 1.0 - _GAMMA * A
+    return (eliminate_rows(matrix, right) + 0j).real
+
+
+@kernel(
+    types.void(
+        *SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX, ARRAY
+    )
+)  # fmt: skip
 def _follow(
-    damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, starts, found
-):
-    """Fill found (k, 2n) with the roots next to starts (k, 2n); nan where Newton's method does not settle."""
+    damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, starts, found,
+    signs,
+):  # fmt: skip
+    """Fill found (k, 2n) with the roots next to starts (k, 2n), nan where Newton's method does not settle.
+
+    signs (k,) is filled with the sign of the matrix's determinant over -H ... H at s = 0.
+    """
     order, n = motions.shape[1] // 2, force.shape[1]
     size = 2 * order + 1
     room, work = np.empty((5, size, size), _COMPLEX), np.empty((3, max(n, 3), n), _COMPLEX)
     for k in range(motions.shape[0]):
         g, base = which[k], omega[k] / period
         for half in range(2):
-            width, ready = size - half, False
+            width, ready = size - half, half == 0
             near = room[0].reshape(size * size)[: width * width].reshape((width, width))
             varied = room[1].reshape(size * size)[: width * width].reshape((width, width))
             matrix = room[2].reshape(size * size)[: width * width].reshape((width, width))
             vectors = room[3].reshape(size * size)[: 2 * width].reshape((2, width))
+            if half == 0:
+                coupling(motions[k], gaps[k, 0], gaps[k, 1], phasors[g], period, truncated, near, varied)
+                vectors[:] = 0.0
+                signs[k] = np.sign(
+                    _determinant(
+                        base, damping[g], stiffness[g], force[g], varying[g], contact[g], near, varied, matrix,
+                        vectors[1:2], work,
+                    )
+                )  # fmt: skip
             for r in range(starts.shape[1]):
                 s = starts[k, r]
                 # Half-odd multiples are for exponents whose mirror image lies an odd number of harmonics away, if kept.
@@ -140,7 +177,8 @@ def _follow(
                     ready = True
                 # The window is symmetric about its centre, so that a start below the axis is its mirror image above it.
                 s = complex(s.real, abs(s.imag))
-                for attempt in range(4):
+                kept, least = complex(math.nan, math.nan), math.inf
+                for _ in range(3):
                     s = _root(
                         s, base, -order, damping[g], stiffness[g], force[g], varying[g], contact[g], near, varied,
                         matrix, vectors, work,
@@ -150,11 +188,17 @@ def _follow(
                         share = abs(vectors[0, i]) ** 2
                         turn += (i - order + 0.5 * half) * share
                         weight += share
-                    # One image i Omega/nu further the harmonics are one less: the best image is the most centred.
-                    shift = np.rint(turn / weight)
-                    if not abs(shift) > 0.0 or math.isnan(s.real):
+                    # One image i Omega/nu further the harmonics are one less: the best image is the most centred. It
+                    # may not be found, or be taken for that of another exponent.
+                    centre = turn / weight
+                    moved = (s - kept).imag / base if least < math.inf else 0.0
+                    if not abs(centre) < least or abs(moved - np.rint(moved)) > 0.1:
+                        break
+                    kept, least, shift = s, abs(centre), np.rint(centre)
+                    if shift == 0.0:
                         break
                     s += 1j * shift * base
+                s = kept
                 found[k, r] = s if starts[k, r].imag >= 0.0 else s.conjugate()
 
 
@@ -176,6 +220,8 @@ def _images(row: SystemRow, motions: np.ndarray, truncation: Truncation, starts:
         distance = np.abs(starts[:, :, None] + 1j * turns * base - exponents)
         nearest = np.argmin(distance, axis=2)[..., None]
         turns = np.take_along_axis(turns, nearest, axis=2)[..., 0]
+        # Where harmonics enough are kept, the image of smallest imaginary part is the best one.
+        turns[2.0 * np.abs(turns) <= truncation.harmonics] = 0.0
         half_turns = 2.0 * starts.imag / base[..., 0]
         # Real multipliers stay on their lines, where only the centred image is real in the truncated matrix too.
         free = np.abs(half_turns - np.rint(half_turns)) > 1e-9
@@ -207,21 +253,23 @@ def condensed_exponents(
     -------
     exponents : (k, 2n) complex array
     complete : (k,) bool array
-        Whether every one was found, all differ, and their sum is right.
+        Whether every one was found, all differ, and their sum and the number of real ones that grow are right.
     """
     starts = _images(row, motions, truncation, starts)
-    found = np.empty_like(starts)
+    found, signs = np.empty_like(starts), np.empty(len(motions))
     _follow(
         *row.systems, row.which, row.omega, row.gaps, np.ascontiguousarray(motions, dtype=float), truncation.period,
-        truncation.truncated, starts, found,
+        truncation.truncated, starts, found, signs,
     )  # fmt: skip
     with np.errstate(over="ignore", invalid="ignore"):
         real = found.real
         complete = np.abs(np.sum(real, axis=1) + row.decay) <= defect * np.sum(np.abs(real), axis=1)
     base = row.omega / truncation.period
+    # The uncondensed determinant at s = 0 has the sign of the number of growing real exponents.
+    poles = np.linalg.slogdet(row.stiffness + _GAMMA * row.force[:, :, None] * row.contact[:, None, :])[0]
+    growing = np.sum((np.abs(found.imag) < 1e-6 * base[:, None]) & (real > 0.0), axis=1)
+    complete &= (growing % 2 == 0) == (signs * poles[row.which] > 0.0)
     for i in range(found.shape[1]):
         for j in range(i):
-            gap = found[:, i] - found[:, j]
-            turns = np.abs(np.remainder(gap.imag / base + 0.5, 1.0) - 0.5) * base
-            complete &= np.hypot(gap.real, turns) > 1e-6 * base
+            complete &= apart(found[:, i], found[:, j], base) > 1e-6 * base
     return found, complete

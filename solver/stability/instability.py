@@ -28,10 +28,10 @@ class Instability(enum.IntEnum):
 
 _SENTENCES = {
     Instability.NONE: "Every small perturbation decays.",
-    Instability.FOLD: "A perturbation grows without changing sign: the motion runs away to another one of the same period.",
-    Instability.PERIOD_DOUBLING: "A perturbation grows and changes sign every period: motions of twice the period branch off.",
-    Instability.NEIMARK_SACKER: "A perturbation grows and turns at a frequency of its own: quasi-periodic motions branch off.",
-    Instability.DISPUTED: "Hill and Floquet disagree, or a multiplier is too close to the unit circle: a higher order settles it.",
+    Instability.FOLD: "A perturbation grows without changing sign: the motion runs away to another one.",
+    Instability.PERIOD_DOUBLING: "A perturbation grows and changes sign every period: motions of twice the period.",
+    Instability.NEIMARK_SACKER: "A perturbation grows at a frequency of its own: quasi-periodic motions.",
+    Instability.DISPUTED: "The methods disagree, or a multiplier is on the unit circle: a higher order settles it.",
 }
 
 
@@ -107,7 +107,8 @@ def combine(hill, floquet, static=None, tolerance: float = 1e-6) -> Stability:
     hill, floquet : (k, m) complex array_like
         Multipliers.
     static : (k,) array_like, optional
-        Static stability, positive where det J > 0. A motion that both methods call stable is disputed where this is not.
+        Static stability, positive where det J > 0. A motion that both methods call stable is disputed
+        where this is not.
     tolerance : float
         As for `classify`.
 

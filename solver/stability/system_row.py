@@ -2,9 +2,10 @@
 
 With lambda = w . y, contact or not chi(tau) in {0, 1}, a perturbation of a motion obeys
 
-    y'' + M^-1 C y' + M^-1 K y + chi(tau) [M^-1 h + M^-1 h_v s(tau)] lambda = 0,    s(tau) = Re sum_l S_l exp(i l Omega tau)
+    y'' + M^-1 C y' + M^-1 K y + chi(tau) [M^-1 h + M^-1 h_v s(tau)] lambda = 0,
+    s(tau) = Re sum_l S_l exp(i l Omega tau)
 
-The load does not enter, so that a row over frequency or load has one such system and a row over backlash only its gaps change.
+The load does not enter, so that a row over frequency or load has one such system; over backlash only the gaps change.
 """
 
 import math

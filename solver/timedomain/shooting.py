@@ -232,7 +232,8 @@ def orbit_state(
     theta = 2.0 * np.pi * np.arange(samples) / samples
     wave = np.zeros(order + 1, dtype=complex)
     wave[0], wave[1:] = values[0], values[1::2] - 1j * values[2::2]
-    displacement = np.real(np.exp(1j * np.outer(theta, np.arange(order + 1))) @ wave)
+    # Two-sided amplitudes of the harmonics above the mean are half of the one-sided ones.
+    displacement = np.fft.irfft(samples * wave * np.where(np.arange(order + 1) > 0, 0.5, 1.0), samples)
     force = system.contact_force(displacement)
     variation = np.zeros(samples)
     for l, (amplitude, phase) in enumerate(system.stiffness_harmonics, start=1):
@@ -242,22 +243,19 @@ def orbit_state(
     plain, varied = (_one_sided(signal, highest) for signal in (force, variation * force))
     loads = np.zeros((highest + 1, system.degrees), dtype=complex)
     loads[::period] = system.load_harmonics(omega, highest // period)
-    position, speed = np.zeros(system.degrees), np.zeros(system.degrees)
-    for k in range(highest + 1):
-        rate = k * omega / period
-        right = loads[k] - system.force * plain[k] - system.varying_force * varied[k]
-        stiffness = system.dynamic_stiffness(rate)
-        if np.linalg.cond(stiffness) < 1e12:
-            amplitude = np.linalg.solve(stiffness, right)
-        else:
-            bordered = np.block([
-                [stiffness, system.force[:, None]], [system.contact[None, :], np.zeros((1, 1))]
-            ])  # fmt: skip
-            imposed = wave[k] if k <= order else 0.0
-            amplitude = np.linalg.lstsq(bordered, np.append(right, imposed), rcond=None)[0][:-1]
-        position += amplitude.real
-        speed += np.real(1j * rate * amplitude)
-    return np.concatenate([position, speed])
+    rates = np.arange(highest + 1) * omega / period
+    right = loads - plain[:, None] * system.force - varied[:, None] * system.varying_force
+    stiffness = system.dynamic_stiffness(rates[:, None, None])
+    regular = np.linalg.cond(stiffness) < 1e12
+    amplitude = np.zeros_like(loads)
+    amplitude[regular] = np.linalg.solve(stiffness[regular], right[regular][:, :, None])[:, :, 0]
+    for k in np.flatnonzero(~regular):
+        bordered = np.block([
+            [stiffness[k], system.force[:, None]], [system.contact[None, :], np.zeros((1, 1))]
+        ])  # fmt: skip
+        imposed = wave[k] if k <= order else 0.0
+        amplitude[k] = np.linalg.lstsq(bordered, np.append(right[k], imposed), rcond=None)[0][:-1]
+    return np.concatenate([amplitude.real.sum(axis=0), np.real(1j * rates[:, None] * amplitude).sum(axis=0)])
 
 
 def _one_sided(signal, highest: int) -> np.ndarray:

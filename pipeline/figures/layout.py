@@ -1,0 +1,41 @@
+"""How pictures of a plane are laid out: a panel with its legend beside it, enlargements of narrow stretches below."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+__all__ = [
+    "BETWEEN", "BOTTOM", "HEIGHT", "LEFT", "LEGEND", "PANEL", "RIGHT", "TOP", "WIDTH", "ZOOM_HEIGHT", "enlarged",
+    "mark_window", "shares_of", "zoom_places",
+]  # fmt: skip
+
+#: Inches.
+WIDTH, LEFT, PANEL, RIGHT, TOP, BOTTOM = 7.2, 0.56, 4.82, 0.1, 0.36, 0.42
+HEIGHT, ZOOM_HEIGHT, BETWEEN, _BESIDE, LEGEND = 3.0, 2.5, 0.72, 0.25, 5.54
+#: Images are enlarged to at least this many pixels, so that no viewer blurs the cells of a small plane.
+_PIXELS = 400
+
+
+def shares_of(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
+    """Left, bottom, width and height as matplotlib wants them, in a figure of this height."""
+    return tuple(size / whole for size, whole in zip(inches, (WIDTH, height, WIDTH, height), strict=True))
+
+
+def zoom_places(count: int) -> list[tuple[float, float, float, float]]:
+    """Left, bottom, width and height in inches of the enlargements at the foot of a figure."""
+    width = (WIDTH - LEFT - RIGHT - _BESIDE * (count - 1)) / max(count, 1)
+    return [(LEFT + i * (width + _BESIDE), BOTTOM, width, ZOOM_HEIGHT) for i in range(count)]
+
+
+def enlarged(image: np.ndarray) -> np.ndarray:
+    """An image (P, X, 3) with each cell a block of whole pixels."""
+    for axis in (0, 1):
+        image = np.repeat(image, -(-_PIXELS // image.shape[axis]), axis=axis)
+    return image
+
+
+def mark_window(axes: Axes, x: tuple[float, float], letter: str) -> None:
+    """A bar above the panel over the stretch that another panel enlarges."""
+    above = axes.get_xaxis_transform()
+    axes.plot(x, [1.022, 1.022], transform=above, color="black", linewidth=1.6, clip_on=False,
+              solid_capstyle="butt")  # fmt: skip
+    axes.text(0.5 * (x[0] + x[1]), 1.035, f"({letter})", transform=above, ha="center", va="bottom", fontsize=8)

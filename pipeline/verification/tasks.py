@@ -1,0 +1,185 @@
+"""What workers do for a verification: integrate from solutions of the map, and sweep its rows again at higher orders."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import zarr
+
+from pipeline.plan import Block, Plan
+from pipeline.store import COMPLETE
+from pipeline.sweep import continuation_of, point_of, row_of
+from pipeline.verification.starts import Start
+from pipeline.verification.verdicts import Seen, Verdict, seen_of, settling_of
+from solver import Row, RowError, gear_system
+
+__all__ = ["CheckedRows", "check_rows", "follow_starts", "unstable_motions"]
+
+#: What a wrong number, and not a wrong program, raises.
+_NUMERICAL = (ArithmeticError, ValueError, np.linalg.LinAlgError, MemoryError)
+#: Samples per base period that give the force of a motion; a monodromy matrix needs no more.
+_SAMPLES = 1024
+# A multiplier so close to the unit circle is worth the search for the true orbit, which must lie this near the motion.
+_DOUBTFUL, _NEAR = 0.01, 0.05
+
+
+def follow_starts(plan: Plan, starts: tuple[Start, ...], max_periods: int, tolerance: float) -> list[Seen]:
+    """Start on solutions of the map and integrate until settled.
+
+    Parameters
+    ----------
+    plan : Plan
+    starts : tuple of Start
+        Those of one cell follow each other.
+    max_periods : int
+    tolerance : float
+        How far mean and amplitude may be off, as a share of the size of lambda (gap and static deflection).
+
+    Returns
+    -------
+    list of Seen
+        One per start; what fails is told there.
+    """
+    from solver.timedomain import orbit_state, settle
+
+    settling, period = settling_of(max_periods), int(plan.solver["period"])
+    found = []
+    for start in starts:
+        model, omega = point_of(plan, *_place(plan, start.row, start.column))
+        system = gear_system(model)
+        try:
+            state = orbit_state(system, omega, start.coefficients, period)
+            (attractor,) = settle(system, omega, state[None], settling=settling)
+            room = tolerance * system.motion_size
+            found.append(seen_of(attractor, start.mean, start.amplitude, start.impact, room, period))
+        except _NUMERICAL as error:
+            found.append(Seen(Verdict.FAILED, message=_reason(error)))
+    return found
+
+
+@dataclass(frozen=True)
+class CheckedRows:
+    """Labels of some rows at two higher orders.
+
+    Parameters
+    ----------
+    block : Block
+    low, high : (rows, X) uint16 arrays
+        Codes of the labels, 0 where a row could not be swept.
+    unstable : (rows, X) int8 array
+        1 where a statically stable solution of the map is dynamically unstable at the higher order, -1 unknown.
+    messages : tuple of str
+        Why a row could not be swept, else empty.
+    """
+
+    block: Block
+    low: np.ndarray
+    high: np.ndarray
+    unstable: np.ndarray
+    messages: tuple[str, ...]
+
+
+def check_rows(path: str, plan: Plan, orders: tuple[int, int], columns: int, block: Block) -> CheckedRows:
+    """Sweep the complete rows of a block at two orders.
+
+    Parameters
+    ----------
+    path : str
+        The store.
+    plan : Plan
+    orders : (int, int)
+        The lower and the higher order.
+    columns : int
+        Values of the axis at which branches are sought.
+    block : Block
+    """
+    shape = (block.stop - block.start, plan.sweep.num)
+    low, high, unstable = np.zeros(shape, np.uint16), np.zeros(shape, np.uint16), np.full(shape, -1, np.int8)
+    messages = [""] * shape[0]
+    root = zarr.open_group(path, mode="r")
+    here = slice(block.start, block.stop)
+    status, mean, amplitude, stable = (root[name][here] for name in ("status", "mean", "amplitude", "stable"))
+    for i in np.flatnonzero(status == COMPLETE).tolist():
+        value = float(plan.parameter.values[block.start + i])
+        try:
+            rows = [_row(plan, value, order, columns) for order in orders]
+            bad = unstable_motions(plan, value, rows[1])
+        except _NUMERICAL as error:
+            messages[i] = _reason(error)
+            continue
+        low[i], high[i] = rows[0].domain, rows[1].domain
+        counted = np.where(stable[i] == 1, 1.0, np.nan)
+        unstable[i] = _counts_unstable(mean[i] * counted, amplitude[i] * counted, rows[1], bad)
+    return CheckedRows(block, low, high, unstable, tuple(messages))
+
+
+def _row(plan: Plan, value: float, order: int, columns: int) -> Row:
+    from solver.harmonic.galerkin import Galerkin
+    from solver.lifted_seeds import LiftedSeeds
+
+    balance = Galerkin(order, int(plan.solver["period"]))
+    return row_of(plan, value, balance, continuation_of(plan.solver), LiftedSeeds(columns))
+
+
+def unstable_motions(plan: Plan, value: float, row: Row) -> np.ndarray:
+    """Which motions of a row are dynamically unstable, though statically stable.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the plane.
+    value : float
+        Of the row's parameter.
+    row : Row
+        As swept by a `Galerkin` balance.
+
+    Returns
+    -------
+    (X, S) bool array
+        False also where there is no such motion, and where it cannot be decided.
+    """
+    found = np.zeros(row.stable.shape, dtype=bool)
+    system = None
+    for column, solution in np.argwhere(row.stable == 1).tolist():
+        model, omega = point_of(plan, value, float(row.grid[column]))
+        # Along the frequency the gear stays the same.
+        if system is None or plan.sweep.name != "omega":
+            system = gear_system(model)
+        found[column, solution] = _unstable(system, omega, row.motions[column, solution], row.balance.period)
+    return found
+
+
+def _unstable(system, omega: float, motion: np.ndarray, period: int) -> bool:
+    """From the monodromy matrix of the true flow along the motion; next to the unit circle, of the true orbit."""
+    from solver.timedomain import ShootingStatus, Status, monodromy, orbit_state, shoot
+
+    state = orbit_state(system, omega, motion, period, samples=_SAMPLES)
+    _, matrix, status = monodromy(system, omega, state, period, tolerance=1e-8, ceiling=1e4 * system.motion_size)
+    if status is not Status.COMPLETE:
+        return False
+    modulus = float(np.max(np.abs(np.linalg.eigvals(matrix))))
+    if abs(modulus - 1.0) > _DOUBTFUL:
+        return modulus > 1.0
+    orbit = shoot(system, omega, state, period)
+    far = float(np.max(np.abs(orbit.state - state))) > _NEAR * system.motion_size
+    return orbit.status is ShootingStatus.CONVERGED and not far and not orbit.stable
+
+
+def _counts_unstable(mean: np.ndarray, amplitude: np.ndarray, row: Row, bad: np.ndarray) -> np.ndarray:
+    """Where one of the map's solutions (X, S; nan: none) is, at the higher order, an unstable one: the nearest stands for it."""
+    stable = row.stable == 1
+    gaps = np.maximum(
+        np.abs(mean[:, :, None] - row.mean[:, None, :]), np.abs(amplitude[:, :, None] - row.amplitude[:, None, :])
+    )
+    gaps = np.where(stable[:, None, :] & ~np.isnan(gaps), gaps, np.inf)
+    nearest = np.argmin(gaps, axis=2)
+    known = np.isfinite(np.min(gaps, axis=2))
+    return np.any(known & np.take_along_axis(bad, nearest, axis=1), axis=1).astype(np.int8)
+
+
+def _place(plan: Plan, row: int, column: int) -> tuple[float, float]:
+    return float(plan.parameter.values[row]), float(plan.sweep.values[column])
+
+
+def _reason(error: Exception) -> str:
+    text = " ".join(str(error).split())
+    return text if isinstance(error, RowError) else f"{type(error).__name__}: {text}"
