@@ -39,16 +39,23 @@ def check_basins(options: Basins, plan: Plan) -> None:
     if options.points is None:
         return
     axes = (plan.sweep, plan.parameter)
-    allowed = ", ".join(f"{axis.name} = {axis.low:g} ... {axis.high:g}" for axis in axes)
-    if not options.points:
-        raise ConfigurationError("basins.points = [] is not allowed: it must be null or hold at least one point")
+    names = f"[{axes[0].name}, {axes[1].name}]"
+    if not isinstance(options.points, list) or not options.points:
+        raise ConfigurationError(f"basins.points = {options.points} is not allowed: it must be null or a list of {names}")
     for point in options.points:
-        inside = len(point) == 2 and all(
-            math.isfinite(value) and axis.low <= value <= axis.high for value, axis in zip(point, axes, strict=True)
-        )
-        if not inside:
-            names = f"[{axes[0].name}, {axes[1].name}]"
+        if not _inside(point, axes):
+            allowed = ", ".join(f"{axis.name} = {axis.low:g} ... {axis.high:g}" for axis in axes)
             raise ConfigurationError(f"basins.points = {point} is not allowed: it must be {names} within {allowed}")
+
+
+def _inside(point, axes) -> bool:
+    """Whether it is a pair of numbers within the plane."""
+    if not isinstance(point, list) or len(point) != 2:
+        return False
+    return all(
+        isinstance(value, int | float) and not isinstance(value, bool) and axis.low <= value <= axis.high
+        for value, axis in zip(point, axes, strict=True)
+    )
 
 
 def check_jumps(options: Jumps, plan: Plan) -> None:
