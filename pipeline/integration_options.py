@@ -28,7 +28,9 @@ def check_verify(options: Verify) -> None:
     for name, ends in bounds.items():
         _check(f"verify.{name}", getattr(options, name), *ends)
     if not 0.0 < options.tolerance <= 1.0:
-        raise ConfigurationError(f"verify.tolerance = {options.tolerance} is not allowed: it must be above 0 and at most 1")
+        raise ConfigurationError(
+            f"verify.tolerance = {options.tolerance} is not allowed: it must be above 0 and at most 1"
+        )
 
 
 def check_basins(options: Basins, plan: Plan) -> None:
@@ -41,7 +43,9 @@ def check_basins(options: Basins, plan: Plan) -> None:
     axes = (plan.sweep, plan.parameter)
     names = f"[{axes[0].name}, {axes[1].name}]"
     if not isinstance(options.points, list) or not options.points:
-        raise ConfigurationError(f"basins.points = {options.points} is not allowed: it must be null or a list of {names}")
+        raise ConfigurationError(
+            f"basins.points = {options.points} is not allowed: it must be null or a list of {names}"
+        )
     for point in options.points:
         if not _inside(point, axes):
             allowed = ", ".join(f"{axis.name} = {axis.low:g} ... {axis.high:g}" for axis in axes)

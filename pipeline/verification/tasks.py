@@ -1,4 +1,4 @@
-"""What workers do for a verification: integrate from solutions of the map, and sweep its rows again at higher orders."""
+"""What workers do for a verification: integrate from solutions of the map, and sweep its rows at higher orders."""
 
 from dataclasses import dataclass
 
@@ -168,7 +168,7 @@ def _unstable(system, omega: float, motion: np.ndarray, period: int) -> bool:
 
 
 def _counts_unstable(mean: np.ndarray, amplitude: np.ndarray, row: Row, bad: np.ndarray) -> np.ndarray:
-    """Where one of the map's solutions (X, S; nan: none) is, at the higher order, an unstable one: the nearest stands for it."""
+    """Where one of the map's solutions (X, S; nan: none) is unstable: the nearest one of the row stands for it."""
     stable = row.stable == 1
     gaps = np.maximum(
         np.abs(mean[:, :, None] - row.mean[:, None, :]), np.abs(amplitude[:, :, None] - row.amplitude[:, None, :])

@@ -110,7 +110,8 @@ def test_jumps_along_rows(made, tmp_path):
     change = np.abs(group.amplitude_up[1] - group.amplitude_down[1]).values > 1e-6
     assert differs.any() and np.all(change[differs] | (group.sweep_up[1] != group.sweep_down[1]).values[differs])
     intervals = found.intervals[1][~np.isnan(found.intervals[1, :, 0])]
-    assert found.widths[1] == pytest.approx(np.sum(intervals[:, 1] - intervals[:, 0])) == float(group.hysteresis_width[1])
+    assert found.widths[1] == pytest.approx(np.sum(intervals[:, 1] - intervals[:, 0]))
+    assert found.widths[1] == float(group.hysteresis_width[1])
     for x, flag in zip(plan.sweep.values, differs, strict=True):
         assert np.any((intervals[:, 0] <= x) & (x <= intervals[:, 1])) == flag
     assert jumps.follow(path, plan, asked, None, silent)[1]
@@ -140,7 +141,8 @@ def test_what_fails_is_recorded(made, monkeypatch):
 
 
 SMALL = ["plane.sweep.min=0.5", "plane.sweep.max=0.66", "plane.sweep.num=5", "plane.parameter.num=3", "cluster=none",
-         "basins.starts=3", "basins.cells=2", "basins.max_periods=400", "jumps.rows=2", "jumps.max_periods=400"]  # fmt: skip
+         "basins.starts=3", "basins.cells=2", "basins.max_periods=400", "jumps.rows=2",
+         "jumps.max_periods=400"]  # fmt: skip
 
 
 def test_the_stages(tmp_path, monkeypatch, capsys):
@@ -160,7 +162,7 @@ def test_the_stages(tmp_path, monkeypatch, capsys):
         ("basins.cells=0", "basins.cells = 0 is not allowed: it must be from 1 to 1e+06"),
         ("basins.starts=0", "basins.starts = 0 is not allowed: it must be from 1 to 1e+06"),
         ("basins.points=[]", "basins.points = [] is not allowed: it must be null or a list of [omega, f_e]"),
-        ("basins.points=[[0.6,0.7]]", "basins.points = [0.6, 0.7] is not allowed: it must be [omega, f_e] within omega = 0.5"),
+        ("basins.points=[[0.6,0.7]]", "basins.points = [0.6, 0.7] is not allowed: it must be [omega, f_e] within omega"),
         ("basins.points=[[0.6]]", "basins.points = [0.6] is not allowed: it must be [omega, f_e] within"),
         ("basins.points=[0.6,0.2]", "basins.points = 0.6 is not allowed: it must be [omega, f_e] within"),
         ("basins.points=[[0.6,nan]]", "basins.points = [0.6, nan] is not allowed: it must be [omega, f_e] within"),

@@ -1,4 +1,4 @@
-"""Verification: fair samples, verdicts where the answer is known, credibility by other means, what is stored and redone."""
+"""Verification: fair samples, verdicts where the answer is known, credibility by other means, what is stored."""
 
 import csv
 import dataclasses
@@ -90,7 +90,7 @@ def test_samples_of_a_plane(made):
 
 
 def test_what_the_time_domain_is_known_to_say():
-    """PHYSICS, section 8: the upper solutions of the published gear at 0.60 and 0.62 are false, the lower one at 0.60 not."""
+    """The upper solutions of the published gear at 0.60 and 0.62 are false, the lower one at 0.60 is not."""
     plan = small_plan("plane.sweep.min=0.6", "plane.sweep.max=0.62", "plane.parameter.min=0.2", columns=2, rows=2)
     assert plan.parameter.values[0] == 0.2
     from tests.conftest import published
@@ -236,7 +236,8 @@ def test_rows_at_higher_orders(made, group):
     from tests.conftest import published
 
     plan, path, _ = made
-    row = sweep_row(published(f_e=float(group.f_e[3])), "omega", group.omega.values, balance=Galerkin(10), seeds=LiftedSeeds())
+    model, grid = published(f_e=float(group.f_e[3])), group.omega.values
+    row = sweep_row(model, "omega", grid, balance=Galerkin(10), seeds=LiftedSeeds())
     np.testing.assert_array_equal(group.domain_high[3], row.domain)
     labels = group.domain_high.attrs
     assert labels["labels"][labels["flag_values"].index(int(row.domain[0]))] == domain_label(int(row.domain[0]))
@@ -316,9 +317,11 @@ def test_what_fails_is_recorded(tmp_path, monkeypatch):
     monkeypatch.setattr("solver.timedomain.settle", broken)
     summary = verification.verify(path, plan, settings(samples=5, beside=0), lost_worker, silent)
     group = xr.open_zarr(path, group="verification").load()
-    assert np.all(group.verdict == Verdict.FAILED) and set(group.message.values) == {"ArithmeticError: the step is lost"}
+    assert np.all(group.verdict == Verdict.FAILED)
+    assert set(group.message.values) == {"ArithmeticError: the step is lost"}
     assert group.row_message[0] == "OSError: the worker is gone" and np.all(group.row_message[1:] == "")
-    assert np.all(group.credibility[0] == Credibility.UNCHECKED) and np.all(group.credibility[1:] == Credibility.CONFIRMED)
+    assert np.all(group.credibility[0] == Credibility.UNCHECKED)
+    assert np.all(group.credibility[1:] == Credibility.CONFIRMED)
     assert len(summary.failures) == 6 and "could not be integrated: ArithmeticError" in summary.failures[-1]
 
 
@@ -336,7 +339,8 @@ def test_shares_per_region(made, group, tmp_path):
         lines = {line["label"]: line for line in csv.DictReader(file)}
     assert int(lines["all"]["cells"]) == domain.size and list(lines)[-1] == "all"
     cells = {}
-    for row, column, verdict, fair in zip(*(group[n].values for n in ("row", "column", "verdict", "stratified")), strict=True):
+    names = ("row", "column", "verdict", "stratified")
+    for row, column, verdict, fair in zip(*(group[name].values for name in names), strict=True):
         if fair:
             cells.setdefault((int(row), int(column)), []).append(int(verdict))
     total = 0.0
