@@ -48,4 +48,8 @@ def attractor_flags() -> dict:
     # CF wants meanings that start with a letter and hold no slash.
     meanings = [f"T{label[0]}{label[2:]}" if label[1:2] == "T" and label[0] != "n" else label for label in labels]
     meanings = [meaning.replace("/", "_I").replace("-", "_") for meaning in meanings]
-    return {"flag_values": [0, *codes.tolist()], "flag_meanings": " ".join(["not_computed", *meanings]), "labels": ["", *labels]}
+    return {
+        "flag_values": [0, *codes.tolist()],
+        "flag_meanings": " ".join(["not_computed", *meanings]),
+        "labels": ["", *labels],
+    }

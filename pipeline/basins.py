@@ -1,7 +1,7 @@
 """The stage `basins`: shares of random initial states that reach each of several coexisting motions.
 
-Initial states are uniform in `solver.timedomain.basin_box`, from the same seed at every place, so that a single place can be
-recomputed with `solver.timedomain.basin_shares` alone.
+Initial states are uniform in `solver.timedomain.basin_box`, from the same seed at every place, so that a single
+place can be recomputed with `solver.timedomain.basin_shares` alone.
 """
 
 import csv
@@ -29,8 +29,8 @@ __all__ = ["StoredBasins", "basin_task", "measure", "read_basins", "write_sheet"
 GROUP = "basins"
 
 _PLACES = {"row": "int32", "column": "int32", "x": "float64", "p": "float64", "n_attractors": "int32"}
-_FOUND = {"attractor_code": "int16", "count": "int32", "share": "float64", "share_low": "float64", "share_high": "float64",
-          "period": "int32", "mean": "float64", "amplitude": "float64", "lyapunov": "float64"}  # fmt: skip
+_FOUND = {"attractor_code": "int16", "count": "int32", "share": "float64", "share_low": "float64",
+          "share_high": "float64", "period": "int32", "mean": "float64", "amplitude": "float64", "lyapunov": "float64"}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +66,8 @@ def basin_task(plan: Plan, x: float, p: float, options: Basins) -> list[dict]:
     )
     return [
         {
-            "attractor_code": attractor_code(one.attractor), "count": one.count, "share": one.share, "share_low": one.low,
-            "share_high": one.high, "period": one.attractor.period, "mean": one.attractor.mean,
+            "attractor_code": attractor_code(one.attractor), "count": one.count, "share": one.share,
+            "share_low": one.low, "share_high": one.high, "period": one.attractor.period, "mean": one.attractor.mean,
             "amplitude": one.attractor.amplitude, "lyapunov": one.attractor.lyapunov,
         }
         for one in shares

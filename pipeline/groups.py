@@ -1,7 +1,7 @@
 """Groups that stages add to a store beside its rows.
 
-A group is written beside the store and moved into it whole, and counts only once the store's metadata lists it, so that a
-run killed at any moment leaves either the group or nothing. A sweep that computes rows takes all of them away first.
+A group is written beside the store and moved into it whole, and counts only once the store's metadata lists it, so that
+a run killed at any moment leaves either the group or nothing. A sweep that computes rows takes all of them away first.
 """
 
 import json

@@ -28,7 +28,9 @@ def check_verify(options: Verify) -> None:
     for name, ends in bounds.items():
         _check(f"verify.{name}", getattr(options, name), *ends)
     if not 0.0 < options.tolerance <= 1.0:
-        raise ConfigurationError(f"verify.tolerance = {options.tolerance} is not allowed: it must be above 0 and at most 1")
+        raise ConfigurationError(
+            f"verify.tolerance = {options.tolerance} is not allowed: it must be above 0 and at most 1"
+        )
 
 
 def check_basins(options: Basins, plan: Plan) -> None:
@@ -39,16 +41,25 @@ def check_basins(options: Basins, plan: Plan) -> None:
     if options.points is None:
         return
     axes = (plan.sweep, plan.parameter)
-    allowed = ", ".join(f"{axis.name} = {axis.low:g} ... {axis.high:g}" for axis in axes)
-    if not options.points:
-        raise ConfigurationError("basins.points = [] is not allowed: it must be null or hold at least one point")
-    for point in options.points:
-        inside = len(point) == 2 and all(
-            math.isfinite(value) and axis.low <= value <= axis.high for value, axis in zip(point, axes, strict=True)
+    names = f"[{axes[0].name}, {axes[1].name}]"
+    if not isinstance(options.points, list) or not options.points:
+        raise ConfigurationError(
+            f"basins.points = {options.points} is not allowed: it must be null or a list of {names}"
         )
-        if not inside:
-            names = f"[{axes[0].name}, {axes[1].name}]"
+    for point in options.points:
+        if not _inside(point, axes):
+            allowed = ", ".join(f"{axis.name} = {axis.low:g} ... {axis.high:g}" for axis in axes)
             raise ConfigurationError(f"basins.points = {point} is not allowed: it must be {names} within {allowed}")
+
+
+def _inside(point, axes) -> bool:
+    """Whether it is a pair of numbers within the plane."""
+    if not isinstance(point, list) or len(point) != 2:
+        return False
+    return all(
+        isinstance(value, int | float) and not isinstance(value, bool) and axis.low <= value <= axis.high
+        for value, axis in zip(point, axes, strict=True)
+    )
 
 
 def check_jumps(options: Jumps, plan: Plan) -> None:

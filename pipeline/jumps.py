@@ -140,7 +140,8 @@ def follow(
 
 def _write(path: Path, plan: Plan, found: StoredJumps, options: Jumps) -> None:
     x, p = plan.sweep, plan.parameter
-    words = {"sweep": "attractor", "mean": "mean of the attractor", "amplitude": "amplitude of the fundamental of the attractor"}
+    words = {"sweep": "attractor", "mean": "mean of the attractor",
+             "amplitude": "amplitude of the fundamental of the attractor"}  # fmt: skip
     ways = {"up": "upwards", "down": "downwards"}
     variables = {
         x.name: groups.Variable(x.name, "float64", x.values, store.axis_attributes(x.name)),
@@ -155,18 +156,22 @@ def _write(path: Path, plan: Plan, found: StoredJumps, options: Jumps) -> None:
             variables[f"{name}_{way}"] = groups.Variable(("jump_row", x.name), kind, data, attributes)
     variables["hysteresis"] = groups.Variable(
         ("jump_row", x.name), "int8", found.hysteresis,
-        {"long_name": "1: the two ways ended on different motions", "flag_values": [0, 1], "flag_meanings": "same different"},
+        {"long_name": "1: the two ways ended on different motions", "flag_values": [0, 1],
+         "flag_meanings": "same different"},
     )  # fmt: skip
     axis = store.axis_attributes(x.name)
     variables["hysteresis_interval"] = groups.Variable(
-        ("jump_row", "interval", "end"), "float64", found.intervals, {**axis, "long_name": "ends of a stretch of hysteresis"}
-    )
+        ("jump_row", "interval", "end"), "float64", found.intervals,
+        {**axis, "long_name": "ends of a stretch of hysteresis"},
+    )  # fmt: skip
     variables["hysteresis_width"] = groups.Variable(
         "jump_row", "float64", found.widths, {**axis, "long_name": "total width of the hysteresis"}
     )
-    variables["message"] = groups.Variable("jump_row", "str", found.messages, {"long_name": "why it failed, else empty"})
+    said = {"long_name": "why it failed, else empty"}
+    variables["message"] = groups.Variable("jump_row", "str", found.messages, said)
     settings = {key: value for key, value in dataclasses.asdict(options).items() if value is not None}
-    attributes = {"coordinates": f"row_{p.name}", "configuration_hash": plan.digest, "made_from": found.made_from, **settings}
+    attributes = {"coordinates": f"row_{p.name}", "configuration_hash": plan.digest, "made_from": found.made_from,
+                  **settings}  # fmt: skip
     groups.write_group(path, GROUP, attributes, variables)
 
 

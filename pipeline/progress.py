@@ -79,7 +79,8 @@ class RowProgress:
             )
 
             self._bar = Progress(
-                TextColumn(self.what), BarColumn(), TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {self.unit}"),
+                TextColumn(self.what), BarColumn(),
+                TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {self.unit}"),
                 TextColumn("{task.fields[rate]}"), TimeRemainingColumn(), TextColumn("{task.fields[failed]} failed"),
                 console=Console(file=self.reporter.stream),
             )  # fmt: skip
@@ -103,5 +104,6 @@ class RowProgress:
             self._said = now
             left = (self.total - self.done) / rate if rate > 0.0 else float("inf")
             self.reporter.line(
-                f"  {self.done}/{self.total} {self.unit}, {rate:.0f} {self.unit}/s, {left:.0f} s left, {self.failed} failed"
+                f"  {self.done}/{self.total} {self.unit}, {rate:.0f} {self.unit}/s, {left:.0f} s left, "
+                f"{self.failed} failed"
             )

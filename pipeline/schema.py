@@ -147,10 +147,10 @@ class Verify:
 
 @dataclass
 class Basins:
-    """Where shares of basins are measured, and from how many random starts."""
+    """Where shares of basins are measured, and from how many random starts; `points` is null or a list of pairs."""
 
     cells: int = MISSING
-    points: list[list[float]] | None = MISSING
+    points: Any = MISSING
     starts: int = MISSING
     seed: int = MISSING
     max_periods: int = MISSING

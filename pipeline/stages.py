@@ -245,7 +245,8 @@ def _verify(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     path, options = job.store_path, job.settings.config.verify
     _note_unfinished(job, reporter, "they are not verified")
     begin = perf_counter()
-    with RowProgress(reporter, verification.tasks_of(path, job.plan, options), what="verify", unit="motions and rows") as bar:
+    total = verification.tasks_of(path, job.plan, options)
+    with RowProgress(reporter, total, what="verify", unit="motions and rows") as bar:
         summary = verification.verify(path, job.plan, options, workforce.run, bar.advance)
     folder = job.settings.output_root / "verification"
     (domain, _), stored = verification.read_labels(path), verification.read_verification(path)
@@ -255,7 +256,8 @@ def _verify(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     reporter.line(f"verify: {', '.join(f'{n} {kind.name.lower()}' for kind, n in summary.verdicts.items() if n)}")
     right = f"{whole.share:.1%} ({whole.low:.1%} to {whole.high:.1%}) right by integration; " if whole.samples else ""
     shares = ", ".join(f"{share:.1%} {kind.words}" for kind, share in summary.shares.items() if share)
-    done = f"are in {path} already, nothing to do" if summary.found_done else f"into {path} ({perf_counter() - begin:.2f} s)"
+    seconds = perf_counter() - begin
+    done = f"are in {path} already, nothing to do" if summary.found_done else f"into {path} ({seconds:.2f} s)"
     reporter.line(f"verify: of the cells {right}{shares}; {done}")
     reporter.line(f"verify: {', '.join(name.name for name in names)} in {folder.resolve()}")
     return 1 if summary.failures else 0
@@ -297,8 +299,8 @@ def _jumps(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     widest = int(np.argmax(found.widths))
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
     reporter.line(
-        f"jumps: {found.rows.size} rows, {int(np.sum(found.widths > 0.0))} with hysteresis, at most {found.widths[widest]:.4g} "
-        f"wide at {job.plan.parameter.name} = {values[widest]:.6g}, {end}"
+        f"jumps: {found.rows.size} rows, {int(np.sum(found.widths > 0.0))} with hysteresis, at most "
+        f"{found.widths[widest]:.4g} wide at {job.plan.parameter.name} = {values[widest]:.6g}, {end}"
     )
     reporter.line(f"jumps: {', '.join(sheet.name for sheet in sheets)} in {sheets[0].parent.resolve()}")
     return 1 if failures else 0

@@ -80,8 +80,8 @@ def verification_of(store_path: Path) -> StoredVerification | None:
 def draw_verification(plane: StoredPlane, found: StoredVerification) -> Figure:
     """Draw the plane with agreement.
 
-    A cell has one mark, for the worst that became of its solutions. Marks that would overlap are left out, those of rare
-    verdicts last; the legend counts all cells.
+    A cell has one mark, for the worst that became of its solutions. Marks that would overlap are left out, those of
+    rare verdicts last; the legend counts all cells.
 
     Parameters
     ----------
@@ -130,7 +130,9 @@ def _cells(plane: StoredPlane, found: StoredVerification) -> dict[Verdict, np.nd
         verdict = Verdict(value)
         worst[row, column] = max(worst.get((row, column), verdict), verdict, key=rank.__getitem__)
     x, p = plane.plan.sweep.values, plane.plan.parameter.values
-    places = {verdict: [(x[column], p[row]) for (row, column), own in worst.items() if own is verdict] for verdict in _MARKS}
+    places = {verdict: [] for verdict in _MARKS}
+    for (row, column), verdict in worst.items():
+        places[verdict].append((x[column], p[row]))
     return {verdict: np.array(where) for verdict, where in places.items() if where}
 
 

@@ -1,16 +1,16 @@
 """How far the map's label can be trusted, cell by cell.
 
-The truth of a cell is first taken from the order-2H balance, where it agrees with order H: then more harmonics would not
-change it. Where it does not, nothing is known unless integration has looked. In this order, the later winning:
+The truth of a cell is first taken from the order-2H balance, where it agrees with order H: then more harmonics would
+not change it. Where it does not, nothing is known unless integration has looked. In this order, the later winning:
 
-- same label as the map's: confirmed. Another label: shifted if the map's label occurs at order 2H within delta, else wrong
-  count if the number n differs, wrong impact state if only the states do.
-- integration from all the solutions that the label counts, each period-1: where the orders are silent, or agree with the
-  map's n, it decides about the impact states: all confirmed, or the label with the states that were seen is the truth
-  (shifted if that label occurs at order 2H within delta). A start that settles on another period-1 motion tells that a
-  solution is wrong only where the orders are silent: it may merely lie in another basin than the true motion.
-- not a period-1 motion: one of the solutions counted is dynamically unstable at order 2H, or integration from one ended on
-  another kind of motion.
+- same label as the map's: confirmed. Another label: shifted if the map's label occurs at order 2H within delta, else
+  wrong count if the number n differs, wrong impact state if only the states do.
+- integration from all the solutions that the label counts, each period-1: where the orders are silent, or agree with
+  the map's n, it decides about the impact states: all confirmed, or the label with the states that were seen is the
+  truth (shifted if that label occurs at order 2H within delta). A start that settles on another period-1 motion tells
+  that a solution is wrong only where the orders are silent: it may merely lie in another basin than the true motion.
+- not a period-1 motion: one of the solutions counted is dynamically unstable at order 2H, or integration from one
+  ended on another kind of motion.
 
 Distances are largest differences on the two axes, each measured in lengths of its axis.
 """

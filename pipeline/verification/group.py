@@ -1,4 +1,4 @@
-"""The group `verification` of a store: what integration saw, one entry per sample, and the credibility of every cell."""
+"""The group `verification` of a store: what integration saw, one entry per sample, and every cell's credibility."""
 
 import dataclasses
 import hashlib
@@ -64,7 +64,8 @@ def sample_arrays(starts: list[Start], seen: list[Seen], stratified, beside) -> 
     """Starts and what became of them, as arrays."""
     of_start = {"row": "row", "column": "column", "solution": "solution", "start_mean": "mean",
                 "start_amplitude": "amplitude", "start_impact": "impact"}  # fmt: skip
-    of_seen = ("verdict", "kind", "period", "mean", "amplitude", "impact", "lyapunov", "largest_multiplier", "periods_used")
+    of_seen = ("verdict", "kind", "period", "mean", "amplitude", "impact", "lyapunov", "largest_multiplier",
+               "periods_used")  # fmt: skip
     values = {name: np.array([getattr(start, source) for start in starts]) for name, source in of_start.items()}
     values |= {name: np.array([getattr(one, name) for one in seen]) for name in of_seen}
     values |= {"stratified": np.asarray(stratified), "beside": np.asarray(beside)}
@@ -146,7 +147,7 @@ def _attributes(plan: Plan, found: StoredVerification) -> dict[str, dict]:
         "message": said("why the integration failed, else empty"),
         "domain_low": said(f"n/I label {names[0]}; 0: none", **labels),
         "domain_high": said(f"n/I label {names[1]}; 0: none", **labels),
-        "unstable": said("a solution counted by the map's label is dynamically unstable at the higher order; -1: unknown",
+        "unstable": said("a solution counted by the label is dynamically unstable at the higher order; -1: unknown",
                          flag_values=[-1, 0, 1], flag_meanings="unknown stable unstable"),
         "credibility": said("how far the map's label can be trusted", **store.flags(Credibility)),
         "row_message": said("why the row could not be swept at the higher orders, else empty"),

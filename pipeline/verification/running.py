@@ -114,7 +114,8 @@ def tasks_of(path: Path, plan: Plan, settings: Verify) -> int:
     """How many motions and rows there are to do; for a progress bar."""
     domain, usable = read_labels(path)
     cells = choose_cells(domain, usable, settings.samples, settings.beside, settings.seed)
-    return len(read_starts(path, plan, cells.row, cells.column)) + (plan.parameter.num if orders_of(plan, settings.order) else 0)
+    rows = plan.parameter.num if orders_of(plan, settings.order) else 0
+    return len(read_starts(path, plan, cells.row, cells.column)) + rows
 
 
 def _follow(plan: Plan, starts: list[Start], settings: Verify, run, advance) -> list[Seen]:
@@ -162,7 +163,8 @@ def _summary(plan: Plan, domain: np.ndarray, found: StoredVerification, found_do
     failures += [_failed(plan, found.samples, int(i)) for i in failed]
     return Summary(
         {kind: verdicts.get(int(kind), 0) for kind in Verdict},
-        {kind: float(np.mean(judged == kind)) if judged.size else 0.0 for kind in Credibility}, tuple(failures), found_done,
+        {kind: float(np.mean(judged == kind)) if judged.size else 0.0 for kind in Credibility},
+        tuple(failures), found_done,
     )  # fmt: skip
 
 

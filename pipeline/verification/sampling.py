@@ -28,8 +28,8 @@ class Cells:
 def allot(sizes: np.ndarray, count: int) -> np.ndarray:
     """How many of `count` draws each stratum gets.
 
-    Half of the draws are dealt evenly, as far as strata are large enough, the rest in proportion to what is left of each
-    stratum (largest remainders). With at least as many draws as strata every stratum gets one.
+    Half of the draws are dealt evenly, as far as strata are large enough, the rest in proportion to what is left of
+    each stratum (largest remainders). With at least as many draws as strata every stratum gets one.
 
     Parameters
     ----------

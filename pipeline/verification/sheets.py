@@ -129,7 +129,8 @@ def _percent(value: float) -> str:
 
 
 def _markdown(lines: list[Line], found: StoredVerification, plan: Plan, settings: Verify, name: str) -> str:
-    head = ["Label n/I", "Cells", "Samples", "Confirmed by integration", *(kind.words.capitalize() for kind in Credibility)]
+    classes = [kind.words.capitalize() for kind in Credibility]
+    head = ["Label n/I", "Cells", "Samples", "Confirmed by integration", *classes]
     rows = []
     for line in lines:
         share = _percent(line.share)
@@ -143,15 +144,16 @@ def _markdown(lines: list[Line], found: StoredVerification, plan: Plan, settings
     failed_rows = int(np.sum(found.row_messages != ""))
     notes = [
         f"Plane: {x.name} = {x.low:g}–{x.high:g} ({x.num} columns), {p.name} = {p.low:g}–{p.high:g} ({p.num} rows); "
-        f"configuration_hash {plan.digest}; balance {plan.solver['balance'].replace('_', ' ')}, order {plan.solver['order']}.",
+        f"configuration_hash {plan.digest}; balance {plan.solver['balance'].replace('_', ' ')}, "
+        f"order {plan.solver['order']}.",
         f"Confirmed by integration: of the cells drawn for their label (seed {settings.seed}), those in which a motion "
-        "started on every stable solution settles on a motion that repeats as the map says, with mean and amplitude within "
-        f"{settings.tolerance:g} of gap + static deflection and the same impact state; Wilson 95 % interval. Cells with an "
-        "unsettled or failed integration are left out. The last line weighs labels by their cells.",
-        f"Integrated at most {settings.max_periods} forcing periods. All {found.samples['verdict'].size} integrations, those "
-        f"beside boundaries included: {', '.join(verdicts)}.",
-        f"The other columns are shares of all cells of the label. Orders compared: {orders}; rows that could not be swept "
-        f"at them: {failed_rows}. Shifted: the map's label occurs at the higher order within {settings.delta:g} of the "
+        "started on every stable solution settles on a motion that repeats as the map says, with mean and amplitude "
+        f"within {settings.tolerance:g} of gap + static deflection and the same impact state; Wilson 95 % interval. "
+        "Cells with an unsettled or failed integration are left out. The last line weighs labels by their cells.",
+        f"Integrated at most {settings.max_periods} forcing periods. All {found.samples['verdict'].size} integrations, "
+        f"those beside boundaries included: {', '.join(verdicts)}.",
+        f"The other columns are shares of all cells of the label. Orders compared: {orders}; rows that could not be "
+        f"swept at them: {failed_rows}. Shifted: the map's label occurs at the higher order within {settings.delta:g} of the "
         "length of either axis. Not a period-1 motion: a solution counted by the label is dynamically unstable at the "
         "higher order, or integration from it ended on another kind of motion.",
         *(f"{kind.name.capitalize().replace('_', ' ')}: {kind.sentence}" for kind in Verdict),

@@ -1,4 +1,4 @@
-"""What workers do for a verification: integrate from solutions of the map, and sweep its rows again at higher orders."""
+"""What workers do for a verification: integrate from solutions of the map, and sweep its rows at higher orders."""
 
 from dataclasses import dataclass
 
@@ -138,12 +138,15 @@ def unstable_motions(plan: Plan, value: float, row: Row) -> np.ndarray:
         False also where there is no such motion, and where it cannot be decided.
     """
     found = np.zeros(row.stable.shape, dtype=bool)
-    system = None
+    model, omega = point_of(plan, value, float(row.grid[0]))
+    system, over_frequency = gear_system(model), plan.sweep.name == "omega"
     for column, solution in np.argwhere(row.stable == 1).tolist():
-        model, omega = point_of(plan, value, float(row.grid[column]))
-        # Along the frequency the gear stays the same.
-        if system is None or plan.sweep.name != "omega":
-            system = gear_system(model)
+        place = float(row.grid[column])
+        if over_frequency:
+            # The gear stays the same along the row.
+            omega = place
+        else:
+            system = gear_system(point_of(plan, value, place)[0])
         found[column, solution] = _unstable(system, omega, row.motions[column, solution], row.balance.period)
     return found
 
@@ -165,7 +168,7 @@ def _unstable(system, omega: float, motion: np.ndarray, period: int) -> bool:
 
 
 def _counts_unstable(mean: np.ndarray, amplitude: np.ndarray, row: Row, bad: np.ndarray) -> np.ndarray:
-    """Where one of the map's solutions (X, S; nan: none) is, at the higher order, an unstable one: the nearest stands for it."""
+    """Where one of the map's solutions (X, S; nan: none) is unstable: the nearest one of the row stands for it."""
     stable = row.stable == 1
     gaps = np.maximum(
         np.abs(mean[:, :, None] - row.mean[:, None, :]), np.abs(amplitude[:, :, None] - row.amplitude[:, None, :])

@@ -29,9 +29,9 @@ class Verdict(enum.IntEnum):
 
 _SENTENCES = {
     Verdict.CONFIRMED: "It settles on a motion with the map's mean, amplitude and impact state.",
-    Verdict.OTHER_MOTION: "It settles on another motion: the map's does not exist, is unstable, or lies far from its place.",
+    Verdict.OTHER_MOTION: "It settles on another motion: the map's does not exist, is unstable, or lies far off.",
     Verdict.WRONG_IMPACT: "It settles on a motion with the map's mean and amplitude, but in another impact state.",
-    Verdict.NOT_PERIOD_1: "It settles on a motion that does not repeat after the map's period: 2T and more, torus, chaos.",
+    Verdict.NOT_PERIOD_1: "It settles on a motion that does not repeat after the map's period: 2T, torus, chaos.",
     Verdict.UNBOUNDED: "It grows above the ceiling.",
     Verdict.UNSETTLED: "It converges so slowly that the allowed periods do not tell where to.",
     Verdict.FAILED: "It could not be integrated; the message says why.",

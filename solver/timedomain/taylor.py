@@ -13,6 +13,7 @@ ODEs by means of high-order Taylor methods", Experimental Mathematics 14 (2005) 
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -72,6 +73,12 @@ def pack(system: ContactSystem, omega: float) -> Packed:
     """
     if not (np.ndim(omega) == 0 and 0.0 < omega < math.inf):
         raise ParameterError("omega", omega, "a finite number above 0")
+    return _packed(system, float(omega))
+
+
+@lru_cache(maxsize=4)
+def _packed(system: ContactSystem, omega: float) -> Packed:
+    # A motion is followed in many calls; no kernel writes into these arrays.
     inverse = np.linalg.inv(system.mass)
     stiffness, damping = inverse @ system.stiffness, inverse @ system.damping
     force, varying = inverse @ system.force, inverse @ system.varying_force
@@ -86,7 +93,7 @@ def pack(system: ContactSystem, omega: float) -> Packed:
     low, high = -system.back_gap, system.front_gap
     length = max(abs(high), abs(low) if system.two_sided else 0.0, np.max(np.abs(load)))
     return Packed(
-        np.array([omega, low, high, length, float(low == high), _rate(system, omega, inverse)]),
+        np.array([omega, low, high, length, float(low == high), _rate(system, omega)]),
         np.concatenate([stiffness, stiffness + np.outer(force, system.contact), damping]),
         np.array([system.contact, force, varying]),
         np.ascontiguousarray(variation),
@@ -94,17 +101,22 @@ def pack(system: ContactSystem, omega: float) -> Packed:
     )
 
 
-def _rate(system: ContactSystem, omega: float, inverse) -> float:
+def _rate(system: ContactSystem, omega: float) -> float:
     """Bound, in practice, of the frequencies and growth rates of small deviations in any zone."""
-    n, highest, strength = system.degrees, 0.0, 0.0
-    for amplitude, _ in system.stiffness_harmonics:
-        strength += abs(amplitude)
+    varied = any(amplitude for amplitude, _ in system.stiffness_harmonics) and np.any(system.varying_force)
+    return _highest_rate(system) + (len(system.stiffness_harmonics) * omega if varied else 0.0)
+
+
+@lru_cache(maxsize=4)
+def _highest_rate(system: ContactSystem) -> float:
+    """The part that does not depend on the frequency of the load."""
+    n, highest, inverse = system.degrees, 0.0, np.linalg.inv(system.mass)
+    strength = sum(abs(amplitude) for amplitude, _ in system.stiffness_harmonics)
     for force in (0.0 * system.force, system.force, system.force + strength * system.varying_force):
         lower = np.hstack([-inverse @ (system.stiffness + np.outer(force, system.contact)), -inverse @ system.damping])
         companion = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower])
         highest = max(highest, float(np.max(np.abs(np.linalg.eigvals(companion)))))
-    varied = strength > 0.0 and np.any(system.varying_force)
-    return highest + (len(system.stiffness_harmonics) * omega if varied else 0.0)
+    return highest
 
 
 @kernel(WORK(types.int64), inner=True)
