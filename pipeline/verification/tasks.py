@@ -11,15 +11,12 @@ from pipeline.sweep import continuation_of, point_of, row_of
 from pipeline.verification.starts import Start
 from pipeline.verification.verdicts import Seen, Verdict, seen_of, settling_of
 from solver import Row, RowError, gear_system
+from solver.stability import Instability
 
-__all__ = ["CheckedRows", "check_rows", "follow_starts", "unstable_motions"]
+__all__ = ["CheckedRows", "check_rows", "follow_starts"]
 
 #: What a wrong number, and not a wrong program, raises.
 _NUMERICAL = (ArithmeticError, ValueError, np.linalg.LinAlgError, MemoryError)
-#: Samples per base period that give the force of a motion; a monodromy matrix needs no more.
-_SAMPLES = 1024
-# A multiplier so close to the unit circle is worth the search for the true orbit, which must lie this near the motion.
-_DOUBTFUL, _NEAR = 0.01, 0.05
 
 
 def follow_starts(plan: Plan, starts: tuple[Start, ...], max_periods: int, tolerance: float) -> list[Seen]:
@@ -102,13 +99,12 @@ def check_rows(path: str, plan: Plan, orders: tuple[int, int], columns: int, blo
         value = float(plan.parameter.values[block.start + i])
         try:
             rows = [_row(plan, value, order, columns) for order in orders]
-            bad = unstable_motions(plan, value, rows[1])
         except _NUMERICAL as error:
             messages[i] = _reason(error)
             continue
         low[i], high[i] = rows[0].domain, rows[1].domain
         counted = np.where(stable[i] == 1, 1.0, np.nan)
-        unstable[i] = _counts_unstable(mean[i] * counted, amplitude[i] * counted, rows[1], bad)
+        unstable[i] = _counts_unstable(mean[i] * counted, amplitude[i] * counted, rows[1])
     return CheckedRows(block, low, high, unstable, tuple(messages))
 
 
@@ -120,54 +116,7 @@ def _row(plan: Plan, value: float, order: int, columns: int) -> Row:
     return row_of(plan, value, balance, continuation_of(plan.solver), LiftedSeeds(columns))
 
 
-def unstable_motions(plan: Plan, value: float, row: Row) -> np.ndarray:
-    """Which motions of a row are dynamically unstable, though statically stable.
-
-    Parameters
-    ----------
-    plan : Plan
-        Of the plane.
-    value : float
-        Of the row's parameter.
-    row : Row
-        As swept by a `Galerkin` balance.
-
-    Returns
-    -------
-    (X, S) bool array
-        False also where there is no such motion, and where it cannot be decided.
-    """
-    found = np.zeros(row.stable.shape, dtype=bool)
-    model, omega = point_of(plan, value, float(row.grid[0]))
-    system, over_frequency = gear_system(model), plan.sweep.name == "omega"
-    for column, solution in np.argwhere(row.stable == 1).tolist():
-        place = float(row.grid[column])
-        if over_frequency:
-            # The gear stays the same along the row.
-            omega = place
-        else:
-            system = gear_system(point_of(plan, value, place)[0])
-        found[column, solution] = _unstable(system, omega, row.motions[column, solution], row.balance.period)
-    return found
-
-
-def _unstable(system, omega: float, motion: np.ndarray, period: int) -> bool:
-    """From the monodromy matrix of the true flow along the motion; next to the unit circle, of the true orbit."""
-    from solver.timedomain import ShootingStatus, Status, monodromy, orbit_state, shoot
-
-    state = orbit_state(system, omega, motion, period, samples=_SAMPLES)
-    _, matrix, status = monodromy(system, omega, state, period, tolerance=1e-8, ceiling=1e4 * system.motion_size)
-    if status is not Status.COMPLETE:
-        return False
-    modulus = float(np.max(np.abs(np.linalg.eigvals(matrix))))
-    if abs(modulus - 1.0) > _DOUBTFUL:
-        return modulus > 1.0
-    orbit = shoot(system, omega, state, period)
-    far = float(np.max(np.abs(orbit.state - state))) > _NEAR * system.motion_size
-    return orbit.status is ShootingStatus.CONVERGED and not far and not orbit.stable
-
-
-def _counts_unstable(mean: np.ndarray, amplitude: np.ndarray, row: Row, bad: np.ndarray) -> np.ndarray:
+def _counts_unstable(mean: np.ndarray, amplitude: np.ndarray, row: Row) -> np.ndarray:
     """Where one of the map's solutions (X, S; nan: none) is unstable: the nearest one of the row stands for it."""
     stable = row.stable == 1
     gaps = np.maximum(
@@ -176,6 +125,8 @@ def _counts_unstable(mean: np.ndarray, amplitude: np.ndarray, row: Row, bad: np.
     gaps = np.where(stable[:, None, :] & ~np.isnan(gaps), gaps, np.inf)
     nearest = np.argmin(gaps, axis=2)
     known = np.isfinite(np.min(gaps, axis=2))
+    # What the two methods dispute is not called unstable.
+    bad = stable & (row.instability > Instability.NONE) & (row.instability < Instability.DISPUTED)
     return np.any(known & np.take_along_axis(bad, nearest, axis=1), axis=1).astype(np.int8)
 
 
