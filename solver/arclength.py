@@ -24,6 +24,10 @@ FOLD, BRANCH_POINT = 1, 6
 # end, the step is refused, until the ends themselves show whether there is one.
 _CLEARANCE = 0.5
 
+# Tangents that have less of p than this at both ends of a step run at constant p, as piecewise linear systems do over whole
+# stretches; the sign of what is left is rounding's.
+_LEVEL = 1e-12
+
 # A sign change of the bordered determinant is taken for a jump until the step is this small, then for a branch point.
 _BRANCH_POINT_STEP = 1e-4
 
@@ -77,12 +81,19 @@ def _inside(y, low, high):
     return True
 
 
+@kernel(types.boolean(SETUP, ARRAY, ARRAY), inline=True)
+def _level(setup, left, right):
+    """Whether the curve runs at constant p between two points, to rounding."""
+    slot = 2 * setup.unknowns + 1
+    return abs(left[slot]) < _LEVEL and abs(right[slot]) < _LEVEL
+
+
 @kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, ARRAY, ARRAY), inner=True)
 def _hides_a_pair(setup, left, right, arc, low, high):
     """Would the curve between two points fold twice, or reach a grazing or a border of the box and come back?"""
     n, m = setup.unknowns, setup.monitors
     p = setup.scale[n]
-    if _turns_twice(left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]):
+    if not _level(setup, left, right) and _turns_twice(left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]):
         return True
     for j in range(n + 1):
         leave, arrive = arc * left[n + 1 + j] * setup.scale[j], arc * right[n + 1 + j] * setup.scale[j]
@@ -122,7 +133,7 @@ def _find_events(setup, left, right, arc, least, found, fractions, kinds):
     count = 0
     for event in range(FOLD, FOLD + m):
         slot = 2 * n + 1 if event == FOLD else 2 * n + 2 + event - FOLD
-        if left[slot] == 0.0 or left[slot] * right[slot] > 0.0:
+        if left[slot] == 0.0 or left[slot] * right[slot] > 0.0 or (event == FOLD and _level(setup, left, right)):
             continue
         fraction = locate(setup, left, right, arc, slot, left[: n + 1], 0.0, found[count])
         if fraction < 0.0:

@@ -22,9 +22,6 @@ __all__ = ["SETUP", "Setup", "land", "land_between", "locate", "observe_from", "
 
 _I, _F = types.int64, types.float64
 
-# A tangent that has less of p than this runs at constant p.
-_LEVEL = 1e-12
-
 #: What a curve is and how points of it are corrected. unknowns = n, monitors = m; work has `workspace_rows(n)` rows,
 #: gradient is (m, n + 1).
 Setup = namedtuple(
@@ -67,9 +64,6 @@ def orient(setup, point, border):
     for j in range(n + 1):
         tangent[j] = rights[0, j] / length
         y[j] += rights[1, j] * setup.scale[j]
-    if abs(tangent[n]) < _LEVEL:
-        # The sign of what is left would be rounding's: a piecewise linear system has stretches at constant p.
-        tangent[n] = 0.0
     point[-1] = determinant
     return True
 

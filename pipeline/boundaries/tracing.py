@@ -92,7 +92,7 @@ def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
     # Its kernels are many, and planes without such events do without them.
     from solver.boundaries.bifurcation_curves import bifurcation_curves
 
-    continuation = dataclasses.replace(continuation_of(plan.solver), max_points=_MOST_POINTS)
+    continuation = _with_short_steps(continuation_of(plan.solver))
     curves = bifurcation_curves(
         balance_of(plan.solver), *_frame(plan), starts, omega=_frequency(plan), continuation=continuation
     )  # fmt: skip

@@ -10,7 +10,7 @@ import zarr
 
 from pipeline import boundaries, figures, store
 from pipeline.__main__ import main
-from pipeline.boundaries.events import MARGINS, half_backlash, read_events
+from pipeline.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, MARGINS, half_backlash, read_events
 from pipeline.errors import ConfigurationError
 from pipeline.figures.regions import region_codes
 from pipeline.figures.stored import read_stored
@@ -44,7 +44,9 @@ def test_schema(made):
         assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())
         assert set(np.unique(group[name])) <= set(flags["flag_values"])
     assert group.special.attrs["flag_meanings"].split()[SpecialPoint.CUSP] == "cusp"
-    assert np.all(group.side != 0) and np.all(np.isin(group.kind, (Event.FOLD, *MARGINS)))
+    assert np.all(np.isin(group.kind, (*GRAZINGS_AND_FOLDS, *BIFURCATIONS)))
+    # Which side of a period doubling or Neimark-Sacker curve the motion is stable on is not told.
+    np.testing.assert_array_equal(group.side == 0, np.isin(group.kind, BIFURCATIONS))
     np.testing.assert_array_equal(group.amplitude, np.hypot(group.cos, group.sin))
     assert sum(summary.curves.values()) == sizes.size and summary.points == sizes.sum() and not summary.cut_short
     assert group.attrs["configuration_hash"] == plan.digest
@@ -63,7 +65,7 @@ def test_stored_curves_are_read_back(made):
     for curve in curves:
         assert np.all(np.diff(curve.arclength) >= 0.0)
         grazed = np.array([MARGINS.get(curve.kind, (0.0, 0.0))])
-        if curve.kind is not Event.FOLD:
+        if curve.kind in MARGINS:
             margin = curve.points[:, 0] + grazed[:, 0] * curve.amplitude - grazed[:, 1] * 1.0
             np.testing.assert_allclose(margin, 0.0, atol=1e-8)
 

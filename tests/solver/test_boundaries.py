@@ -122,7 +122,8 @@ def test_every_event_of_every_row_lies_on_a_curve(gear, axis):
         for point in curve.crossings(values)[1]:
             crossed.setdefault(point[4], []).append((curve.kind, point))
     for kind, point in starts:
-        assert distance(crossed.get(point[4], []), kind, point) < 1e-7
+        size = max(1.0, np.hypot(point[1], point[2]))
+        assert distance(crossed.get(point[4], []), kind, point) < 1e-7 * size
 
 
 @all_planes
