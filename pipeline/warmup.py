@@ -14,10 +14,10 @@ __all__ = ["compile_beside"]
 # The packages' own imports would compile everything in the same order; as bare folders they let one module be chosen.
 _HELPER = """
 import sys, types
-for name, folder in (("solver", sys.argv[1]), ("solver.boundaries", sys.argv[1] + "/boundaries")):
-    sys.modules[name] = types.ModuleType(name)
-    sys.modules[name].__path__ = [folder]
-import solver.certificates, solver.boundaries.contact_angles
+for name in ("", ".boundaries", ".stability", ".harmonic"):
+    package = sys.modules["solver" + name] = types.ModuleType("solver" + name)
+    package.__path__ = [sys.argv[1] + name.replace(".", "/")]
+import solver.stability.scan, solver.boundaries.bifurcation_curves, solver.boundaries.contact_angles
 """
 
 

@@ -84,7 +84,6 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability) -> list[P
     from pipeline.figures.map import draw_map, draw_window
     from pipeline.figures.output import write_figure
     from pipeline.figures.stored import read_stored
-    from pipeline.figures.verification import draw_verification, verification_of
 
     plane = read_stored(store_path, stability == "dynamic")
     paths = []
@@ -94,9 +93,13 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability) -> list[P
         if window is not None:
             paths += write_figure(draw_window(plane, window), plane, folder, "map-window", formats, dpi)
         paths += write_figure(draw_curves(plane, curves), plane, folder, "curves", formats, dpi)
-        verified = verification_of(store_path)
-        if verified is not None:
-            paths += write_figure(draw_verification(plane, verified), plane, folder, "verification", formats, dpi)
+        if (store_path / "verification").exists():
+            # What it needs of the solver are many kernels, and most planes have not been verified.
+            from pipeline.figures.verification import draw_verification, verification_of
+
+            verified = verification_of(store_path)
+            if verified is not None:
+                paths += write_figure(draw_verification(plane, verified), plane, folder, "verification", formats, dpi)
         if has_backbone(plane):
             paths += write_figure(draw_backbone(plane), plane, folder, "backbone", formats, dpi)
     return paths
