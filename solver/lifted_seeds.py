@@ -73,7 +73,7 @@ class LiftedSeeds:
             start = grown_solution(span, float(probes[column]))
             if start is not None:
                 found.add(column, start[:-1])
-        return tuple(found.curves), max(early, len(found.curves) if not self.every_column else early)
+        return tuple(found.curves), early if self.every_column else len(found.curves)
 
 
 def _guesses(span: RowSpan, known: list[np.ndarray]) -> Iterator[np.ndarray]:
