@@ -129,8 +129,8 @@ def _run_all(all_settings, reporter) -> int:
             except OSError as error:
                 reporter.error(f"{error}{_KEPT}")
                 status = max(status, 1)
-    # Tables need several planes: once, after all of them.
-    return max(status, run_shared_stages(jobs[-1], reporter))
+        # Tables need several planes: once, after all of them.
+        return max(status, run_shared_stages(jobs[-1], workforce, reporter))
 
 
 def _parse(arguments: list[str]) -> tuple[bool, str | None, bool, list[str] | None]:

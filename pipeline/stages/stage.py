@@ -1,0 +1,36 @@
+"""What a stage is, for the command line."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pipeline.cluster import Workforce
+from pipeline.progress import Reporter
+from pipeline.stages.job import Job
+
+__all__ = ["Stage"]
+
+
+def _nothing(job: Job) -> None:
+    """Nothing to check."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One thing to do.
+
+    Parameters
+    ----------
+    name : str
+        As typed in `stages=[...]`.
+    run : callable
+        run(job, workforce, reporter) does it and returns an exit status.
+    check : callable
+        check(job) raises ConfigurationError unless it can be done; writes nothing.
+    on_workers : bool
+        Whether it needs the cluster.
+    """
+
+    name: str
+    run: Callable[[Job, Workforce, Reporter], int]
+    check: Callable[[Job], None] = _nothing
+    on_workers: bool = False

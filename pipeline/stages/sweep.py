@@ -1,0 +1,114 @@
+"""The stage sweep: rows of the plane that are not in the store yet, then a second look where folds come or go."""
+
+import shutil
+from time import perf_counter
+
+import numpy as np
+
+from pipeline import groups, store
+from pipeline.cluster import Workforce
+from pipeline.errors import ConfigurationError
+from pipeline.plan import warnings
+from pipeline.progress import Reporter, RowProgress
+from pipeline.stages.job import Job, open_log
+from pipeline.stages.stage import Stage
+
+__all__ = ["STAGE"]
+
+
+def _check_store(job: Job) -> None:
+    path, config = job.store_path, job.settings.config
+    if config.store.overwrite:
+        store.refuse_foreign(path)
+    else:
+        store.check(path, job.plan)
+    place = path
+    while not place.exists():
+        place = place.parent
+    free = shutil.disk_usage(place).free
+    if job.plan.bytes > free:
+        raise ConfigurationError(
+            f"plane.sweep.num x plane.parameter.num = {job.plan.sweep.num} x {job.plan.parameter.num} is not allowed: "
+            f"up to {job.plan.bytes / 1e9:.3g} GB do not fit into the {free / 1e9:.3g} GB free at {place}"
+        )
+
+
+def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    settings, path = job.settings, job.store_path
+    for text in warnings(job.plan):
+        reporter.line(f"note: {text}")
+    begin = perf_counter()
+    present = store.check(path, job.plan) if not settings.config.store.overwrite else False
+    blocks = store.pending_blocks(path, job.plan) if present else job.plan.blocks
+    if not blocks and not _neighbours(job).size:
+        reporter.line(f"sweep: all {job.plan.parameter.num} rows are in {path} already, nothing to do")
+        return 0
+    where = workforce.start()
+    open_log(job, reporter)
+    if present:
+        # They belong to the rows as they were.
+        groups.remove_added(path)
+    else:
+        shutil.rmtree(path, ignore_errors=True)
+        store.create(path, job.plan, settings.store_name, settings.yaml())
+    rows = sum(block.stop - block.start for block in blocks)
+    columns = job.plan.sweep.num
+    state = "continues: " if present else ""
+    reporter.line(f"sweep: {state}{rows} rows of {columns} columns into {path}; {where}")
+    ready = perf_counter()
+    lost, points = _run_blocks(job, blocks, {}, workforce, reporter)
+    if not lost:
+        lost += _certify_neighbours(job, workforce, reporter)
+    seconds = perf_counter() - ready
+    failed = store.failures(path)
+    for row, reason in failed[:10]:
+        reporter.line(f"  row {row} ({job.plan.parameter.name} = {job.plan.parameter.values[row]:.6g}) failed: {reason}")
+    if len(failed) > 10:
+        reporter.line(f"  and {len(failed) - 10} more; `message` in the store has every reason")
+    for text in lost:
+        reporter.error(text)
+    reporter.line(
+        f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
+        f"(after {ready - begin:.2f} s to get ready), {len(failed)} rows failed"
+    )
+    return 1 if failed or lost else 0
+
+
+def _neighbours(job: Job):
+    """Rows that a second look is due to; none where enumeration is off or looks everywhere anyway."""
+    return store.rows_to_certify(job.store_path) if job.plan.solver["certify"] == "columns" else np.empty(0, int)
+
+
+def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> list[str]:
+    """Look everywhere in rows beside which folds come or go, until no more such rows turn up; why blocks were lost."""
+    lost, before = [], store.certified_rows(job.store_path).size
+    while not lost and (due := _neighbours(job)).size:
+        rows = np.union1d(due, store.certified_rows(job.store_path))
+        chosen = {block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks}
+        blocks = [block for block in job.plan.blocks if np.any((due >= block.start) & (due < block.stop))]
+        lost, _ = _run_blocks(job, blocks, chosen, workforce, None)
+    count = store.certified_rows(job.store_path).size - before
+    reporter.line(f"sweep: {count} rows next to births and deaths of folds enumerated at every column")
+    return lost
+
+
+def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, reporter: Reporter | None):
+    """Run the blocks, with a bar if a reporter is given; why blocks were lost, and the number of branch points."""
+    from pipeline.sweep import sweep_block
+
+    lost, points = [], 0
+    tasks = [(str(job.store_path), job.plan, block, every_column.get(block, frozenset())) for block in blocks]
+    rows = sum(block.stop - block.start for block in blocks)
+    with RowProgress(reporter, rows) as progress:
+        for (_, _, block, _), result in workforce.run(sweep_block, tasks):
+            count = block.stop - block.start
+            if isinstance(result, BaseException):
+                lost.append(f"rows {block.start}-{block.stop - 1} were not stored: {type(result).__name__}: {result}")
+                progress.advance(count, count)
+            else:
+                points += result.points
+                progress.advance(count, len(result.failures))
+    return lost, points
+
+
+STAGE = Stage("sweep", _run, _check_store, on_workers=True)

@@ -1,0 +1,40 @@
+"""The store of a plane: a zarr group whose template is written first and filled block by block.
+
+Only the task that owns a block writes its chunks, `status` last, so that a block is either complete or computed again.
+"""
+
+from pipeline.store.attributes import axis_attributes, flags, label_flags
+from pipeline.store.blocks import write_block
+from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign
+from pipeline.store.states import (
+    COMPLETE,
+    FAILED,
+    PENDING,
+    certified_rows,
+    failures,
+    pending_blocks,
+    rows_to_certify,
+    statuses,
+)
+from pipeline.store.template import consolidate, create
+
+__all__ = [
+    "COMPLETE",
+    "FAILED",
+    "PENDING",
+    "axis_attributes",
+    "certified_rows",
+    "check",
+    "consolidate",
+    "create",
+    "failures",
+    "flags",
+    "label_flags",
+    "pending_blocks",
+    "read_numbers",
+    "read_plan",
+    "refuse_foreign",
+    "rows_to_certify",
+    "statuses",
+    "write_block",
+]

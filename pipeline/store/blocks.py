@@ -1,0 +1,79 @@
+"""Writing one block of rows, the only writer of its chunks."""
+
+import numpy as np
+import zarr
+
+from pipeline.plan import Block, Plan
+from pipeline.store.arrays import arrays_of
+from pipeline.store.states import COMPLETE, FAILED, PENDING
+from solver import Row
+
+__all__ = ["write_block"]
+
+
+def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> None:
+    """Write one block; a row given as text has failed for that reason.
+
+    Parameters
+    ----------
+    path : str
+        A store whose template matches the plan.
+    plan : Plan
+    block : Block
+    rows : list of Row or str
+        One per row of the block.
+    """
+    root = zarr.open_group(path, mode="r+")
+    count = block.stop - block.start
+    specs = arrays_of(plan)
+    values = {}
+    for name, spec in specs.items():
+        shape = root[name].shape[1:]
+        if spec["dtype"] == "str":
+            values[name] = np.full(count, "", dtype=object)
+        else:
+            values[name] = np.full((count, *shape), spec["fill"], dtype=spec["dtype"])
+    for i, row in enumerate(rows):
+        if isinstance(row, str):
+            values["message"][i], values["status"][i] = row, FAILED
+        else:
+            _fill_raster(values, i, row)
+            _fill_branches(values, i, row, plan.sweep.name)
+            values["status"][i] = COMPLETE
+    # A block that is written again is not complete until it is whole again.
+    root["status"][block.start : block.stop] = PENDING
+    for name, value in values.items():
+        root[name][block.start : block.stop] = value
+
+
+def _fill_raster(values: dict, i: int, row: Row) -> None:
+    found = slice(row.mean.shape[1])
+    for name in ("n_solutions", "n_stable", "domain", "open", "certified"):
+        if name in values:
+            values[name][i] = getattr(row, name)
+    for name in ("mean", "amplitude", "phase", "stable", "impact", "instability", "multiplier"):
+        values[name][i, :, found] = getattr(row, name)
+    if "motion" in values:
+        values["motion"][i, :, found] = row.motions
+        values["lowest"][i, :, found], values["highest"][i, :, found] = row.extremes
+
+
+def _fill_branches(values: dict, i: int, row: Row, axis: str) -> None:
+    start = 0
+    for number, curve in enumerate(row.curves):
+        here = slice(start, start + len(curve.points))
+        mean, cos, sin = row.branch_motions(curve)
+        for name, value in (("mean", mean), ("cos", cos), ("sin", sin), (axis, curve.points[:, -1])):
+            values[f"branches/{name}"][i, here] = value
+        values["branches/amplitude"][i, here] = np.hypot(cos, sin)
+        if "branches/motion" in values:
+            values["branches/motion"][i, here] = curve.points[:, :-1]
+        values["branches/arclength"][i, here] = curve.arclength
+        values["branches/stable"][i, here] = curve.stable
+        values["branches/impact"][i, here] = row.branch_impact(curve)
+        values["branches/branch"][i, here] = number
+        values["branches/event"][i, here] = curve.event
+        values["branches/end_reason"][i, number] = curve.ends
+        start = here.stop
+    values["branches/n_points"][i] = start
+    values["branches/n_folds"][i], values["branches/n_gained"][i] = row.n_folds, row.n_gained

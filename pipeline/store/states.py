@@ -1,0 +1,53 @@
+"""States of rows, and which of them are still due."""
+
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.plan import Block, Plan
+
+__all__ = ["COMPLETE", "FAILED", "PENDING", "certified_rows", "failures", "pending_blocks", "rows_to_certify", "statuses"]
+
+PENDING, COMPLETE, FAILED = 0, 1, 2
+
+
+def statuses(path: Path) -> np.ndarray:
+    """State of every row."""
+    return zarr.open_group(path, mode="r")["status"][:]
+
+
+def pending_blocks(path: Path, plan: Plan) -> list[Block]:
+    """Blocks with a row that is not complete; each is computed again as a whole, failed rows included."""
+    status = statuses(path)
+    return [block for block in plan.blocks if np.any(status[block.start : block.stop] != COMPLETE)]
+
+
+def rows_to_certify(path: Path) -> np.ndarray:
+    """Rows next to which something comes or goes that the rows' own seeds may have missed, and not yet looked at everywhere.
+
+    A row is one if the folds found from its evenly spaced seeds differ in number from a neighbour's, or if looking
+    everywhere brought a neighbour a new branch. Looking at them everywhere can only add rows, and the order does not
+    matter, so that a run that was interrupted arrives at the same store.
+    """
+    root = zarr.open_group(path, mode="r")
+    complete = root["status"][:] == COMPLETE
+    folds, gained = root["branches/n_folds"][:], root["branches/n_gained"][:]
+    step = (np.diff(folds) != 0) & complete[1:] & complete[:-1]
+    wanted = np.zeros(folds.size, dtype=bool)
+    wanted[1:] |= step | (gained[:-1] > 0)
+    wanted[:-1] |= step | (gained[1:] > 0)
+    return np.flatnonzero(wanted & complete & (gained < 0))
+
+
+def certified_rows(path: Path) -> np.ndarray:
+    """Rows in which every column was looked at."""
+    return np.flatnonzero(zarr.open_group(path, mode="r")["branches/n_gained"][:] >= 0)
+
+
+def failures(path: Path) -> list[tuple[int, str]]:
+    """Failed rows and their reasons."""
+    root = zarr.open_group(path, mode="r")
+    rows = np.flatnonzero(root["status"][:] == FAILED)
+    messages = root["message"][:] if rows.size else []
+    return [(int(row), str(messages[row])) for row in rows]

@@ -1,0 +1,89 @@
+"""Writing the template of a store: all metadata, no rows."""
+
+import json
+import shutil
+import warnings
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+
+import zarr
+
+from pipeline.plan import SCHEMA_VERSION, Plan
+from pipeline.store.arrays import arrays_of
+from pipeline.store.attributes import axis_attributes
+
+__all__ = ["consolidate", "create"]
+
+_PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "numcodecs", "xarray", "dask", "distributed")
+
+
+def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
+    """Write the template: all metadata, no rows. It appears under its name only when it is whole.
+
+    Parameters
+    ----------
+    path : Path
+        Where the store shall be; must not exist.
+    plan : Plan
+    name : str
+        Of the store, for its title.
+    configuration : str
+        The resolved configuration in YAML.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f".{path.name}.template")
+    shutil.rmtree(draft, ignore_errors=True)
+    row, column = plan.parameter, plan.sweep
+    root = zarr.create_group(
+        draft,
+        zarr_format=3,
+        attributes={
+            "Conventions": "CF-1.11",
+            "title": f"Solution domain {name}: {column.name} x {row.name}",
+            "bevelmap_schema": SCHEMA_VERSION,
+            "configuration": configuration,
+            "numbers": json.dumps(plan.numbers, sort_keys=True),
+            "configuration_hash": plan.digest,
+            "versions": _versions(),
+            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        },
+    )
+    # A branch point's position is a coordinate; as a plain variable it would be hidden by the plane's axis of that name.
+    root.create_group("branches", attributes={"coordinates": column.name})
+    for place in (row.name, column.name, f"branches/{row.name}"):
+        axis = column if place == column.name else row
+        root.create_array(
+            place, data=axis.values, dimension_names=[axis.name], attributes=axis_attributes(axis.name)
+        )
+    sizes = {
+        row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,
+        "branch_number": plan.max_branches, "end": 2,
+        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
+    }  # fmt: skip
+    for array, spec in arrays_of(plan).items():
+        shape = tuple(sizes[dim] for dim in spec["dims"])
+        root.create_array(
+            array, shape=shape, chunks=(plan.rows_per_block, *shape[1:]), dtype=spec["dtype"],
+            fill_value=spec["fill"], dimension_names=list(spec["dims"]), attributes=spec["attributes"],
+        )  # fmt: skip
+    consolidate(draft)
+    draft.rename(path)
+
+
+def consolidate(path: Path) -> None:
+    """Gather the metadata of all arrays in one file, which makes opening fast."""
+    with warnings.catch_warnings():
+        # zarr warns that consolidated metadata is not yet part of the format's third version; xarray reads it.
+        warnings.filterwarnings("ignore", message="Consolidated metadata", category=UserWarning)
+        zarr.consolidate_metadata(path)
+
+
+def _versions() -> dict[str, str]:
+    versions = {}
+    for package in ("bevelmap", *_PACKAGES):
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            versions[package] = "not installed"
+    return versions
