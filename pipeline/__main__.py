@@ -129,8 +129,21 @@ def _run_all(all_settings, reporter) -> int:
             except OSError as error:
                 reporter.error(f"{error}{_KEPT}")
                 status = max(status, 1)
+            except (ValueError, KeyError, TypeError, RuntimeError) as error:
+                reporter.error(str(_of_damage(job, error)))
+                status = max(status, 1)
         # Tables need several planes: once, after all of them.
         return max(status, run_shared_stages(jobs[-1], workforce, reporter))
+
+
+def _of_damage(job, error: Exception) -> Exception:
+    """What to say where reading a damaged store is what went wrong; anything else is a defect of ours, and goes on up."""
+    from pipeline import store
+
+    found = store.damage_error(job.store_path)
+    if found is None:
+        raise error
+    return found
 
 
 def _parse(arguments: list[str]) -> tuple[bool, str | None, bool, list[str] | None]:

@@ -14,6 +14,7 @@ import numpy as np
 import zarr
 
 from pipeline import store
+from pipeline.store.codecs import COMPRESSORS, every_chunk
 
 __all__ = ["Variable", "open_group", "remove_added", "remove_group", "write_group"]
 
@@ -42,11 +43,12 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
         text = variable.dtype == "str"
         data = np.array(variable.data, dtype=object if text else variable.dtype, order="C")
         most = max(data.size, 1) if data.ndim == 1 else _CHUNK
-        group.create_array(
-            key, shape=data.shape, chunks=tuple(min(max(size, 1), most) for size in data.shape), dtype=variable.dtype,
-            dimension_names=[variable.dims] if isinstance(variable.dims, str) else list(variable.dims),
-            attributes=variable.attributes,
-        )[...] = data  # fmt: skip
+        with every_chunk():
+            group.create_array(
+                key, shape=data.shape, chunks=tuple(min(max(size, 1), most) for size in data.shape), dtype=variable.dtype,
+                dimension_names=[variable.dims] if isinstance(variable.dims, str) else list(variable.dims),
+                compressors=COMPRESSORS, attributes=variable.attributes,
+            )[...] = data  # fmt: skip
     remove_group(path, name)
     draft.rename(path / name)
     store.consolidate(path)

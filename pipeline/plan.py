@@ -13,7 +13,9 @@ from pipeline.errors import ConfigurationError
 __all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan", "plan_of", "warnings"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
+#: Stores from this version on can be read; rows are only written to stores of this program's own version.
+OLDEST_READ = 2
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16

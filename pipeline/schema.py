@@ -88,8 +88,11 @@ class Cluster:
 
     kind: str = MISSING
     workers: int = MISSING
+    memory: str = MISSING
+    row_seconds: float = MISSING
     dashboard: bool = MISSING
     address: str | None = MISSING
+    scheduler_file: str | None = MISSING
     timeout: float = MISSING
 
 
@@ -115,6 +118,7 @@ class Store:
     root: str = MISSING
     name: str | None = MISSING
     overwrite: bool = MISSING
+    wait: bool = MISSING
     max_solutions: int = MISSING
     max_branches: int = MISSING
     max_points: int = MISSING
@@ -166,6 +170,13 @@ class Jumps:
 
 
 @dataclass
+class Check:
+    """What is done about damage."""
+
+    repair: bool = MISSING
+
+
+@dataclass
 class Configuration:
     """All of it."""
 
@@ -181,3 +192,4 @@ class Configuration:
     basins: Basins = MISSING
     jumps: Jumps = MISSING
     figures: Figures = MISSING
+    check: Check = MISSING

@@ -4,12 +4,12 @@ This is what runs on workers. A row that fails is recorded with its reason and t
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 from time import perf_counter
-
-import numpy as np
 
 from pipeline import store
 from pipeline.plan import Block, Plan
+from pipeline.store.tries import Tries
 from solver import (
     Balance,
     Broyden,
@@ -25,7 +25,10 @@ from solver import (
     sweep_row,
 )
 
-__all__ = ["Receipt", "balance_of", "continuation_of", "model_at", "point_of", "row_of", "seeds_of", "sweep_block"]
+__all__ = [
+    "Outcome", "Receipt", "RowTrouble", "balance_of", "continuation_of", "model_at", "point_of", "row_of", "seeds_of",
+    "sweep_block", "sweep_blocks",
+]  # fmt: skip
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
 CERTIFY = ("none", "columns", "all")
@@ -46,6 +49,18 @@ class Receipt:
     def rows(self) -> int:
         """Number of rows done."""
         return self.block.stop - self.block.start
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a batch: a receipt per block that was stored, and where a row of the next block failed, if one did."""
+
+    receipts: tuple[Receipt, ...]
+    worker: str | None
+
+
+class RowTrouble(RuntimeError):
+    """A row raised something unforeseen; it is worth another try elsewhere."""
 
 
 def balance_of(settings: dict) -> Balance:
@@ -109,8 +124,8 @@ def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuatio
     )
 
 
-def _sweep(plan: Plan, value: float, continuation: Continuation, seeds) -> Row:
-    row = row_of(plan, value, balance_of(plan.solver), continuation, seeds)
+def _sweep(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+    row = row_of(plan, value, balance, continuation, seeds)
     for name, size, room in (
         ("max_solutions", row.mean.shape[1], plan.max_solutions),
         ("max_branches", len(row.curves), plan.max_branches),
@@ -121,8 +136,10 @@ def _sweep(plan: Plan, value: float, continuation: Continuation, seeds) -> Row:
     return row
 
 
-def sweep_block(path: str, plan: Plan, block: Block, every_column: frozenset[int] = frozenset()) -> Receipt:
-    """Compute one block of rows and write it; a row that raises is stored as failed, with the reason.
+def sweep_block(
+    path: str, plan: Plan, block: Block, every_column: frozenset[int] = frozenset(), limit: float | None = None
+) -> Receipt:
+    """Compute one block of rows and write it; a row that fails for good is stored as failed, with the reason.
 
     Parameters
     ----------
@@ -132,22 +149,65 @@ def sweep_block(path: str, plan: Plan, block: Block, every_column: frozenset[int
     block : Block
     every_column : set of int
         Rows in which all solutions are enumerated at every column, whatever the settings say.
+    limit : float, optional
+        Seconds that a row may take; the process ends where one takes longer.
 
     Returns
     -------
     Receipt
+
+    Raises
+    ------
+    RowTrouble
+        If a row raises something unforeseen: nothing is written then, and the attempt is noted for the next one.
     """
     begin = perf_counter()
-    continuation = continuation_of(plan.solver)
+    balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
     rows: list[Row | str] = []
-    for index in range(block.start, block.stop):
-        seeds = seeds_of(plan.solver, index in every_column)
-        try:
-            rows.append(_sweep(plan, float(plan.parameter.values[index]), continuation, seeds))
-        except (ArithmeticError, ValueError, np.linalg.LinAlgError, MemoryError) as error:
-            reason = str(error) if isinstance(error, RowError) else f"{type(error).__name__}: {error}"
-            rows.append(reason)
-    store.write_block(path, plan, block, rows)
+    with Tries(Path(path), block.start, limit) as tries:
+        for index in range(block.start, block.stop):
+            seeds = seeds_of(plan.solver, index in every_column)
+            verdict = tries.verdict(index)
+            if verdict is not None:
+                rows.append(verdict)
+                continue
+            try:
+                with tries.attempt(index):
+                    rows.append(_sweep(plan, float(plan.parameter.values[index]), balance, continuation, seeds))
+            except RowError as error:
+                # Foreseen, and the same on every worker.
+                rows.append(str(error))
+            except Exception as error:
+                tries.raised(index, f"{type(error).__name__}: {error}")
+                verdict = tries.verdict(index)
+                if verdict is None:
+                    raise RowTrouble(f"row {index}: {type(error).__name__}: {error}") from error
+                rows.append(verdict)
+        store.write_block(path, plan, block, rows)
+        tries.forget()
     failures = tuple((block.start + i, row) for i, row in enumerate(rows) if isinstance(row, str))
     points = sum(len(curve.points) for row in rows if isinstance(row, Row) for curve in row.curves)
     return Receipt(block, failures, points, perf_counter() - begin)
+
+
+def sweep_blocks(
+    path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]], ...], limit: float | None
+) -> Outcome:
+    """Several blocks one after the other, as far as their rows can be computed; see `sweep_block`."""
+    receipts = []
+    for block, every_column in work:
+        try:
+            receipts.append(sweep_block(path, plan, block, every_column, limit))
+        except RowTrouble:
+            return Outcome(tuple(receipts), _worker())
+    return Outcome(tuple(receipts), None)
+
+
+def _worker() -> str | None:
+    """The address of the worker that this runs on, None in a process of its own."""
+    from distributed import get_worker
+
+    try:
+        return get_worker().address
+    except ValueError:
+        return None

@@ -1,6 +1,7 @@
 """The stages of a run, in their order: what each needs, checks and does. Checks come first and write nothing."""
 
 import os
+from contextlib import nullcontext
 from pathlib import Path
 
 from pipeline import store
@@ -9,13 +10,14 @@ from pipeline.config import Settings
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan import plan
 from pipeline.progress import Reporter
-from pipeline.stages import basins, boundaries, figures, jumps, sweep, tables, verify
+from pipeline.stages import basins, boundaries, check, figures, jumps, sweep, tables, verify
 from pipeline.stages.job import Job, sweep_command
+from pipeline.store.lock import holding
 
 __all__ = ["PLANE_STAGES", "SHARED_STAGES", "Job", "prepare", "run_plane_stages", "run_shared_stages"]
 
 #: What concerns one plane alone, and reads its plan from the store unless it is swept in the same run.
-PLANE_STAGES = (sweep.STAGE, boundaries.STAGE, verify.STAGE, basins.STAGE, jumps.STAGE, figures.STAGE)
+PLANE_STAGES = (sweep.STAGE, boundaries.STAGE, verify.STAGE, basins.STAGE, jumps.STAGE, figures.STAGE, check.STAGE)
 #: What needs several planes.
 SHARED_STAGES = (tables.STAGE,)
 
@@ -43,7 +45,7 @@ def prepare(settings: Settings) -> Job:
         check_cluster(config.cluster)
     if job.asks(sweep.STAGE.name):
         job = Job(settings, plan(settings))
-    elif any(stage in PLANE_STAGES for stage in asked):
+    elif any(stage.needs_plan and stage in PLANE_STAGES for stage in asked):
         if not job.store_path.exists():
             raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
         job = Job(settings, store.read_plan(job.store_path))
@@ -63,7 +65,10 @@ def _check_folder(key: str, folder: Path) -> None:
 
 def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
-    return _run(PLANE_STAGES, job, workforce, reporter)
+    writes = any(stage.writes and job.asks(stage.name) for stage in PLANE_STAGES)
+    held = holding(job.store_path, job.settings.config.store.wait, reporter.line) if writes else nullcontext()
+    with held:
+        return _run(PLANE_STAGES, job, workforce, reporter)
 
 
 def run_shared_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:

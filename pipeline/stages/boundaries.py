@@ -42,4 +42,4 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if summary.cut_short else 0
 
 
-STAGE = Stage("boundaries", _run)
+STAGE = Stage("boundaries", _run, writes=True)

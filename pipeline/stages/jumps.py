@@ -35,4 +35,4 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if failures else 0
 
 
-STAGE = Stage("jumps", _run, lambda job: check_jumps(job.settings.config.jumps, job.plan), on_workers=True)
+STAGE = Stage("jumps", _run, lambda job: check_jumps(job.settings.config.jumps, job.plan), on_workers=True, writes=True)

@@ -28,9 +28,15 @@ class Stage:
         check(job) raises ConfigurationError unless it can be done; writes nothing.
     on_workers : bool
         Whether it needs the cluster.
+    writes : bool
+        Whether it writes into the store, so that it must be alone there.
+    needs_plan : bool
+        Whether it is given the plan of the plane.
     """
 
     name: str
     run: Callable[[Job, Workforce, Reporter], int]
     check: Callable[[Job], None] = _nothing
     on_workers: bool = False
+    writes: bool = False
+    needs_plan: bool = True

@@ -1,6 +1,7 @@
 """The stage sweep: rows of the plane that are not in the store yet, then a second look where folds come or go."""
 
 import shutil
+from collections.abc import Sequence
 from time import perf_counter
 
 import numpy as np
@@ -8,12 +9,13 @@ import numpy as np
 from pipeline import groups, store
 from pipeline.cluster import Workforce
 from pipeline.errors import ConfigurationError
-from pipeline.plan import warnings
+from pipeline.plan import Block, warnings
 from pipeline.progress import Reporter, RowProgress
 from pipeline.stages.job import Job, open_log
 from pipeline.stages.stage import Stage
+from pipeline.store.tries import forget_tries
 
-__all__ = ["STAGE"]
+__all__ = ["STAGE", "compute"]
 
 
 def _check_store(job: Job) -> None:
@@ -43,6 +45,9 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks and not _neighbours(job).size:
         reporter.line(f"sweep: all {job.plan.parameter.num} rows are in {path} already, nothing to do")
         return 0
+    if present:
+        store.refuse_to_write_older(path)
+        store.remove_left_overs(path)
     where = workforce.start()
     open_log(job, reporter)
     if present:
@@ -52,10 +57,26 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         shutil.rmtree(path, ignore_errors=True)
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
-    columns = job.plan.sweep.num
     state = "continues: " if present else ""
-    reporter.line(f"sweep: {state}{rows} rows of {columns} columns into {path}; {where}")
-    ready = perf_counter()
+    reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")
+    return compute(job, blocks, workforce, reporter, perf_counter() - begin)
+
+
+def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: Reporter, waited: float = 0.0) -> int:
+    """Compute blocks of a store, look a second time where that is due, and say what came of it; an exit status.
+
+    Parameters
+    ----------
+    job : Job
+    blocks : sequence of Block
+        Of a store whose template is written.
+    workforce : Workforce
+    reporter : Reporter
+    waited : float
+        Seconds that getting ready took, for the report.
+    """
+    path, rows, ready = job.store_path, sum(block.stop - block.start for block in blocks), perf_counter()
+    forget_tries(path)
     lost, points = _run_blocks(job, blocks, {}, workforce, reporter)
     if not lost:
         lost += _certify_neighbours(job, workforce, reporter)
@@ -69,8 +90,9 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.error(text)
     reporter.line(
         f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
-        f"(after {ready - begin:.2f} s to get ready), {len(failed)} rows failed"
+        f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"
     )
+    forget_tries(path)
     return 1 if failed or lost else 0
 
 
@@ -94,13 +116,12 @@ def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> l
 
 def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, reporter: Reporter | None):
     """Run the blocks, with a bar if a reporter is given; why blocks were lost, and the number of branch points."""
-    from pipeline.sweep import sweep_block
+    from pipeline.dispatch import dispatch
 
     lost, points = [], 0
-    tasks = [(str(job.store_path), job.plan, block, every_column.get(block, frozenset())) for block in blocks]
     rows = sum(block.stop - block.start for block in blocks)
     with RowProgress(reporter, rows) as progress:
-        for (_, _, block, _), result in workforce.run(sweep_block, tasks):
+        for block, result in dispatch(job.store_path, job.plan, blocks, every_column, workforce):
             count = block.stop - block.start
             if isinstance(result, BaseException):
                 lost.append(f"rows {block.start}-{block.stop - 1} were not stored: {type(result).__name__}: {result}")
@@ -111,4 +132,4 @@ def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, repo
     return lost, points
 
 
-STAGE = Stage("sweep", _run, _check_store, on_workers=True)
+STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True)

@@ -35,4 +35,4 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if summary.failures else 0
 
 
-STAGE = Stage("verify", _run, lambda job: check_verify(job.settings.config.verify), on_workers=True)
+STAGE = Stage("verify", _run, lambda job: check_verify(job.settings.config.verify), on_workers=True, writes=True)

@@ -5,7 +5,8 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 
 from pipeline.store.attributes import axis_attributes, flags, label_flags
 from pipeline.store.blocks import write_block
-from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign
+from pipeline.store.damage import damage_error, find_damage, mend, remove_left_overs
+from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign, refuse_to_write_older
 from pipeline.store.states import (
     COMPLETE,
     FAILED,
@@ -27,13 +28,18 @@ __all__ = [
     "check",
     "consolidate",
     "create",
+    "damage_error",
     "failures",
+    "find_damage",
     "flags",
     "label_flags",
+    "mend",
     "pending_blocks",
     "read_numbers",
     "read_plan",
     "refuse_foreign",
+    "refuse_to_write_older",
+    "remove_left_overs",
     "rows_to_certify",
     "statuses",
     "write_block",

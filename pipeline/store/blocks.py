@@ -5,6 +5,7 @@ import zarr
 
 from pipeline.plan import Block, Plan
 from pipeline.store.arrays import arrays_of
+from pipeline.store.codecs import every_chunk
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
 
@@ -41,9 +42,11 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
             _fill_branches(values, i, row, plan.sweep.name)
             values["status"][i] = COMPLETE
     # A block that is written again is not complete until it is whole again.
-    root["status"][block.start : block.stop] = PENDING
-    for name, value in values.items():
-        root[name][block.start : block.stop] = value
+    with every_chunk():
+        if np.any(root["status"][block.start : block.stop] != PENDING):
+            root["status"][block.start : block.stop] = PENDING
+        for name, value in values.items():
+            root[name][block.start : block.stop] = value
 
 
 def _fill_raster(values: dict, i: int, row: Row) -> None:

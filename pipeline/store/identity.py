@@ -3,38 +3,86 @@
 import json
 from pathlib import Path
 
-import zarr
-
 from pipeline.errors import StoreError
-from pipeline.plan import SCHEMA_VERSION, Plan, numbers_digest, plan_of
+from pipeline.plan import OLDEST_READ, SCHEMA_VERSION, Plan, plan_of
 
-__all__ = ["check", "read_numbers", "read_plan", "refuse_foreign"]
+__all__ = [
+    "check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "refuse_to_write_older", "root_attributes",
+]  # fmt: skip
+
+
+def root_attributes(path: Path) -> dict:
+    """What the root of a store says of itself; from its second place, in `branches`, where the first is damaged.
+
+    Raises
+    ------
+    StoreError
+        If there is no store, or neither place can be read.
+    """
+    if not path.exists():
+        raise StoreError(f"there is no store at {path}")
+    for file, *keys in ((path / "zarr.json", "attributes"), (path / "branches" / "zarr.json", "attributes", "plane")):
+        try:
+            attributes = json.loads(file.read_text(encoding="utf-8"))
+            for key in keys:
+                attributes = attributes[key]
+            json.loads(attributes["numbers"])
+            int(attributes["bevelmap_schema"])
+            return attributes
+        except (OSError, KeyError, ValueError, TypeError):
+            continue
+    raise StoreError(f"{path} is not allowed: it is something else than a store of this program")
+
+
+def plan_from(attributes: dict, path: Path) -> Plan:
+    """The plan that the attributes of a store describe.
+
+    Raises
+    ------
+    StoreError
+        If they are of another schema version, or describe no plane that this program could have written.
+    """
+    version = attributes["bevelmap_schema"]
+    if version > SCHEMA_VERSION:
+        raise StoreError(
+            f"{path} was made by a newer version of this program (schema {version}, this one knows {SCHEMA_VERSION}): update it"
+        )
+    if version < OLDEST_READ:
+        raise _older(path, version)
+    try:
+        return plan_of(json.loads(attributes["numbers"]))
+    except (TypeError, KeyError, ValueError, AttributeError) as error:
+        raise StoreError(f"{path} is not allowed: what it says of its plane makes no sense ({error})") from None
+
+
+def refuse_to_write_older(path: Path) -> None:
+    """Raise if rows of a store were written by an older version: what this one writes would not go with them."""
+    version = int(root_attributes(path)["bevelmap_schema"])
+    if version < SCHEMA_VERSION:
+        raise _older(path, version)
+
+
+def _older(path: Path, version: int) -> StoreError:
+    return StoreError(
+        f"{path} was made by an older version of this program (schema {version}, this one writes {SCHEMA_VERSION}): "
+        "store.overwrite=true makes it anew, another store.name= keeps it"
+    )
 
 
 def read_numbers(path: Path) -> dict:
-    """What the numbers of an existing store depend on.
+    """What the numbers of an existing store depend on; raises StoreError as `read_plan` does."""
+    return read_plan(path).numbers
+
+
+def read_plan(path: Path) -> Plan:
+    """The plan of an existing store.
 
     Raises
     ------
     StoreError
         If there is no store, or it is not one of ours or of this version.
     """
-    if not path.exists():
-        raise StoreError(f"there is no store at {path}")
-    try:
-        attributes = dict(zarr.open_group(path, mode="r").attrs)
-        version = attributes["bevelmap_schema"]
-        numbers = json.loads(attributes["numbers"])
-    except (OSError, KeyError, ValueError, zarr.errors.GroupNotFoundError, zarr.errors.NodeTypeValidationError):
-        raise StoreError(f"{path} is not allowed: it is something else than a store of this program") from None
-    if version != SCHEMA_VERSION:
-        raise StoreError(f"{path} has schema version {version}, this program writes {SCHEMA_VERSION}: use another name")
-    return numbers
-
-
-def read_plan(path: Path) -> Plan:
-    """The plan of an existing store; raises StoreError as `read_numbers` does."""
-    return plan_of(read_numbers(path))
+    return plan_from(root_attributes(path), path)
 
 
 def check(path: Path, plan: Plan) -> bool:
@@ -48,7 +96,7 @@ def check(path: Path, plan: Plan) -> bool:
     if not path.exists():
         return False
     stored = read_numbers(path)
-    if numbers_digest(stored) == plan.digest:
+    if stored == plan.numbers:
         return True
     old, new = _flatten(stored), _flatten(plan.numbers)
     keys = [key for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
@@ -61,7 +109,7 @@ def check(path: Path, plan: Plan) -> bool:
 def refuse_foreign(path: Path) -> None:
     """Raise unless the path is free or holds a store of ours, so that overwriting never deletes anything else."""
     if path.exists():
-        read_numbers(path)
+        root_attributes(path)
 
 
 def _flatten(value, prefix="") -> dict[str, object]:

@@ -12,8 +12,9 @@ import zarr
 from pipeline.plan import SCHEMA_VERSION, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.attributes import axis_attributes
+from pipeline.store.codecs import COMPRESSORS
 
-__all__ = ["consolidate", "create"]
+__all__ = ["consolidate", "create", "create_again"]
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "numcodecs", "xarray", "dask", "distributed")
 
@@ -31,31 +32,34 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     configuration : str
         The resolved configuration in YAML.
     """
+    create_again(path, plan, {
+        "Conventions": "CF-1.11",
+        "title": f"Solution domain {name}: {' x '.join(axis.name for axis in (plan.sweep, plan.parameter))}",
+        "bevelmap_schema": SCHEMA_VERSION,
+        "configuration": configuration,
+        "numbers": json.dumps(plan.numbers, sort_keys=True),
+        "configuration_hash": plan.digest,
+        "versions": _versions(),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    })  # fmt: skip
+
+
+def create_again(path: Path, plan: Plan, attributes: dict) -> None:
+    """Write the template with the attributes that a store of this plan has already; see `create`."""
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.template")
     shutil.rmtree(draft, ignore_errors=True)
     row, column = plan.parameter, plan.sweep
-    root = zarr.create_group(
-        draft,
-        zarr_format=3,
-        attributes={
-            "Conventions": "CF-1.11",
-            "title": f"Solution domain {name}: {column.name} x {row.name}",
-            "bevelmap_schema": SCHEMA_VERSION,
-            "configuration": configuration,
-            "numbers": json.dumps(plan.numbers, sort_keys=True),
-            "configuration_hash": plan.digest,
-            "versions": _versions(),
-            "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        },
-    )
+    root = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     # A branch point's position is a coordinate; as a plain variable it would be hidden by the plane's axis of that name.
-    root.create_group("branches", attributes={"coordinates": column.name})
+    # What the root says is kept twice: without it, nobody could tell what a damaged store holds.
+    root.create_group("branches", attributes={"coordinates": column.name, "plane": attributes})
     for place in (row.name, column.name, f"branches/{row.name}"):
         axis = column if place == column.name else row
         root.create_array(
-            place, data=axis.values, dimension_names=[axis.name], attributes=axis_attributes(axis.name)
-        )
+            place, data=axis.values, chunks=(axis.num,), dimension_names=[axis.name], compressors=COMPRESSORS,
+            attributes=axis_attributes(axis.name),
+        )  # fmt: skip
     sizes = {
         row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,
         "branch_number": plan.max_branches, "end": 2,
@@ -65,7 +69,7 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
         shape = tuple(sizes[dim] for dim in spec["dims"])
         root.create_array(
             array, shape=shape, chunks=(plan.rows_per_block, *shape[1:]), dtype=spec["dtype"],
-            fill_value=spec["fill"], dimension_names=list(spec["dims"]), attributes=spec["attributes"],
+            compressors=COMPRESSORS, fill_value=spec["fill"], dimension_names=list(spec["dims"]), attributes=spec["attributes"],
         )  # fmt: skip
     consolidate(draft)
     draft.rename(path)

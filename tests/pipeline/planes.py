@@ -8,9 +8,19 @@ import zarr
 from pipeline import store
 from pipeline.config import compose
 from pipeline.plan import Plan, plan
+from pipeline.schema import Cluster
 from pipeline.sweep import sweep_block
 
-__all__ = ["contents", "small_plan", "small_store"]
+__all__ = ["cluster", "contents", "small_plan", "small_store"]
+
+
+def cluster(kind: str, **changes) -> Cluster:
+    """Cluster settings as conf/cluster has them, two workers where they are local."""
+    usual = dict(
+        kind=kind, workers={"none": 1, "local": 2}.get(kind, 0), memory="auto", row_seconds=60.0, dashboard=False,
+        address=None, scheduler_file=None, timeout=10.0,
+    )  # fmt: skip
+    return Cluster(**{**usual, **changes})
 
 
 def small_plan(*overrides: str, columns: int = 41, rows: int = 5) -> Plan:

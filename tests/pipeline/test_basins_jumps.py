@@ -12,15 +12,14 @@ from pipeline.__main__ import main
 from pipeline.attractor_flags import attractor_code, attractor_flags, attractor_label
 from pipeline.cluster import Workforce
 from pipeline.config import compose
-from pipeline.schema import Cluster
 from pipeline.sweep import point_of
 from pipeline.verification import read_labels
 from pipeline.verification.verdicts import settling_of
 from solver import domain_parts, gear_system
 from solver.timedomain import AttractorKind, basin_shares, settle, wilson_interval
-from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.planes import cluster, small_plan, small_store
 
-RUN = Workforce(Cluster("none", 1, False, None, 10.0)).run
+RUN = Workforce(cluster("none")).run
 
 
 def silent(done, failed):

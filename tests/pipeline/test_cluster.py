@@ -10,12 +10,11 @@ import pytest
 
 from pipeline.cluster import Workforce
 from pipeline.plan import Block
-from pipeline.schema import Cluster
 from pipeline.sweep import sweep_block
-from tests.pipeline.planes import contents, small_plan, small_store
+from tests.pipeline.planes import cluster, contents, small_plan, small_store
 
-LOCAL = Cluster("local", 2, False, None, 10.0)
-NONE = Cluster("none", 1, False, None, 10.0)
+LOCAL = cluster("local")
+NONE = cluster("none")
 
 
 def _fails_on_three(number):
@@ -72,7 +71,7 @@ def test_in_process_keeps_exceptions_too():
 def test_stores_are_bitwise_equal_on_every_cluster(tmp_path, local, scheduler):
     plan = small_plan(columns=61, rows=36)
     expected = contents(small_store(tmp_path / "here.zarr", plan))
-    with Workforce(Cluster("scheduler", 0, False, scheduler, 10.0)) as remote:
+    with Workforce(cluster("scheduler", address=scheduler)) as remote:
         for name, workforce, blocks in (
             ("local", local, plan.blocks),
             ("remote", remote, list(reversed(plan.blocks))),

@@ -12,7 +12,6 @@ from pipeline import boundaries, figures, groups, store, verification
 from pipeline.__main__ import main
 from pipeline.cluster import Workforce
 from pipeline.config import compose
-from pipeline.schema import Cluster
 from pipeline.sweep import point_of
 from pipeline.verification import Credibility, Verdict
 from pipeline.verification.credibility import Samples, credibility
@@ -23,9 +22,9 @@ from pipeline.verification.tasks import check_rows, follow_starts
 from pipeline.verification.verdicts import settling_of
 from solver import ImpactState, domain_code, domain_label, domain_parts, gear_system
 from solver.timedomain import AttractorKind, orbit_state, settle, wilson_interval
-from tests.pipeline.planes import contents, small_plan, small_store
+from tests.pipeline.planes import cluster, contents, small_plan, small_store
 
-RUN = Workforce(Cluster("none", 1, False, None, 10.0)).run
+RUN = Workforce(cluster("none")).run
 
 
 def silent(done, failed):

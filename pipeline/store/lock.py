@@ -1,0 +1,100 @@
+"""One writer per store: a lock file beside it, held by the operating system for as long as its process lives.
+
+The lock is `flock` on that file, so that it goes with the process however that ends, and a file that is left behind
+locks nothing. What the file says is only for people. On a network file system the host must pass `flock` on (Linux's NFS does).
+"""
+
+import contextlib
+import fcntl
+import json
+import os
+import socket
+import time
+from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+from pipeline.errors import StoreError
+
+__all__ = ["holding", "lock_path"]
+
+_EVERY = 0.2
+
+
+def lock_path(path: Path) -> Path:
+    """The lock file of the store at `path`."""
+    return path.with_name(f".{path.name}.lock")
+
+
+@contextlib.contextmanager
+def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[None]:
+    """Hold the store at `path` for writing.
+
+    Parameters
+    ----------
+    path : Path
+    wait : bool
+        Whether to wait for another run to end.
+    say : callable
+        Takes a line about a wait, or about a run that ended without tidying up.
+
+    Raises
+    ------
+    StoreError
+        If another process holds it and `wait` is false: host, process and since when.
+    """
+    place = lock_path(path)
+    made = [folder for folder in (place.parent, *place.parent.parents) if not folder.exists()]
+    place.parent.mkdir(parents=True, exist_ok=True)
+    told = False
+    while (descriptor := _attempt(place)) is None:
+        holder = _holder(place)
+        if not wait:
+            raise StoreError(f"{path} is in use by {holder}: wait for it, or say store.wait=true")
+        if not told:
+            say(f"store: {path} is in use by {holder}, waiting")
+            told = True
+        time.sleep(_EVERY)
+    try:
+        if os.fstat(descriptor).st_size:
+            say(f"store: {_holder(place)} ended without letting go of {path}, going on")
+        _sign(descriptor)
+        yield
+    finally:
+        # First the name, then the lock: who waits finds that the name has gone, and tries again.
+        place.unlink(missing_ok=True)
+        os.close(descriptor)
+        # Where nothing was written, nothing is left.
+        with contextlib.suppress(OSError):
+            for folder in made:
+                folder.rmdir()
+
+
+def _attempt(place: Path) -> int | None:
+    """An open, locked file under that name, or None if another process has it."""
+    descriptor = os.open(place, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.stat(place).st_ino == os.fstat(descriptor).st_ino:
+            return descriptor
+    except (BlockingIOError, FileNotFoundError):
+        pass
+    os.close(descriptor)
+    return None
+
+
+def _sign(descriptor: int) -> None:
+    """Write who holds it."""
+    since = datetime.now(UTC).isoformat(timespec="seconds")
+    text = json.dumps({"host": socket.gethostname(), "pid": os.getpid(), "since": since})
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, text.encode(), 0)
+
+
+def _holder(place: Path) -> str:
+    """Who signed it, in words."""
+    try:
+        signed = json.loads(place.read_text(encoding="utf-8"))
+        return f"process {int(signed['pid'])} on {str(signed['host'])[:80]} since {str(signed['since'])[:40]}"
+    except (OSError, ValueError, KeyError, TypeError):
+        return "another process"
