@@ -5,18 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
 from pipeline.tables.bands import BandAtResonance
 from pipeline.tables.classes import IMPACTS, NEAR_LINEAR, PROMINENT_JUMP, jump_trend, ranks, settled
 from pipeline.tables.edges import nearest_edge
-from pipeline.tables.numerals import percent, signed
+from pipeline.numerals import percent, signed
 from solver import ImpactState
 
-__all__ = ["READINGS", "THRESHOLD_AGREES", "Claim", "Entry", "Verdict", "judge"]
-
-#: A threshold agrees with the study's within this share of it.
-THRESHOLD_AGREES = 0.05
-
-AGREES, DIFFERS, NOT_COMPARED = "agrees", "differs", "cannot be compared"
+__all__ = ["READINGS", "Claim", "Entry", "Verdict", "judge"]
 
 #: Rule -> what the wording is taken to say.
 READINGS = {
@@ -125,7 +121,7 @@ def _judged(claim: Claim, here, before) -> tuple[bool, str]:
 
 
 def _widest(band: BandAtResonance) -> str:
-    return f"jump up to {percent(max(band.widths))}" if band.jump_height else "without jump"
+    return f"widest jump {percent(max(band.widths))}" if band.jump_height else "without jump"
 
 
 def _width_change(band: BandAtResonance) -> str:
@@ -216,9 +212,9 @@ _RULES: dict[str, Rule] = {
         settled([0.0], [row.shift if row.peak else np.nan for row in band.peaks]), _shift(band)),
     "somewhere none stable": lambda claim, band, _: (
         band.without_stable > 0.0,
-        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)}"),
+        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region"),
     "everywhere one stable": lambda claim, band, _: (
         band.without_stable == 0.0,
-        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)}"),
+        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region"),
     **{f"{what} ends": _ends(what) for what in ("jump", "contact loss", "double-sided impact")},
 }  # fmt: skip

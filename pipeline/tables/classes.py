@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.tables.bands import BandAtResonance
-from pipeline.tables.numerals import percent
+from pipeline.numerals import percent
 from pipeline.traits import share_of
 from solver import ImpactState, label_parts
 

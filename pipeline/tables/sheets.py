@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
+from pipeline.agreement import THRESHOLD_AGREES
 from pipeline.tables import wording
-from pipeline.tables.claims import READINGS, THRESHOLD_AGREES
+from pipeline.tables.claims import READINGS
 from pipeline.tables.classes import RULES
-from pipeline.tables.numerals import percent
+from pipeline.numerals import percent
 from pipeline.tables.table import Line, Table
 
 __all__ = ["Sheet", "class_sheet", "label_sheet", "measured_sheet", "notes", "title"]

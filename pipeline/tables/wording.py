@@ -2,7 +2,7 @@
 
 from pipeline.tables.bands import BandAtResonance
 from pipeline.tables.edges import band_edges
-from pipeline.tables.numerals import percent, signed
+from pipeline.numerals import percent, signed
 from solver import ImpactState
 from solver.boundaries.bands import Line
 
