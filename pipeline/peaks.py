@@ -16,6 +16,7 @@ HALF_POWER = 0.5**0.5
 _SAME_PEAK = 1e-3
 # Distances of the three frequencies through which a peak's parabola goes: the last one leaves an error of about 1e-8.
 _STEPS = (1e-3, 1e-4, 3e-5)
+_MOST_MOVES = 50
 # A solution whose amplitude differs more than this share from the peak's is another one.
 _SAME_SOLUTION = 1e-2
 
@@ -63,18 +64,20 @@ def solved(model: Model, peak: Peak) -> Peak:
         return peak
     omega, amplitude = peak.omega, peak.amplitude
     for step in _STEPS:
-        found = enumerate_row(model, "omega", omega + step * np.array([-1.0, 0.0, 1.0]))
-        distance = np.where(found.stable == 1, np.abs(found.amplitude - amplitude), np.inf)
-        nearest = np.argmin(distance, axis=1)
-        if np.any(distance[np.arange(3), nearest] > _SAME_SOLUTION * amplitude):
-            break
-        left, middle, right = found.amplitude[np.arange(3), nearest]
-        bend = left - 2.0 * middle + right
-        if bend >= 0.0:
-            break
-        shift = float(np.clip(0.5 * (left - right) / bend, -1.0, 1.0))
-        omega += shift * step
-        amplitude = float(middle + 0.25 * (right - left) * shift)
+        for _ in range(_MOST_MOVES):
+            found = enumerate_row(model, "omega", omega + step * np.array([-1.0, 0.0, 1.0]))
+            distance = np.where(found.stable == 1, np.abs(found.amplitude - amplitude), np.inf)
+            nearest = np.argmin(distance, axis=1)
+            if np.any(distance[np.arange(3), nearest] > _SAME_SOLUTION * amplitude):
+                # A fold is closer than this step.
+                break
+            left, middle, right = found.amplitude[np.arange(3), nearest]
+            bend = left - 2.0 * middle + right
+            shift = 0.5 * (left - right) / bend if bend < 0.0 else np.copysign(1.0, right - left)
+            shift = float(np.clip(shift, -1.0, 1.0))
+            omega, amplitude = omega + shift * step, float(middle + 0.5 * (right - left + bend * shift) * shift)
+            if abs(shift) < 0.5:
+                break
     return Peak(float(omega), amplitude, False)
 
 
