@@ -58,8 +58,8 @@ RULES = {
     "impact": (
         "Impact: the severest state (none, out of contact, single-sided, double-sided) that stable motions have in at "
         f"least {percent(IMPACT_SHARE)} of the resonance's part of the Ω axis, from the first to the last value of the "
-        "band, and the severest in between; in brackets the share of the band's region in which a stable motion has the "
-        "severest."
+        "band, and the severest in between; in brackets the share of the band's region in which a stable motion has "
+        "the severest."
     ),
     "resonance": (
         "Resonance: linear where no stable motion in the resonance's part of the Ω axis ever parts the teeth, so that "
@@ -70,8 +70,8 @@ RULES = {
     "stability": (
         "Stability: stable where every solution of the region is statically stable, unstable where some places have no "
         "stable solution, else conditional: the start decides which motion is reached (in brackets the share of the "
-        f"region). Settled where jump width and peak vary by at most {percent(SETTLED)} of the linear natural frequency "
-        "over the band, else moving."
+        f"region). Settled where jump width and peak vary by at most {percent(SETTLED)} of the linear natural "
+        "frequency over the band, else moving."
     ),
 }
 

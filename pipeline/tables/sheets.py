@@ -133,10 +133,10 @@ def notes(table: Table) -> tuple[str, ...]:
         f"Gear: {gear}.",
         f"Resonances: mesh (lower) and shaft (upper) by the linear natural frequencies Ω = {mesh.natural:.4f} and "
         f"{shaft.natural:.4f}; the Ω axis is split between them at their geometric mean, {mesh.high:.4f}.",
-        "Everything but the peaks follows from the boundary curves (folds and grazings, continued in two parameters) and "
-        "the enumeration of all solutions between them; the raster and its resolution do not enter.",
-        "Jumps: intervals of Ω in which several motions are stable, with the unstable ones between; at the first and the "
-        "last value of the band. Widths in brackets are relative to the linear natural frequency; the widest is sought "
+        "Everything but the peaks follows from the boundary curves (folds and grazings, continued in two parameters) "
+        "and the enumeration of all solutions between them; the raster and its resolution do not enter.",
+        "Jumps: intervals of Ω in which several motions are stable, with the unstable ones between; at the first and "
+        "the last value of the band. Widths in brackets are relative to the linear natural frequency; the widest is sought "
         "at the band's ends and the plane's rows.",
         "Peak: the largest stable λ_a at the resonance, provided that the largest stable λ_a falls below 1/√2 of it on "
         "both sides; of the plane's rows in the band; shift relative to the linear natural frequency.",
@@ -144,8 +144,8 @@ def notes(table: Table) -> tuple[str, ...]:
         "state counts wherever a stable motion has it, so that states may add up to more than 100 %.",
         f"Appears and ends: values of {sign} in the band, or else nearest to it on either side. Contact loss and "
         "double-sided impact: of stable motions anywhere in the resonance's part of the Ω axis.",
-        f"Labels: values of {sign} at which a label appears and disappears in the resonance's part of the Ω axis, and its "
-        "share of the whole plane's area. At the ends of the plane a label may go on.",
+        f"Labels: values of {sign} at which a label appears and disappears in the resonance's part of the Ω axis, and "
+        "its share of the whole plane's area. At the ends of the plane a label may go on.",
         *(RULES[aspect] for aspect in aspects),
         f"Against the article: an entry agrees if all that it is taken to say holds, at one of the resonances named; a "
         f"threshold within {percent(THRESHOLD_AGREES)} of the article's.",

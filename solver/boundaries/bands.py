@@ -1,4 +1,4 @@
-"""Parts of a divided plane: single rows with their labels from end to end, and bands of rows with the labels' shares."""
+"""Parts of a divided plane: rows with their labels from end to end, and bands of rows with the labels' shares."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -64,7 +64,8 @@ def difference(expected: str, found: str) -> str:
         same_text = _NUMBER.sub("#", one) == _NUMBER.sub("#", other)
         pairs = [[float(text) for text in _NUMBER.findall(line)] for line in (one, other)]
         if not same_text or not np.allclose(*pairs, rtol=_SAME, atol=_SAME):
-            at = next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+            apart = (i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
+            at = next(apart, min(len(one), len(other)))
             cut = slice(max(at - 40, 0), at + 60)
             return f"line {number}, character {at}: ...{one[cut]!r}, golden ...{other[cut]!r}"
     return ""

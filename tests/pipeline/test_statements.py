@@ -29,7 +29,8 @@ OURS = {
     "bilateral_shaft": ((1.0,), 0.0),
 }
 VERDICTS = {
-    AGREES: {"interval_mesh", "b_mesh_1_2", "b_mesh_2_02", "alpha_shaft_contact", "fpm_shaft_jumps", "fpm_shaft_contact"},
+    AGREES: {"interval_mesh", "b_mesh_1_2", "b_mesh_2_02", "alpha_shaft_contact", "fpm_shaft_jumps",
+             "fpm_shaft_contact"},
     DIFFERS: {"interval_shaft", "b_shaft_settles", "fe_shaft_1_1", "fe_mesh_2_02", "fe_mesh_2_12", "alpha_shaft_jumps",
               "bilateral_shaft", "n3_b", "n3_fe"},
 }  # fmt: skip
@@ -89,12 +90,14 @@ def test_what_cannot_be_computed_says_why(planes, tmp_path):
         found = evaluate(BY_KEY[key], {})
         assert (found.ours, found.difference, found.verdict) == ((), (), NOT_COMPARED)
         assert found.reason == f"no store of {BY_KEY[key].plane} is given"
-    low = small_store(tmp_path / "low.zarr", small_plan("plane=omega_b", "plane.parameter.max=0.5", columns=30, rows=6))
+    plan = small_plan("plane=omega_b", "plane.parameter.max=0.5", columns=30, rows=6)
+    low = small_store(tmp_path / "low.zarr", plan)
     assert "does not reach b = 1" in evaluate(folds, {"omega_b": low}).reason
     assert "2/0-2 to lies at the border" in evaluate(BY_KEY["b_mesh_2_02"], {"omega_b": low}).reason
     other = planes.paths["omega_alpha"]
     assert re.search("plane omega x alpha, not omega x b", evaluate(share, {"omega_b": other}).reason)
-    gear = small_store(tmp_path / "gear.zarr", small_plan("plane=omega_b", "gear=antiphase", columns=9, rows=3), blocks=[])
+    plan = small_plan("plane=omega_b", "gear=antiphase", columns=9, rows=3)
+    gear = small_store(tmp_path / "gear.zarr", plan, blocks=[])
     reason = evaluate(share, {"omega_b": gear}).reason
     assert "another gear" in reason and "alpha_phase" in reason and "\n" not in reason
     order = small_store(tmp_path / "order.zarr", small_plan("plane=omega_b", "solver=hb", columns=9, rows=3), blocks=[])

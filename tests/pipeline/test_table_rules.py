@@ -45,7 +45,7 @@ def test_the_examples_run(module):
     assert found.failed == 0 and found.attempted > 0
 
 
-# Peaks -----------------------------------------------------------------------------------------------------------------
+# Peaks ---------------------------------------------------------------------------------------------------------------
 
 
 def one_branch(omega, amplitude, event=None):
@@ -73,7 +73,8 @@ def test_what_counts_as_a_peak():
 def test_a_peak_on_a_fold():
     # Rising and stable to the fold at 1.5, back unstable to the fold at 1.2, falling and stable from there.
     omega = np.concatenate([np.linspace(0.5, 1.5, 21), np.linspace(1.5, 1.2, 11)[1:], np.linspace(1.2, 2.5, 21)[1:]])
-    amplitude = np.concatenate([np.linspace(0.1, 2.0, 21), np.linspace(2.0, 1.0, 11)[1:], np.linspace(1.0, 0.1, 21)[1:]])
+    falling = np.concatenate([np.linspace(2.0, 1.0, 11)[1:], np.linspace(1.0, 0.1, 21)[1:]])
+    amplitude = np.concatenate([np.linspace(0.1, 2.0, 21), falling])
     event = np.zeros(omega.size, int)
     event[[20, 30]] = Event.FOLD
     pieces = [
@@ -98,7 +99,7 @@ def test_a_peak_is_solved_for():
     assert np.all(beside.amplitude[[0, 2], 0] < found[1].amplitude)
 
 
-# Edges, bands, labels --------------------------------------------------------------------------------------------------
+# Edges, bands, labels ------------------------------------------------------------------------------------------------
 
 
 def test_edges_of_a_band():
@@ -138,7 +139,7 @@ def test_traits_of_labels():
     assert intervals(line, jumping) == ((0.0, 1.0), (2.0, 4.0)) and intervals(line, unstable) == ()
 
 
-# Classes ---------------------------------------------------------------------------------------------------------------
+# Classes -------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -213,7 +214,7 @@ def test_stability_class(arguments, expected):
     assert stability_class(*arguments) == expected
 
 
-# Verdicts --------------------------------------------------------------------------------------------------------------
+# Verdicts ------------------------------------------------------------------------------------------------------------
 
 MESH, SHAFT = resonances_of(0.5, 2.0)
 
