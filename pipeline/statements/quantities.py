@@ -151,7 +151,8 @@ class StoredFolds:
 
     def values(self, planes: Planes) -> tuple[float, ...]:
         """Three numbers a fold."""
-        curves, value = planes.whole(self.plane).curves, planes.default(self.plane)
+        value = planes.default(self.plane)
+        curves = planes.whole(self.plane).curves
         points = [curve.crossings([value])[1] for curve in curves if curve.kind is Event.FOLD]
         return _flat(np.concatenate([np.empty((0, 5)), *points])[:, [3, 0, 1, 2]])
 

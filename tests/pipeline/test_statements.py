@@ -5,8 +5,10 @@ import re
 import pytest
 
 from pipeline.agreement import AGREES, DIFFERS, NOT_COMPARED
+from pipeline.errors import StoreError
 from pipeline.statements import STATEMENTS, Planes, evaluate
 from pipeline.statements.planes import default_model
+from pipeline.statements.quantities import LabelThreshold
 from tests.conftest import MODELS, published
 from tests.pipeline.planes import small_plan, small_store
 
@@ -90,10 +92,12 @@ def test_what_cannot_be_computed_says_why(planes, tmp_path):
         found = evaluate(BY_KEY[key], {})
         assert (found.ours, found.difference, found.verdict) == ((), (), NOT_COMPARED)
         assert found.reason == f"no store of {BY_KEY[key].plane} is given"
-    plan = small_plan("plane=omega_b", "plane.parameter.max=0.5", columns=30, rows=6)
-    low = small_store(tmp_path / "low.zarr", plan)
+    plan = small_plan("plane=omega_b", "plane.parameter.max=0.5", columns=9, rows=3)
+    low = small_store(tmp_path / "low.zarr", plan, blocks=[])
     assert "does not reach b = 1" in evaluate(folds, {"omega_b": low}).reason
-    assert "2/0-2 to lies at the border" in evaluate(BY_KEY["b_mesh_2_02"], {"omega_b": low}).reason
+    for label, end, message in (("1/1", "to", "1/1 to lies at the border"), ("9/9", "to", "there is no 9/9")):
+        with pytest.raises(StoreError, match=message):
+            LabelThreshold("omega_b", "mesh", ((label, end),)).values(planes)
     other = planes.paths["omega_alpha"]
     assert re.search("plane omega x alpha, not omega x b", evaluate(share, {"omega_b": other}).reason)
     plan = small_plan("plane=omega_b", "gear=antiphase", columns=9, rows=3)
