@@ -26,6 +26,7 @@ from solver.impact import (
     domain_labels,
     domain_parts,
     impact_state,
+    label_parts,
 )
 from solver.model import GEOMETRIC, SCALAR_PARAMETERS, Model
 from solver.problem import Balance
@@ -66,6 +67,7 @@ __all__ = [
     "first_order_problem",
     "gear_system",
     "impact_state",
+    "label_parts",
     "sweep_row",
     "translations",
     "uncondensed_balance",

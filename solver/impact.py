@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-__all__ = ["ImpactState", "domain_code", "domain_label", "domain_labels", "domain_parts", "impact_state"]
+__all__ = ["ImpactState", "domain_code", "domain_label", "domain_labels", "domain_parts", "impact_state", "label_parts"]
 
 
 class ImpactState(enum.IntEnum):
@@ -134,3 +134,16 @@ def domain_labels(most: int) -> dict[int, str]:
         if (mask == 0) == (n == 0) and mask.bit_count() <= n
     )
     return {code: domain_label(code) for code in codes}
+
+
+def label_parts(label: str) -> tuple[int, frozenset[ImpactState]]:
+    """Number of stable solutions and their states of a label "n/I"; the inverse of `domain_label`.
+
+    Examples
+    --------
+    >>> n, states = label_parts("2/0-1")
+    >>> n, sorted(states) == [ImpactState.PERMANENT, ImpactState.SINGLE_SIDED], label_parts("0/-")
+    (2, True, (0, frozenset()))
+    """
+    n, symbols = label.split("/")
+    return int(n), frozenset(state for state in ImpactState if state.symbol in symbols.split("-"))

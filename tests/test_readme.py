@@ -30,15 +30,15 @@ def folder(tmp_path_factory):
 
 
 def test_there_is_something_to_check():
-    assert len(SNIPPETS) == 5 and len(COMMANDS) >= 7
+    assert len(SNIPPETS) == 6 and len(COMMANDS) >= 7
 
 
-@pytest.mark.parametrize("snippet", SNIPPETS, ids=["store", "boundaries", "solver", "thresholds", "order"])
+@pytest.mark.parametrize("snippet", SNIPPETS, ids=["store", "boundaries", "solver", "thresholds", "statements", "order"])
 def test_snippets_run(snippet, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     exec(compile(snippet, "README.md", "exec"), {})
     said = capsys.readouterr().out
-    assert any(text in said for text in ("1/0", "2/0-1", "fold", "2/0-2 from"))
+    assert any(text in said for text in ("1/0", "2/0-1", "fold", "2/0-2 from", "agrees"))
 
 
 @pytest.mark.parametrize("command", COMMANDS)

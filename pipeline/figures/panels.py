@@ -13,7 +13,7 @@ from pipeline.boundaries import special_places
 from pipeline.boundaries.events import MARGINS
 from pipeline.boundaries.group import StoredBoundaries
 from pipeline.figures.edges import curves_along, label_edges
-from pipeline.figures.pieces import labels_at
+from pipeline.pieces import labels_at
 from pipeline.figures.regions import region_codes
 from pipeline.figures.stored import StoredPlane
 from pipeline.plan import Axis

@@ -9,7 +9,7 @@ import xarray as xr
 
 from pipeline import store
 from pipeline.boundaries import StoredBoundaries, read_boundaries
-from pipeline.figures.pieces import Piece, pieces_of_row
+from pipeline.pieces import Piece, pieces_of_row
 from pipeline.plan import Plan
 from pipeline.sweep import model_at
 from solver import domain_code

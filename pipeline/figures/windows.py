@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.figures.pieces import Piece, labels_at
+from pipeline.pieces import Piece, labels_at
 
 __all__ = ["coexistence_windows"]
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.errors import StoreError
 from pipeline.store import PENDING, read_plan, statuses
+from pipeline.sweep import balance_of
 from pipeline.tables.article import ARTICLE_TABLES, ArticleTable
 from pipeline.tables.latex import latex
 from pipeline.tables.markdown import markdown
@@ -62,6 +63,8 @@ def _problem(article: ArticleTable, path: Path, command: str) -> str:
     if axes != ("omega", article.parameter):
         other = " x ".join(axes)
         return f"{article.plane}: {path} is a plane {other}, not omega x {article.parameter} (run: {command})"
+    if not balance_of(plan.solver).truncated:
+        return f"{article.plane}: {path} is not balanced at first order, as the tables are (run: {command})"
     pending = int(np.sum(statuses(path) == PENDING))
     if pending:
         rows = plan.parameter.num

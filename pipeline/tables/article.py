@@ -1,12 +1,13 @@
-"""What the study's tables 1 to 3 say: their rows, columns and wording, and the plane each of them is read from."""
+"""What the study's tables 1 to 3 say: rows, columns, wording with its meaning, and the plane each is read from."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.plan import Axis
+from pipeline.tables.claims import Claim, Entry
 
-__all__ = ["ARTICLE_TABLES", "ArticleTable", "Band", "Column", "band_rows"]
+__all__ = ["ARTICLE_TABLES", "ArticleTable", "Band", "Column", "band_range", "band_rows"]
 
 _TOLERANCE = 1e-9
 
@@ -23,14 +24,14 @@ class Band:
         Parameter range; equal for a single value, `high` infinite for "above".
     above : bool
         Whether `low` itself is left out.
-    wording : tuple of str
-        The study's entries, one per column.
+    entries : tuple of Entry
+        The study's, one per column.
     """
 
     text: str
     low: float
     high: float
-    wording: tuple[str, ...]
+    entries: tuple[Entry, ...]
     above: bool = False
 
     @property
@@ -60,6 +61,18 @@ class ArticleTable:
     bands: tuple[Band, ...]
 
 
+_MESH, _SHAFT = ("mesh",), ("shaft",)
+_BILATERAL_SHAFT = Entry("Bilateral impact in shaft frequency", (Claim("double-sided", _SHAFT),))
+
+
+def _to_no_impact(value: float) -> Entry:
+    return Entry(
+        "Unilateral to no impact",
+        (Claim("single-sided to none", _SHAFT), Claim("contact loss ends", _SHAFT, value)),
+        "read of the shaft resonance, of which the row before speaks",
+    )
+
+
 ARTICLE_TABLES = (
     ArticleTable(
         1, "omega_b", "b", "b", "half backlash",
@@ -69,9 +82,24 @@ ARTICLE_TABLES = (
             Column("Stability", ("stability",)),
         ),
         (
-            Band("0.1", 0.1, 0.1, ("Near linear, softening", "Severe bilateral impact", "Unstable")),
-            Band("0.2–0.6", 0.2, 0.6, ("Increasing jump region", "Transition to unilateral impact", "Moderate")),
-            Band("> 0.98", 0.98, np.inf, ("Stabilized jumps", "Reduced impact", "Stable"), above=True),
+            Band("0.1", 0.1, 0.1, (
+                Entry("Near linear, softening", (
+                    Claim("jump not prominent", _MESH), Claim("jump not prominent", _SHAFT),
+                    Claim("below natural", _MESH), Claim("below natural", _SHAFT)),
+                    "both at once only if near linear is said of the jump and softening of the peak"),
+                Entry("Severe bilateral impact", (Claim("double-sided"),), "how much is severe stays open"),
+                Entry("Unstable", (Claim("somewhere none stable"),)))),
+            Band("0.2–0.6", 0.2, 0.6, (
+                Entry("Increasing jump region", (Claim("jump grows"),)),
+                Entry("Transition to unilateral impact", (Claim("double- to single-sided"),)),
+                Entry("Moderate", unclear="a grade between unstable and stable without a measure"))),
+            Band("> 0.98", 0.98, np.inf, (
+                Entry("Stabilized jumps", (Claim("jump settled", _MESH), Claim("jump settled", _SHAFT))),
+                Entry("Reduced impact", (
+                    Claim("double-sided less", _MESH), Claim("double-sided impact ends", _MESH, 0.98)),
+                    "read of double-sided impact at the mesh resonance, which the study's text ends at 0.98"),
+                Entry("Stable", (Claim("everywhere one stable", _MESH), Claim("everywhere one stable", _SHAFT)))),
+                above=True),
         ),
     ),
     ArticleTable(
@@ -83,9 +111,15 @@ ARTICLE_TABLES = (
         ),
         (
             Band("0–0.25", 0.0, 0.25, (
-                "Prominent in mesh frequency", "Bilateral impact in shaft frequency", "Softening to hardening")),
+                Entry("Prominent in mesh frequency", (Claim("jump prominent", _MESH),)),
+                _BILATERAL_SHAFT,
+                Entry("Softening to hardening", (Claim("softening to hardening"),)))),
             Band("> 0.4", 0.4, np.inf, (
-                "Reduced in shaft frequency", "Unilateral to no impact", "Stable in mesh frequency"), above=True),
+                Entry("Reduced in shaft frequency", (
+                    Claim("jump smaller", _SHAFT), Claim("jump ends", _SHAFT, 0.25))),
+                _to_no_impact(0.4),
+                Entry("Stable in mesh frequency", (Claim("peak settled", _MESH),),
+                      "read of the peak's place, of which the column speaks")), above=True),
         ),
     ),
     ArticleTable(
@@ -96,8 +130,15 @@ ARTICLE_TABLES = (
             Column("Resonance Behavior", ("resonance",)),
         ),
         (
-            Band("0.5–0.57", 0.5, 0.57, ("Prominent jumps", "Bilateral impact in shaft frequency", "Softening")),
-            Band("0.75–1.0", 0.75, 1.0, ("Reduced jumps", "Unilateral to no impact", "Weak linearity")),
+            Band("0.5–0.57", 0.5, 0.57, (
+                Entry("Prominent jumps", (Claim("jump prominent"),)),
+                _BILATERAL_SHAFT,
+                Entry("Softening", (Claim("softening"),)))),
+            Band("0.75–1.0", 0.75, 1.0, (
+                Entry("Reduced jumps", (
+                    Claim("jump smaller", _MESH), Claim("jump smaller", _SHAFT), Claim("jump ends", _SHAFT, 0.57))),
+                _to_no_impact(0.75),
+                Entry("Weak linearity", unclear="it may mean hardly linear as well as weakly nonlinear"))),
         ),
     ),
 )  # fmt: skip
@@ -114,3 +155,9 @@ def band_rows(band: Band, axis: Axis) -> np.ndarray:
         return np.array([np.argmin(np.abs(values - band.low))] if covered else [], dtype=np.int64)
     above = values > band.low + slack if band.above else values >= band.low - slack
     return np.flatnonzero(above & (values <= band.high + slack))
+
+
+def band_range(band: Band, axis: Axis) -> tuple[float, float] | None:
+    """The part of a band that a plane covers; None where that is nothing, or one value of a band of many."""
+    low, high = max(band.low, axis.low), min(band.high, axis.high)
+    return (low, high) if low < high or (band.single and low == high) else None

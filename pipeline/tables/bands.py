@@ -1,135 +1,135 @@
-"""A band of rows at one resonance: what the rows show together."""
+"""A band of the row parameter at one resonance: what the regions and the rows show together."""
 
-from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.resonances import Resonance
 from pipeline.tables.edges import Edge, edges
-from pipeline.tables.rows import Resonance, RowAtResonance
-from solver import ImpactState
+from pipeline.tables.rows import RowPeak
+from pipeline.traits import TRAITS, contact_lost, intervals, jumping, labels_with, share_of, unstable
+from solver import ImpactState, label_parts
+from solver.boundaries import Regions
+from solver.boundaries.bands import Band, Line, band, lines
 
 __all__ = ["BandAtResonance", "band_at_resonance"]
 
 
 @dataclass(frozen=True)
 class BandAtResonance:
-    """All complete rows of a band at one resonance, at least one.
+    """What a band shows at one resonance.
 
     Parameters
     ----------
     resonance : Resonance
-    values : tuple of float
-        Parameter values of the rows, ascending.
-    rows : tuple of RowAtResonance
+    region : Band
+        The band's values of the row parameter and the share of every label in its region: of the area between them
+        in the resonance's part of the axis, of a single value the length.
+    lines : tuple of Line
+        The first value, those of the plane's rows in the band, and the last value, ascending.
+    jump_height : float
+        Share of the band's height with a jump; of a single value 0 or 1.
+    edges : dict of str to tuple of Edge
+        For every trait, where it appears or ends in the whole plane.
+    peaks : tuple of RowPeak
+        The complete rows of the band.
+    linear : tuple of bool
+        Of every row with a peak, whether no stable motion of the resonance's part of the axis parts the teeth.
     failed : int
-        Rows of the band that failed and are not among `rows`.
-    jump_edges, contact_loss_edges, double_sided_edges : tuple of Edge
-        Where jumps, loss of contact and double-sided impact appear or end, in the whole plane.
+        Rows of the band that failed.
     """
 
     resonance: Resonance
-    values: tuple[float, ...]
-    rows: tuple[RowAtResonance, ...]
+    region: Band
+    lines: tuple[Line, ...]
+    jump_height: float
+    edges: dict[str, tuple[Edge, ...]]
+    peaks: tuple[RowPeak, ...]
+    linear: tuple[bool, ...]
     failed: int
-    jump_edges: tuple[Edge, ...]
-    contact_loss_edges: tuple[Edge, ...]
-    double_sided_edges: tuple[Edge, ...]
+
+    @property
+    def first(self) -> Line:
+        """The row at the band's lower end."""
+        return self.lines[0]
+
+    @property
+    def last(self) -> Line:
+        """The row at the band's upper end."""
+        return self.lines[-1]
+
+    def jumps(self, line: Line) -> tuple[tuple[float, float], ...]:
+        """Intervals of omega in which several motions are stable."""
+        return intervals(line, jumping)
 
     @property
     def envelope(self) -> tuple[float, float]:
-        """Lowest and highest frequency of all multivalued intervals, nan without one."""
-        ends = [end for row in self.rows for interval in row.intervals for end in interval]
+        """Lowest and highest frequency of all multivalued intervals of the lines, nan without one."""
+        ends = [end for line in self.lines for interval in self.jumps(line) for end in interval]
         return (min(ends), max(ends)) if ends else (np.nan, np.nan)
 
     @property
-    def jump_rows(self) -> int:
-        """Rows with a multivalued interval."""
-        return sum(bool(row.intervals) for row in self.rows)
-
-    @property
-    def intervals_per_row(self) -> int:
-        """The largest number of multivalued intervals in one row."""
-        return max(len(row.intervals) for row in self.rows)
+    def intervals_per_line(self) -> int:
+        """The largest number of multivalued intervals in one line."""
+        return max(len(self.jumps(line)) for line in self.lines)
 
     @property
     def widths(self) -> tuple[float, ...]:
-        """Widest interval of every row as a share of the natural frequency, 0 without one."""
-        return tuple(row.width / self.resonance.natural for row in self.rows)
+        """Widest multivalued interval of every line as a share of the natural frequency, 0 without one."""
+        return tuple(
+            max((high - low for low, high in self.jumps(line)), default=0.0) / self.resonance.natural
+            for line in self.lines
+        )
 
     @property
-    def peak_rows(self) -> tuple[RowAtResonance, ...]:
+    def with_peak(self) -> tuple[RowPeak, ...]:
         """Rows in which a resonance peak stands out."""
-        return tuple(row for row in self.rows if row.peak)
+        return tuple(row for row in self.peaks if row.peak)
+
+    def state_share(self, state: ImpactState) -> float:
+        """Share of the region in which a stable motion has an impact state."""
+        return share_of(self.region.shares, lambda label: state in label_parts(label)[1])
 
     @property
-    def shifts(self) -> tuple[float, ...]:
-        """Peak against natural frequency, as a share of it, of the rows that have a peak."""
-        return tuple(row.peak.omega / self.resonance.natural - 1.0 for row in self.peak_rows)
+    def several(self) -> float:
+        """Share of the region in which several motions are stable."""
+        return share_of(self.region.shares, jumping)
 
     @property
-    def cells(self) -> int:
-        """Cells of the resonance region, all rows together."""
-        return sum(row.cells for row in self.rows)
-
-    def share(self, count: int) -> float:
-        """A number of cells as a share of the region, nan without a region."""
-        return count / self.cells if self.cells else np.nan
-
-    @property
-    def states(self) -> tuple[int, ...]:
-        """Cells with a stable solution in each `ImpactState`."""
-        return tuple(sum(row.states[state] for row in self.rows) for state in ImpactState)
-
-    @property
-    def labels(self) -> tuple[tuple[str, int], ...]:
-        """n/I labels and their cells, the most frequent first."""
-        counts = Counter()
-        for row in self.rows:
-            counts.update(dict(row.labels))
-        return tuple(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
-
-    @property
-    def unstable(self) -> int:
-        """Cells of the region with an unstable solution."""
-        return sum(row.unstable for row in self.rows)
-
-    @property
-    def without_stable(self) -> int:
-        """Cells of the region without a stable solution."""
-        return sum(row.without_stable for row in self.rows)
-
-    @property
-    def open(self) -> int:
-        """Cells where solutions above the amplitude ceiling are not excluded."""
-        return sum(row.open for row in self.rows)
+    def without_stable(self) -> float:
+        """Share of the region in which no motion is stable."""
+        return share_of(self.region.shares, unstable)
 
 
 def band_at_resonance(
-    resonance: Resonance,
-    values: np.ndarray,
-    rows: list[RowAtResonance | None],
-    band: np.ndarray,
+    regions: Regions, resonance: Resonance, low: float, high: float, peaks: Sequence[RowPeak], failed: int
 ) -> BandAtResonance:
-    """Gather the rows of a band; edges are looked for in the whole plane.
+    """Measure a band.
 
     Parameters
     ----------
+    regions : Regions
+        Of the resonance's part of the axis and the whole range of the row parameter.
     resonance : Resonance
-    values : (P,) array
-        Parameter values of all rows of the plane.
-    rows : list of RowAtResonance or None
-        All rows of the plane; None where a row failed.
-    band : array of int
-        The band's rows, at least one of them complete.
+    low, high : float
+        The band, within the plane; equal for a single value.
+    peaks : sequence of RowPeak
+        The complete rows of the band, ascending; of a single value the nearest row.
+    failed : int
+        How many of the band's rows are not complete.
     """
-    complete = [int(row) for row in band if rows[row] is not None]
-
-    def found(flag) -> tuple[Edge, ...]:
-        return edges(values, [None if row is None else flag(row) for row in rows])
-
+    at_rows = lines(regions, [row.value for row in peaks])
+    found = lines(regions, [low] if low == high else [low, high])
+    found[1:1] = [line for line in at_rows if low < line.value < high]
+    where = {name: regions.ranges(labels_with(regions.labels, trait)) for name, trait in TRAITS.items()}
+    if low == high:
+        height = float(any(map(jumping, found[0].labels)))
+    else:
+        height = sum(max(min(stop, high) - max(start, low), 0.0) for start, stop, _ in where["jump"]) / (high - low)
     return BandAtResonance(
-        resonance, tuple(float(values[row]) for row in complete), tuple(rows[row] for row in complete),
-        len(band) - len(complete), found(lambda row: bool(row.intervals)), found(lambda row: row.contact_lost),
-        found(lambda row: row.double_sided),
+        resonance, band(regions, low, high), tuple(found), height,
+        {name: edges(ranges, *regions.plane.p_range) for name, ranges in where.items()}, tuple(peaks),
+        tuple(not any(map(contact_lost, line.labels)) for row, line in zip(peaks, at_rows, strict=True) if row.peak),
+        failed,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Where something appears or ends from row to row of a plane."""
+"""Where something appears or ends in the row parameter, from the boundary curves."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,52 +8,41 @@ __all__ = ["Edge", "band_edges", "edges", "nearest_edge"]
 
 @dataclass(frozen=True)
 class Edge:
-    """Between two neighbouring rows something appears, or ends, with growing parameter.
+    """With growing parameter something appears, or ends.
 
     Parameters
     ----------
     appears : bool
-    low, high : float
-        Parameter values of the two rows.
+    value : float
+        Of the row parameter.
     place : {"inside", "below", "above"}
         Where it lies, seen from a band.
     """
 
     appears: bool
-    low: float
-    high: float
+    value: float
     place: str = "inside"
 
-    @property
-    def value(self) -> float:
-        """The middle."""
-        return (self.low + self.high) / 2.0
 
-    @property
-    def resolution(self) -> float:
-        """Half the distance of the two rows."""
-        return (self.high - self.low) / 2.0
-
-
-def edges(values: Sequence[float], flags: Sequence[bool | None]) -> tuple[Edge, ...]:
-    """Every change of a flag from row to row; failed rows, where it is None, are passed over and widen the bracket."""
-    known = [(value, flag) for value, flag in zip(values, flags, strict=True) if flag is not None]
+def edges(ranges: Sequence[tuple[float, float, float]], low: float, high: float) -> tuple[Edge, ...]:
+    """Ends of unbroken ranges (appears, ends, share), ascending; at the borders of a plane nothing appears or ends."""
     return tuple(
-        Edge(after, float(low), float(high))
-        for (low, before), (high, after) in zip(known[:-1], known[1:], strict=True)
-        if before != after
+        Edge(appears, value)
+        for start, stop, _ in ranges
+        for appears, value in ((True, start), (False, stop))
+        if low < value < high
     )
 
 
 def band_edges(all_edges: Sequence[Edge], first: float, last: float) -> tuple[Edge, ...]:
-    """The edges between rows of a band, or else the nearest one on either side of it."""
-    inside = [edge for edge in all_edges if edge.low >= first and edge.high <= last]
+    """The edges in a band, or else the nearest one on either side of it."""
+    inside = [edge for edge in all_edges if first <= edge.value <= last]
     if inside:
         return tuple(inside)
-    below = [edge for edge in all_edges if edge.low < first][-1:]
-    above = [edge for edge in all_edges if edge.low >= first][:1]
+    below = [edge for edge in all_edges if edge.value < first][-1:]
+    above = [edge for edge in all_edges if edge.value > last][:1]
     return tuple(
-        Edge(edge.appears, edge.low, edge.high, place)
+        Edge(edge.appears, edge.value, place)
         for place, found in (("below", below), ("above", above))
         for edge in found
     )

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
+from pipeline.agreement import THRESHOLD_AGREES
 from pipeline.tables import wording
-from pipeline.tables.classes import RULES, percent
-from pipeline.tables.peaks import REGION_LEVEL
+from pipeline.tables.claims import READINGS
+from pipeline.tables.classes import RULES
+from pipeline.numerals import percent
 from pipeline.tables.table import Line, Table
 
 __all__ = ["Sheet", "class_sheet", "label_sheet", "measured_sheet", "notes", "title"]
@@ -21,12 +23,18 @@ class Sheet:
     widths : tuple of float
         Share of the page's width that each column wants, together 1.
     rows : tuple of tuple of str
+    spanner : (str, int, int), optional
+        A heading over the columns start ... stop - 1.
+    grouped : bool
+        Whether rows with the same first cell belong together.
     """
 
     caption: str
     headings: tuple[str, ...]
     widths: tuple[float, ...]
     rows: tuple[tuple[str, ...], ...]
+    spanner: tuple[str, int, int] | None = None
+    grouped: bool = True
 
 
 def title(table: Table) -> str:
@@ -38,7 +46,7 @@ def measured_sheet(table: Table) -> Sheet:
     """One row per band and resonance with what was measured."""
     sign = table.article.sign
     headings = (
-        sign, "Resonance", "Jumps in Ω", "Rows with a jump; widest", "Impact states I", "Labels n/I", "Peak shift",
+        sign, "Resonance", "Jumps in Ω", "Widest jump", "Impact states I", "Labels n/I", "Peak shift",
         "Appears and ends",
     )  # fmt: skip
     rows = []
@@ -65,30 +73,49 @@ def label_sheet(table: Table) -> Sheet:
         for entry in table.labels
     ] or [("–", "–", table.undivided, "–")]
     caption = f"{title(table)}: labels n/I from the boundary curves, in {table.article.sign}"
-    return Sheet(caption, headings, (0.15, 0.2, 0.325, 0.325), tuple(rows))
+    return Sheet(caption, headings, (0.15, 0.2, 0.325, 0.325), tuple(rows), ("Range", 2, 4), False)
 
 
 def class_sheet(table: Table) -> Sheet:
-    """One row per band and column of the study, with its wording and our class at either resonance."""
+    """One row per band and column of the study, with its wording, our class at either resonance and the verdict."""
     rows = []
     for mesh, shaft in zip(table.lines[::2], table.lines[1::2], strict=True):
         for i, column in enumerate(table.article.columns):
             ours = (line.classes[i] if line.classes else line.gap for line in (mesh, shaft))
-            rows.append((mesh.band.text, column.heading, f"“{mesh.band.wording[i]}”", *ours))
-    headings = (table.article.sign, "Column", "Article's wording", "Mesh resonance", "Shaft resonance")
-    return Sheet(f"{title(table)}, in words", headings, (0.10, 0.15, 0.20, 0.275, 0.275), tuple(rows))
+            wording = f"“{mesh.band.entries[i].wording}”"
+            rows.append((mesh.band.text, column.heading, wording, *ours, mesh.verdicts[i].text))
+    headings = (
+        table.article.sign, "Column", "Article's wording", "Mesh resonance", "Shaft resonance", "Against the article",
+    )  # fmt: skip
+    widths = (0.08, 0.12, 0.15, 0.20, 0.20, 0.25)
+    return Sheet(f"{title(table)}, in words", headings, widths, tuple(rows), ("Ours", 3, 5))
 
 
 def _band(line: Line) -> str:
-    """The band's heading with the rows that it was read from."""
+    """The band's heading with the rows whose peaks were read."""
     band = line.measured
     if band is None:
         return line.band.text
+    rows = [row.value for row in band.peaks]
     if line.band.single:
-        return f"{line.band.text} (nearest row {band.values[0]:.4g})"
+        return f"{line.band.text} (peak: {'nearest row ' + format(rows[0], '.4g') if rows else 'no row'})"
     failed = f", {band.failed} more failed" if band.failed else ""
-    count = f"{len(band.rows)} row{'s' if len(band.rows) > 1 else ''}"
-    return f"{line.band.text} ({count}, {band.values[0]:.4g}–{band.values[-1]:.4g}{failed})"
+    count = f"{len(rows)} row{'' if len(rows) == 1 else 's'}"
+    return f"{line.band.text} (up to {band.region.high:g}; {count}{failed})"
+
+
+def _readings(table: Table) -> tuple[str, ...]:
+    """How the study's wordings are read, entry by entry."""
+    found = {}
+    for band in table.article.bands:
+        for entry in band.entries:
+            claims: dict[str, list[str]] = {}
+            for claim in entry.claims:
+                claims.setdefault(READINGS[claim.rule], []).append(" or ".join(claim.resonances))
+            parts = [f"{reading} ({' and '.join(dict.fromkeys(where))})" for reading, where in claims.items()]
+            text = "; ".join(parts) or "not compared"
+            found[f"“{entry.wording}”"] = f"{text}; {entry.unclear}" if entry.unclear else text
+    return tuple(f"Reading of {wording}: {text}." for wording, text in found.items())
 
 
 def notes(table: Table) -> tuple[str, ...]:
@@ -97,7 +124,7 @@ def notes(table: Table) -> tuple[str, ...]:
     mesh, shaft = table.lines[0].resonance, table.lines[1].resonance
     gear = ", ".join(f"{name} = {_plain(value)}" for name, value in sorted(plan.gear.items()))
     failed = f"; {table.failed} of {plan.parameter.num} rows failed and are left out" if table.failed else ""
-    unbounded = sum(line.measured.open for line in table.lines if line.measured)
+    unbounded = sum(row.open for line in table.lines if line.measured for row in line.measured.peaks)
     aspects = dict.fromkeys(aspect for column in table.article.columns for aspect in column.aspects)
     return (
         f"Source: store {table.store}, configuration_hash {table.configuration_hash}, "
@@ -106,22 +133,25 @@ def notes(table: Table) -> tuple[str, ...]:
         f"Gear: {gear}.",
         f"Resonances: mesh (lower) and shaft (upper) by the linear natural frequencies Ω = {mesh.natural:.4f} and "
         f"{shaft.natural:.4f}; the Ω axis is split between them at their geometric mean, {mesh.high:.4f}.",
-        "Jumps: intervals of Ω with more than one solution, stable or not, from the folds located on the branches; "
-        "from the first to the last row of the band. Widths in brackets are relative to the linear natural frequency.",
+        "Everything but the peaks follows from the boundary curves (folds and grazings, continued in two parameters) "
+        "and the enumeration of all solutions between them; the raster and its resolution do not enter.",
+        "Jumps: intervals of Ω in which several motions are stable, with the unstable ones between; at the first and "
+        "the last value of the band. Widths in brackets are relative to the linear natural frequency; the widest is sought "
+        "at the band's ends and the plane's rows.",
         "Peak: the largest stable λ_a at the resonance, provided that the largest stable λ_a falls below 1/√2 of it on "
-        "both sides; shift relative to the linear natural frequency.",
-        "Region of a row: the cells around the peak in which the largest stable λ_a is at least "
-        f"{percent(REGION_LEVEL)} of it, and on to the resonance's jumps; rows without peak and jump have none. Shares "
-        "are of the region's cells, all rows of the band together; a state counts in every cell in which a stable "
-        "motion has it, so that states may add up to more than 100 %.",
-        f"Appears and ends: middle ± half the distance of the two rows between which it happens, in {sign}; within the "
-        "band, or else nearest to it on either side. Contact loss and double-sided impact: of stable motions "
-        "anywhere in the resonance's part of the Ω axis.",
-        f"Labels: values of {sign} at which a label appears and disappears in the resonance's part of the Ω axis, and its "
-        "share of the whole plane's area, from the boundary curves (fold and grazing, continued in two parameters) and the "
-        "enumeration of all solutions between them, not from the raster. At the ends of the plane a label may go on.",
+        "both sides; of the plane's rows in the band; shift relative to the linear natural frequency.",
+        "Shares are of the area of the band in the resonance's part of the Ω axis, of a single value of its length; a "
+        "state counts wherever a stable motion has it, so that states may add up to more than 100 %.",
+        f"Appears and ends: values of {sign} in the band, or else nearest to it on either side. Contact loss and "
+        "double-sided impact: of stable motions anywhere in the resonance's part of the Ω axis.",
+        f"Labels: values of {sign} at which a label appears and disappears in the resonance's part of the Ω axis, and "
+        "its share of the whole plane's area. At the ends of the plane a label may go on.",
         *(RULES[aspect] for aspect in aspects),
-        *([f"Solutions above the amplitude ceiling are not excluded in {unbounded} cells."] if unbounded else []),
+        f"Against the article: an entry agrees if all that it is taken to say holds, at one of the resonances named; a "
+        f"threshold within {percent(THRESHOLD_AGREES)} of the article's.",
+        *_readings(table),
+        *([f"In {unbounded} rows a branch leaves through the amplitude ceiling; what lies above is not excluded."]
+          if unbounded else []),
     )
 
 

@@ -1,4 +1,4 @@
-"""One table as data, whatever format it is written in: bands, what was measured in them, their classes, and notes."""
+"""One table as data, whatever format it is written in: bands, what was measured in them, classes, verdicts, labels."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,12 +7,15 @@ import xarray as xr
 
 from pipeline.errors import StoreError
 from pipeline.plan import Plan
-from pipeline.regions import label_occurrences
-from pipeline.store import read_plan
-from pipeline.tables.article import ArticleTable, Band, band_rows
+from pipeline.regions import stored_regions
+from pipeline.resonances import Resonance, common_resonances
+from pipeline.store import COMPLETE, read_plan, statuses
+from pipeline.tables.article import ArticleTable, Band, band_range, band_rows
 from pipeline.tables.bands import BandAtResonance, band_at_resonance
+from pipeline.tables.claims import Verdict, judge
 from pipeline.tables.classes import ASPECTS
-from pipeline.tables.rows import Resonance, measure_rows, resonances
+from pipeline.tables.rows import RowPeak, row_peaks
+from solver.boundaries import RegionError, Regions
 
 __all__ = ["LabelRange", "Line", "Table", "build_table"]
 
@@ -30,6 +33,8 @@ class Line:
         Why nothing is measured, else empty.
     classes : tuple of str
         One per column of the study's table; empty where nothing is measured.
+    verdicts : tuple of Verdict
+        One per column: the study's entry against both resonances of the band.
     """
 
     band: Band
@@ -37,6 +42,7 @@ class Line:
     measured: BandAtResonance | None
     gap: str
     classes: tuple[str, ...]
+    verdicts: tuple[Verdict, ...]
 
 
 @dataclass(frozen=True)
@@ -94,57 +100,74 @@ def build_table(article: ArticleTable, path: Path) -> Table:
     article : ArticleTable
     path : Path
         A complete store of the table's plane.
+
+    Raises
+    ------
+    StoreError
+        If the natural frequencies move with the row parameter: the axis has no one split then.
     """
     plan = read_plan(path)
-    rows = list(measure_rows(path, plan))
-    lines = []
+    pair = common_resonances(plan)
+    if pair is None:
+        raise StoreError(f"{path}: the natural frequencies move with {plan.parameter.name}, no one split serves")
+    parts, whole, undivided = _parts(path, plan, pair)
+    rows = {band: band_rows(band, plan.parameter) for band in article.bands}
+    lines: list[Line] = []
+    before: dict[str, BandAtResonance] = {}
     for band in article.bands:
-        chosen = band_rows(band, plan.parameter)
-        for number, resonance in enumerate(resonances(plan)):
-            gap = _gap(article, band, plan, resonance, chosen)
-            if not gap and all(rows[row] is None for row in chosen):
-                gap = f"all {len(chosen)} rows of this band failed"
-            if gap:
-                lines.append(Line(band, resonance, None, gap, ()))
-                continue
-            at_resonance = [None if row is None else row[number] for row in rows]
-            measured = band_at_resonance(resonance, plan.parameter.values, at_resonance, chosen)
+        peaks = row_peaks(path, plan, rows[band])
+        here, gaps = {}, {}
+        for number, resonance in enumerate(pair):
+            gaps[resonance.name] = _gap(article, band, plan, resonance) or undivided
+            if not gaps[resonance.name]:
+                chosen: list[RowPeak] = [pair_of_row[number] for pair_of_row in peaks.values()]
+                low, high = band_range(band, plan.parameter)
+                here[resonance.name] = band_at_resonance(
+                    parts[resonance.name], resonance, low, high, chosen, len(rows[band]) - len(peaks)
+                )
+        verdicts = tuple(judge(entry, here, before) for entry in band.entries)
+        for resonance in pair:
+            measured = here.get(resonance.name)
             classes = tuple(
-                "; ".join(ASPECTS[aspect](measured) for aspect in column.aspects) for column in article.columns
+                "; ".join(ASPECTS[aspect](measured) for aspect in column.aspects)
+                for column in (article.columns if measured else ())
             )
-            lines.append(Line(band, resonance, measured, "", classes))
+            lines.append(Line(band, resonance, measured, gaps[resonance.name], classes, verdicts))
+        before = here
     with xr.open_zarr(path, chunks=None) as plane:
         digest = plane.attrs["configuration_hash"]
-    failed = sum(row is None for row in rows)
-    return Table(article, plan, path.name, digest, tuple(lines), failed, *_labels(path, plan))
+    failed = int((statuses(path) != COMPLETE).sum())
+    labels = _labels(whole, [parts.get(one.name) for one in pair]) if whole else ()
+    return Table(article, plan, path.name, digest, tuple(lines), failed, labels, undivided)
 
 
-def _labels(path: Path, plan: Plan) -> tuple[tuple[LabelRange, ...], str]:
-    """Where every label exists, or why that cannot be told."""
-    halves = [(max(r.low, plan.sweep.low), min(r.high, plan.sweep.high)) for r in resonances(plan)]
-    if any(low >= high for low, high in halves):
-        return (), "the plane does not cover both resonances"
+def _parts(path: Path, plan: Plan, pair) -> tuple[dict[str, Regions], Regions | None, str]:
+    """Regions of either resonance that the plane covers and of the whole plane, or why there are none."""
+    axis = plan.sweep
+    covered = [one for one in pair if axis.low < one.natural < axis.high]
     try:
-        whole, *parts = label_occurrences(path, [None, *halves])
-    except StoreError as error:
-        return (), str(error)
+        whole = stored_regions(path)
+        return {one.name: whole.within(one.window(axis.low, axis.high)) for one in covered}, whole, ""
+    except (RegionError, StoreError) as error:
+        return {}, None, f"no regions of one label: {error}"
+
+
+def _labels(whole: Regions, parts: list[Regions | None]) -> tuple[LabelRange, ...]:
+    """Where every label exists."""
     return tuple(
         LabelRange(
-            label,
-            sum(found.share for found in occurrences),
-            tuple(tuple((o.appears, o.disappears) for o in part.get(label, ())) for part in parts),
+            label, whole.shares[label],
+            tuple(tuple((low, high) for low, high, _ in part.ranges((label,))) if part else () for part in parts),
         )
-        for label, occurrences in whole.items()
-    ), ""
+        for label in whole.labels
+    )  # fmt: skip
 
 
-def _gap(article: ArticleTable, band: Band, plan: Plan, resonance: Resonance, chosen) -> str:
+def _gap(article: ArticleTable, band: Band, plan: Plan, resonance: Resonance) -> str:
     """Why a band cannot be measured in a plane, empty if it can."""
     axis = plan.parameter
-    if len(chosen) == 0:
-        overlap = band.low <= axis.high and band.high >= axis.low and not (band.above and axis.high <= band.low)
-        reason = "no row of this plane lies in the band" if overlap else "not covered by this plane"
-        return f"{reason}: {article.sign} = {axis.low:g}–{axis.high:g}" + (f" in {axis.num} rows" if overlap else "")
+    if band_range(band, axis) is None:
+        return f"not covered by this plane: {article.sign} = {axis.low:g}–{axis.high:g}"
     if not plan.sweep.low < resonance.natural < plan.sweep.high:
         return f"not covered by this plane: Ω = {plan.sweep.low:g}–{plan.sweep.high:g}"
     return ""

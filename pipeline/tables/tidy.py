@@ -2,15 +2,15 @@
 
 import csv
 import io
-from collections.abc import Sequence
 
 import numpy as np
 
 from pipeline.tables.bands import BandAtResonance
-from pipeline.tables.edges import Edge, nearest_edge
-from pipeline.tables.rows import RowAtResonance
-from pipeline.tables.table import Line, Table
+from pipeline.tables.edges import nearest_edge
+from pipeline.tables.table import Line as TableLine
+from pipeline.tables.table import Table
 from solver import ImpactState
+from solver.boundaries.bands import Line
 
 __all__ = ["tidy"]
 
@@ -27,7 +27,7 @@ def tidy(table: Table) -> str:
     return text.getvalue()
 
 
-def _record(table: Table, line: Line) -> dict[str, str]:
+def _record(table: Table, line: TableLine) -> dict[str, str]:
     record: dict[str, object] = {
         "table": table.article.number,
         "store": table.store,
@@ -40,14 +40,15 @@ def _record(table: Table, line: Line) -> dict[str, str]:
     }
     numbers = _numbers(line.measured) if line.measured else {}
     record.update((name, numbers.get(name, np.nan)) for name in _NUMBERS)
-    record["labels"] = " ".join(label for label, _ in line.measured.labels) if line.measured else ""
-    record["label_shares"] = (
-        " ".join(f"{line.measured.share(count):.6g}" for _, count in line.measured.labels) if line.measured else ""
-    )
+    shares = line.measured.region.shares if line.measured else {}
+    record["labels"] = " ".join(shares)
+    record["label_shares"] = " ".join(f"{share:.9g}" for share in shares.values())
     for i, column in enumerate(table.article.columns):
         name = column.heading.lower().replace(" ", "_")
         record[f"class_{name}"] = line.classes[i] if line.classes else ""
-        record[f"article_{name}"] = line.band.wording[i]
+        record[f"article_{name}"] = line.band.entries[i].wording
+        record[f"verdict_{name}"] = line.verdicts[i].kind
+        record[f"reason_{name}"] = line.verdicts[i].reason
     return {name: _text(value) for name, value in record.items()}
 
 
@@ -57,39 +58,37 @@ def _text(value) -> str:
 
 
 _NUMBERS = (
-    "rows", "failed_rows", "first_value", "last_value",
-    "jump_rows", "intervals_per_row", "jump_low", "jump_high", "jump_first_low", "jump_first_high", "jump_last_low",
-    "jump_last_high", "widest", "widest_relative", "first_width_relative", "last_width_relative",
-    *(f"{what}_{kind}_{end}" for what in ("jump", "contact_loss", "double_sided")
-      for kind in ("appears", "ends") for end in ("low", "high")),
+    "low", "high", "rows", "failed_rows", "jump_height", "intervals_per_line", "jump_low", "jump_high",
+    "jump_first_low", "jump_first_high", "jump_last_low", "jump_last_high",
+    "widest", "widest_relative", "first_width_relative", "last_width_relative",
+    *(f"{what}_{kind}" for what in ("jump", "contact_loss", "double_sided_impact") for kind in ("appears", "ends")),
     "peak_rows", "peak_omega_first", "peak_omega_last", "peak_amplitude_first", "peak_amplitude_last",
     "shift_percent_first", "shift_percent_last", "shift_percent_min", "shift_percent_max",
-    "cells", *_STATE_NAMES, "share_unstable", "share_without_stable", "open_cells",
+    *_STATE_NAMES, "share_several_stable", "share_without_stable", "share_error", "open_rows",
 )  # fmt: skip
 
 
 def _numbers(band: BandAtResonance) -> dict[str, object]:
     """Every number of `_NUMBERS`; shares and relative widths as fractions, of 1 and of the natural frequency."""
-    peaks, shifts = [row.peak for row in band.peak_rows], [100.0 * shift for shift in band.shifts]
+    peaks, shifts = [row.peak for row in band.with_peak], [100.0 * row.shift for row in band.with_peak]
     numbers = {
-        "rows": len(band.rows), "failed_rows": band.failed,
-        "first_value": band.values[0], "last_value": band.values[-1],
-        "jump_rows": band.jump_rows, "intervals_per_row": band.intervals_per_row,
+        "low": band.region.low, "high": band.region.high, "rows": len(band.peaks), "failed_rows": band.failed,
+        "jump_height": band.jump_height, "intervals_per_line": band.intervals_per_line,
         "widest_relative": max(band.widths), "widest": max(band.widths) * band.resonance.natural,
         "first_width_relative": band.widths[0], "last_width_relative": band.widths[-1],
-        "peak_rows": len(peaks), "cells": band.cells, "open_cells": band.open,
-        "share_unstable": band.share(band.unstable), "share_without_stable": band.share(band.without_stable),
-        **{name: band.share(count) for name, count in zip(_STATE_NAMES, band.states, strict=True)},
+        "peak_rows": len(peaks), "open_rows": sum(row.open for row in band.peaks),
+        "share_several_stable": band.several, "share_without_stable": band.without_stable,
+        "share_error": band.region.error,
+        **{name: band.state_share(state) for name, state in zip(_STATE_NAMES, ImpactState, strict=True)},
     }  # fmt: skip
-    intervals = {"jump": band.envelope, "jump_first": _ends(band.rows[0]), "jump_last": _ends(band.rows[-1])}
+    intervals = {"jump": band.envelope, "jump_first": _ends(band, band.first), "jump_last": _ends(band, band.last)}
     for name, ends in intervals.items():
         numbers[f"{name}_low"], numbers[f"{name}_high"] = ends
-    for what, found in (
-        ("jump", band.jump_edges),
-        ("contact_loss", band.contact_loss_edges),
-        ("double_sided", band.double_sided_edges),
-    ):
-        numbers.update(_edge_numbers(what, found, band.values[0], band.values[-1]))
+    for trait, found in band.edges.items():
+        for kind, appears in (("appears", True), ("ends", False)):
+            edge = nearest_edge(found, appears, band.region.low, band.region.high)
+            if edge:
+                numbers[f"{trait.replace(' ', '_').replace('-', '_')}_{kind}"] = edge.value
     if peaks:
         numbers |= {
             "peak_omega_first": peaks[0].omega, "peak_omega_last": peaks[-1].omega,
@@ -100,15 +99,7 @@ def _numbers(band: BandAtResonance) -> dict[str, object]:
     return numbers
 
 
-def _ends(row: RowAtResonance) -> tuple[float, float]:
-    """Lowest and highest frequency of a row's intervals, nan without one."""
-    return (row.intervals[0][0], row.intervals[-1][1]) if row.intervals else (np.nan, np.nan)
-
-
-def _edge_numbers(what: str, found: Sequence[Edge], first: float, last: float) -> dict[str, float]:
-    numbers = {}
-    for kind, appears in (("appears", True), ("ends", False)):
-        edge = nearest_edge(found, appears, first, last)
-        if edge:
-            numbers[f"{what}_{kind}_low"], numbers[f"{what}_{kind}_high"] = edge.low, edge.high
-    return numbers
+def _ends(band: BandAtResonance, line: Line) -> tuple[float, float]:
+    """Lowest and highest frequency of a line's intervals, nan without one."""
+    intervals = band.jumps(line)
+    return (intervals[0][0], intervals[-1][1]) if intervals else (np.nan, np.nan)

@@ -5,7 +5,7 @@ critical values of the row parameter (`solver.boundaries.slabs`). Between two of
 same in every row, so that enumerating every solution between every two neighbouring crossings gives the whole plane.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -141,18 +141,22 @@ class Regions:
         """
         if x_window is not None:
             return self.within(x_window).occurrences(label)
-        found: list[Occurrence] = []
+        return tuple(Occurrence(label, *found) for found in self.ranges((label,)))
+
+    def ranges(self, labels: Collection[str]) -> tuple[tuple[float, float, float], ...]:
+        """Where in p any of several labels occurs: unbroken ranges (appears, disappears, share of the plane's area)."""
+        found: list[tuple[float, float, float]] = []
         (x_low, x_high), (p_low, p_high) = self.plane.x_range, self.plane.p_range
         for part in self.slabs:
-            if label not in part.labels:
+            if not any(label in labels for label in part.labels):
                 continue
-            area = sum(float(size) for name, size in zip(part.labels, part.areas, strict=True) if name == label)
+            area = sum(float(size) for name, size in zip(part.labels, part.areas, strict=True) if name in labels)
             share = area / ((x_high - x_low) * (p_high - p_low))
-            if found and part.slab.low - found[-1].disappears <= _JOINED * (p_high - p_low):
-                before = found.pop()
-                found.append(replace(before, disappears=part.slab.high, share=before.share + share))
+            if found and part.slab.low - found[-1][1] <= _JOINED * (p_high - p_low):
+                appears, _, before = found.pop()
+                found.append((appears, part.slab.high, before + share))
             else:
-                found.append(Occurrence(label, part.slab.low, part.slab.high, share))
+                found.append((part.slab.low, part.slab.high, share))
         return tuple(found)
 
     def within(self, x_window: tuple[float, float], p_window: tuple[float, float] | None = None) -> "Regions":

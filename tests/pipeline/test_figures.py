@@ -19,7 +19,7 @@ from pipeline.figures.map_legend import DISPUTED_CELLS, UNSTABLE_CELLS
 from pipeline.figures.naming import axis_label
 from pipeline.figures.palette import label_colour, state_colour
 from pipeline.figures.peaks import resonance_peaks
-from pipeline.figures.pieces import labels_at, pieces_of_row
+from pipeline.pieces import labels_at, pieces_of_row
 from pipeline.figures.stored import read_stored
 from pipeline.figures.windows import coexistence_windows
 from solver import SCALAR_PARAMETERS, Event, ImpactState, domain_code, domain_labels

@@ -1,142 +1,168 @@
-"""Rules behind the tables: intervals, peaks, edges, bands and verbal classes, on made-up rows and at thresholds."""
+"""Rules behind the tables: peaks, edges, bands, verbal classes and verdicts, on made-up bands and at thresholds."""
 
+import dataclasses
+import doctest
 
 import numpy as np
 import pytest
 
+import pipeline.numerals
+import pipeline.resonances
+from pipeline.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
+from pipeline.peaks import Peak, resonance_peak, solved
+from pipeline.pieces import Piece
 from pipeline.plan import Axis
-from pipeline.tables.article import ARTICLE_TABLES, Band, band_rows
+from pipeline.resonances import resonances_of
+from pipeline.tables import classes
+from pipeline.tables.article import ARTICLE_TABLES, Band, band_range, band_rows
+from pipeline.tables.bands import BandAtResonance
+from pipeline.tables.claims import READINGS, Claim, Entry, judge
 from pipeline.tables.classes import (
+    ASPECTS,
     IMPACT_SHARE,
     NEAR_LINEAR,
     PROMINENT_JUMP,
     SETTLED,
     impact_class,
     jump_class,
-    percent,
     resonance_class,
+    severest,
     stability_class,
-    worst_impact,
 )
 from pipeline.tables.edges import Edge, band_edges, edges, nearest_edge
-from pipeline.tables.peaks import resonance_peak
-from pipeline.tables.pieces import Branches, Piece, multivalued_intervals, row_pieces
-from solver import EndReason, Event
+from pipeline.tables.rows import RowPeak
+from pipeline.traits import TRAITS, contact_lost, double_sided, intervals, jumping, labels_with, share_of, unstable
+from solver import Event, enumerate_row
+from solver.boundaries import bands as parts
+from tests.conftest import published
 
-PLANES = {article.plane: article for article in ARTICLE_TABLES}
-NAMES = [f"table{number}.{suffix}" for number in (1, 2, 3) for suffix in ("csv", "md", "tex")]
-
-
-def straight(low, high, stable=True, heights=(1.0, 1.0), folds=(False, False)):
-    return Piece(np.linspace(low, high, 2), np.array(heights), np.array([0.0, 1.0]), stable, folds)
+BESIDE = 1e-6
 
 
-@pytest.mark.parametrize(
-    ("pieces", "expected"),
-    [
-        ([], ()),
-        ([straight(0.0, 2.0)], ()),
-        ([straight(0.0, 1.0), straight(1.0, 2.0)], ()),
-        ([straight(0.0, 1.5), straight(1.5, 1.0, False), straight(1.0, 2.0)], ((1.0, 1.5),)),
-        # Five solutions inside three are one interval; two hysteresis loops side by side are two.
-        ([straight(0, 1.5), straight(1.5, 1, False), straight(1, 1.4), straight(1.4, 1.2, False), straight(1.2, 2)],
-         ((1.0, 1.5),)),
-        ([straight(0, 1.5), straight(1.5, 1, False), straight(1, 1.8), straight(1.8, 1.7, False), straight(1.7, 2)],
-         ((1.0, 1.5), (1.7, 1.8))),
-        # An isola above one branch, and one that touches another interval.
-        ([straight(0.0, 2.0), straight(0.5, 0.8), straight(0.8, 0.5, False)], ((0.5, 0.8),)),
-        ([straight(0.0, 2.0), straight(0.5, 0.8), straight(0.8, 1.1)], ((0.5, 1.1),)),
-    ],
-)  # fmt: skip
-def test_intervals(pieces, expected):
-    assert multivalued_intervals(pieces) == expected
+@pytest.mark.parametrize("module", [pipeline.numerals, pipeline.resonances, classes])
+def test_the_examples_run(module):
+    found = doctest.testmod(module)
+    assert found.failed == 0 and found.attempted > 0
 
 
-def test_a_closed_curve_is_opened_at_a_fold():
-    angle = np.linspace(0.3, 0.3 + 2.0 * np.pi, 33)
-    omega, amplitude = 1.0 + 0.1 * np.cos(angle), 2.0 + np.sin(angle)
-    event, stable = np.zeros(33, int), np.where(np.sin(angle) > 0.0, 1, 0)
-    for fold in (np.argmax(omega), np.argmin(omega)):
-        event[fold], stable[fold] = Event.FOLD, 0
-    end = np.full((1, 2), int(EndReason.CLOSED))
-    branches = Branches(omega, amplitude, np.arange(33.0), stable, np.zeros(33, int), event, end)
-    pieces = row_pieces(branches)
-    assert [piece.stable for piece in pieces] in ([True, False], [False, True])
-    assert all(np.all(np.diff(piece.arclength) > 0.0) and piece.folds == (True, True) for piece in pieces)
-    assert all(abs(np.sum(np.sign(np.diff(piece.omega)))) == piece.omega.size - 1 for piece in pieces)
-    assert multivalued_intervals(pieces) == ((omega.min(), omega.max()),)
+# Peaks ---------------------------------------------------------------------------------------------------------------
+
+
+def one_branch(omega, amplitude, event=None):
+    event = np.zeros(omega.size, int) if event is None else event
+    return {"position": omega, "amplitude": amplitude, "branch": np.zeros(omega.size, int), "event": event}
 
 
 def test_what_counts_as_a_peak():
     omega = np.linspace(0.0, 2.0, 41)
 
-    def peak(height):
-        return resonance_peak([Piece(omega, height, omega, True, (False, False))], omega, height, 0.0, 2.5)
+    def peak(height, low=0.0, high=2.5):
+        return resonance_peak(one_branch(omega, height), [Piece(0, omega.size, 0.0, 2.0, True, 0)], low, high)
 
     bell = np.exp(-(((omega - 1.03) / 0.2) ** 2))
     found = peak(bell)
     assert found.omega == pytest.approx(1.03, abs=2e-3) and found.amplitude == pytest.approx(1.0, abs=2e-3)
-    inside = np.flatnonzero(bell >= 0.5)
-    assert (found.start, found.stop) == (inside[0], inside[-1] + 1)
+    assert not found.fold
     assert peak(np.linspace(0.0, 1.0, 41)) is None, "the end of the range is no peak"
     assert peak(1.0 + 0.2 * bell) is None, "it never falls to half its power"
     assert peak(1.0 - omega / 2.0 + 0.3 * np.exp(-(((omega - 0.6) / 0.05) ** 2))) is None, "a shoulder"
-    assert resonance_peak([], omega, bell, 3.0, 4.0) is None, "a part that the grid does not reach"
-    # The stable upper piece ends at a fold: that is where it is highest.
-    folded = [straight(1.0, 1.5, heights=(2.0, 0.5), folds=(True, False))]
-    assert resonance_peak(folded, omega, np.where(omega < 1.0, 0.2, 2.4 - omega), 0.0, 2.5).omega == 1.0
+    assert peak(bell, 3.0, 4.0) is None, "a part that the branch does not reach"
+    assert resonance_peak(one_branch(omega, bell), [Piece(0, 41, 0.0, 2.0, False, 0)], 0.0, 2.5) is None, "unstable"
+
+
+def test_a_peak_on_a_fold():
+    # Rising and stable to the fold at 1.5, back unstable to the fold at 1.2, falling and stable from there.
+    omega = np.concatenate([np.linspace(0.5, 1.5, 21), np.linspace(1.5, 1.2, 11)[1:], np.linspace(1.2, 2.5, 21)[1:]])
+    falling = np.concatenate([np.linspace(2.0, 1.0, 11)[1:], np.linspace(1.0, 0.1, 21)[1:]])
+    amplitude = np.concatenate([np.linspace(0.1, 2.0, 21), falling])
+    event = np.zeros(omega.size, int)
+    event[[20, 30]] = Event.FOLD
+    pieces = [
+        Piece(0, 21, 0.5, 1.5, True, 0), Piece(20, 31, 1.2, 1.5, False, 0), Piece(30, omega.size, 1.2, 2.5, True, 0),
+    ]  # fmt: skip
+    found = resonance_peak(one_branch(omega, amplitude, event), pieces, 0.0, 3.0)
+    assert found == Peak(1.5, 2.0, True) and solved(published(), found) is found
+
+
+def test_a_peak_is_solved_for():
+    """From whatever nearby start the same peak, at which the amplitude is largest."""
+    model = published(f_pm=0.75)
+    omega = np.linspace(1.2, 1.35, 301)
+    grid = enumerate_row(model, "omega", omega)
+    assert np.all(grid.n_solutions == 1)
+    top = int(np.argmax(grid.amplitude[:, 0]))
+    starts = [Peak(float(omega[i]), float(grid.amplitude[i, 0]), False) for i in (top - 3, top, top + 3)]
+    found = [solved(model, start) for start in starts]
+    assert [peak.omega for peak in found] == pytest.approx([found[1].omega] * 3, abs=1e-7)
+    beside = enumerate_row(model, "omega", found[1].omega + np.array([-1e-4, 0.0, 1e-4]))
+    assert beside.amplitude[1, 0] == pytest.approx(found[1].amplitude, abs=1e-10)
+    assert np.all(beside.amplitude[[0, 2], 0] < found[1].amplitude)
+
+
+# Edges, bands, labels ------------------------------------------------------------------------------------------------
 
 
 def test_edges_of_a_band():
-    values = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
-    found = edges(values, [False, True, None, False, False, True])
-    assert [(edge.appears, edge.low, edge.high) for edge in found] == [(True, 0, 1), (False, 1, 3), (True, 4, 5)]
-    assert [edge.place for edge in band_edges(found, 0.0, 3.0)] == ["inside", "inside"]
-    assert [(edge.value, edge.place) for edge in band_edges(found, 3.0, 4.0)] == [(2.0, "below"), (4.5, "above")]
-    assert [(edge.value, edge.place) for edge in band_edges(found, 2.0, 2.0)] == [(2.0, "below"), (4.5, "above")]
-    assert nearest_edge(found, True, 3.0, 4.0) == Edge(True, 4.0, 5.0) and nearest_edge([], True, 0.0, 1.0) is None
-    assert edges(values, [True] * 6) == () and band_edges((), 0.0, 1.0) == ()
+    found = edges([(0.0, 0.5, 0.1), (2.0, 3.5, 0.1), (4.5, 5.0, 0.1)], 0.0, 5.0)
+    assert found == (Edge(False, 0.5), Edge(True, 2.0), Edge(False, 3.5), Edge(True, 4.5)), "borders are no edges"
+    assert band_edges(found, 0.0, 3.0) == (Edge(False, 0.5), Edge(True, 2.0))
+    assert band_edges(found, 4.0, 4.2) == (Edge(False, 3.5, "below"), Edge(True, 4.5, "above"))
+    assert nearest_edge(found, True, 4.0, 4.2) == Edge(True, 4.5) and nearest_edge([], True, 0.0, 1.0) is None
+    assert nearest_edge(found, False, 0.0, 4.0) == Edge(False, 0.5), "the first inside"
+    assert band_edges((), 0.0, 1.0) == () and edges([], 0.0, 1.0) == ()
 
 
 @pytest.mark.parametrize(
-    ("band", "axis", "expected"),
+    ("band", "axis", "rows", "covered"),
     [
-        (Band("1", 1.0, 1.0, ()), Axis("b", 0.0, 2.0, 5), [2]),
-        (Band("1", 1.0, 1.0, ()), Axis("b", 0.0, 0.9, 5), []),
-        (Band("0.2-0.6", 0.2, 0.6, ()), Axis("b", 0.0, 1.0, 11), [2, 3, 4, 5, 6]),
-        (Band("> 0.5", 0.5, np.inf, (), above=True), Axis("b", 0.0, 1.0, 5), [3, 4]),
-        (Band("0.2-0.6", 0.2, 0.6, ()), Axis("b", 0.0, 1.0, 2), []),
+        (Band("1", 1.0, 1.0, ()), Axis("b", 0.0, 2.0, 5), [2], (1.0, 1.0)),
+        (Band("1", 1.1, 1.1, ()), Axis("b", 0.0, 2.0, 5), [2], (1.1, 1.1)),
+        (Band("1", 1.0, 1.0, ()), Axis("b", 0.0, 0.9, 5), [], None),
+        (Band("0.2-0.6", 0.2, 0.6, ()), Axis("b", 0.0, 1.0, 11), [2, 3, 4, 5, 6], (0.2, 0.6)),
+        (Band("> 0.5", 0.5, np.inf, (), above=True), Axis("b", 0.0, 1.0, 5), [3, 4], (0.5, 1.0)),
+        (Band("0.2-0.6", 0.2, 0.6, ()), Axis("b", 0.0, 1.0, 2), [], (0.2, 0.6)),
+        (Band("0.2-0.6", 0.2, 0.6, ()), Axis("b", 0.6, 1.0, 2), [0], None),
     ],
 )
-def test_rows_of_a_band(band, axis, expected):
-    assert band_rows(band, axis).tolist() == expected
+def test_rows_and_range_of_a_band(band, axis, rows, covered):
+    assert band_rows(band, axis).tolist() == rows and band_range(band, axis) == covered
 
 
-BESIDE = 1e-6
+def test_traits_of_labels():
+    labels = ("0/-", "1/0", "1/1", "1/0m", "1/f", "2/0-1", "2/0-2", "3/0-1-2")
+    assert labels_with(labels, jumping) == ("2/0-1", "2/0-2", "3/0-1-2")
+    assert labels_with(labels, contact_lost) == ("1/1", "1/f", "2/0-1", "2/0-2", "3/0-1-2")
+    assert labels_with(labels, double_sided) == ("2/0-2", "3/0-1-2")
+    assert labels_with(labels, unstable) == ("0/-",)
+    assert share_of({"1/0": 0.5, "2/0-1": 0.2, "2/0-2": 0.3}, jumping) == pytest.approx(0.5)
+    line = parts.Line(1.0, ("2/0-1", "1/0", "2/0-1", "2/1", "1/0"), np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]))
+    assert intervals(line, jumping) == ((0.0, 1.0), (2.0, 4.0)) and intervals(line, unstable) == ()
+
+
+# Classes -------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("widths", "expected"),
+    ("widths", "height", "expected"),
     [
-        ([0.0, 0.0], "none"),
-        ([PROMINENT_JUMP - BESIDE], "narrow"),
-        ([PROMINENT_JUMP], "prominent"),
-        ([0.010, 0.0110], "narrow, steady"),
-        ([0.010, 0.0112], "narrow, increasing"),
-        ([0.10, 0.08], "prominent, decreasing"),
-        ([0.0, 0.0, 0.1, 0.1], "prominent in 2 of 4 rows, increasing"),
+        ([0.0, 0.0], 0.0, "none"),
+        ([PROMINENT_JUMP - BESIDE], 1.0, "narrow"),
+        ([PROMINENT_JUMP], 1.0, "prominent"),
+        ([0.010, 0.0110], 1.0, "narrow, steady"),
+        ([0.010, 0.0112], 1.0, "narrow, increasing"),
+        ([0.10, 0.08], 1.0, "prominent, decreasing"),
+        ([0.0, 0.0, 0.1, 0.1], 0.4, "prominent in 40 % of the band, increasing"),
     ],
 )
-def test_jump_class(widths, expected):
-    assert jump_class(widths) == expected
+def test_jump_class(widths, height, expected):
+    assert jump_class(widths, height) == expected
 
 
 @pytest.mark.parametrize(
     ("ranks", "share", "expected"),
     [
-        ([], np.nan, "no region"),
         ([0, 0], 1.0, "none"),
-        ([3], 0.001, "double-sided (<1 %)"),
+        ([3], 0.0001, "double-sided (<0.1 %)"),
         ([2, 2, 0], 0.4, "single-sided to none (single-sided in 40 %)"),
         ([0, 3, 0], 0.1, "none, up to double-sided (double-sided in 10 %)"),
         ([1, 1], 1.0, "out of contact (100 %)"),
@@ -147,9 +173,11 @@ def test_impact_class(ranks, share, expected):
 
 
 def test_impact_states_count_from_their_share_on():
-    cells = round(1.0 / IMPACT_SHARE)
-    assert worst_impact([cells, 0, 1, 0, 0, 0], cells) == 3 and worst_impact([cells, 0, 1, 0, 0, 0], cells + 1) == 0
-    assert worst_impact([0, 0, 0, 0, 5, 0], 5) == 2 and worst_impact([0] * 6, 0) == 0
+    assert severest({"1/0": 1.0 - IMPACT_SHARE, "1/2": IMPACT_SHARE}) == 3
+    assert severest({"1/0": 1.0, "1/2": IMPACT_SHARE - 1e-9}) == 0
+    # A state is counted over all labels that hold it.
+    assert severest({"1/0": 0.9, "1/2": 0.6 * IMPACT_SHARE, "2/0-2": 0.6 * IMPACT_SHARE}) == 3
+    assert severest({"1/1m": 1.0}) == severest({"1/1": 1.0}) == 2 and severest({"1/f": 1.0}) == 1 and severest({}) == 0
 
 
 @pytest.mark.parametrize(
@@ -171,20 +199,117 @@ def test_resonance_class(shifts, linear, expected):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        ((0, 0, 0, [0.0], []), "no region"),
-        ((10, 0, 0, [0.0], [0.1]), "stable"),
-        ((10, 0, 0, [0.001], [0.1]), "conditional (within less than a cell)"),
-        ((10, 5, 0, [0.1], [0.1]), "conditional (50 %)"),
-        ((10, 5, 1, [0.1], [0.1]), "unstable (50 %)"),
-        ((10, 0, 0, [0.0, 0.0], [0.1, 0.1 + SETTLED - BESIDE]), "stable, settled"),
-        ((10, 0, 0, [0.0, 0.0], [0.1, 0.1 + SETTLED + BESIDE]), "stable, moving"),
-        ((10, 1, 0, [0.1, 0.1 + SETTLED + BESIDE], [0.1, 0.1]), "conditional (10 %), moving"),
-        ((10, 0, 0, [0.0, 0.0], [0.1]), "stable, moving"),
+        ((0.0, 0.0, [0.0], [0.1]), "stable"),
+        ((0.5, 0.0, [0.1], [0.1]), "conditional (50 %)"),
+        ((1e-5, 0.0, [0.1], [0.1]), "conditional (<0.1 %)"),
+        ((0.5, 0.1, [0.1], [0.1]), "unstable (10 %)"),
+        ((0.0, 0.0, [0.0, 0.0], [0.1, 0.1 + SETTLED - BESIDE]), "stable, settled"),
+        ((0.0, 0.0, [0.0, 0.0], [0.1, 0.1 + SETTLED + BESIDE]), "stable, moving"),
+        ((0.1, 0.0, [0.1, 0.1 + SETTLED + BESIDE], [0.1, 0.1]), "conditional (10 %), moving"),
+        ((0.0, 0.0, [0.0, 0.0], [0.1, np.nan]), "stable, moving"),
+        ((0.0, 0.0, [0.0, 0.0], []), "stable, moving"),
     ],
 )
 def test_stability_class(arguments, expected):
     assert stability_class(*arguments) == expected
 
 
-def test_percent_never_hides_what_is_there():
-    assert [percent(share) for share in (0.0, 0.001, 0.0051, 0.5, 1.0)] == ["0 %", "<1 %", "1 %", "50 %", "100 %"]
+# Verdicts ------------------------------------------------------------------------------------------------------------
+
+MESH, SHAFT = resonances_of(0.5, 2.0)
+
+
+def made_up(labels_by_line, widths, shares, shifts=(0.0, 0.0), found=None, resonance=MESH):
+    """A band whose lines show a jump of given width, then one label for the rest."""
+    made = []
+    for value, (label, width) in enumerate(zip(labels_by_line, widths, strict=True)):
+        ends = np.array([0.0, width * resonance.natural, 1.0])
+        made.append(parts.Line(float(value), ("2/0-1" if width else label, label), ends))
+    peaks = tuple(
+        RowPeak(float(i), resonance.natural, Peak(resonance.natural * (1.0 + shift), 1.0, False), False)
+        for i, shift in enumerate(shifts)
+    )
+    region = parts.Band(0.0, 1.0, shares, 0.0)
+    none = dict.fromkeys(TRAITS, ())
+    return BandAtResonance(
+        resonance, region, tuple(made), float(any(widths)), none | (found or {}), peaks, (False,) * len(peaks), 0
+    )
+
+
+def verdict(rule, here, before=None, value=None, where=("mesh",)):
+    entry = Entry("made up", (Claim(rule, where, value),))
+    return judge(entry, {"mesh": here}, {} if before is None else {"mesh": before})
+
+
+QUIET = made_up(("1/0", "1/0"), (0.0, 0.0), {"1/0": 1.0})
+WILD = made_up(("1/2", "1/1"), (0.02, 0.08), {"1/2": 0.3, "1/1": 0.7}, (-0.05, 0.05))
+
+
+@pytest.mark.parametrize(
+    ("rule", "holds", "fails"),
+    [
+        ("jump prominent", WILD, QUIET),
+        ("jump not prominent", QUIET, WILD),
+        ("jump grows", WILD, QUIET),
+        ("jump settled", QUIET, WILD),
+        ("double-sided", WILD, QUIET),
+        ("double- to single-sided", WILD, QUIET),
+        ("single-sided to none", made_up(("1/1", "1/0"), (0.0, 0.0), {"1/0": 1.0}), WILD),
+        ("softening", made_up(("1/0", "1/0"), (0.0, 0.0), {"1/0": 1.0}, (-0.1, -0.05)), WILD),
+        ("below natural", made_up(("1/0", "1/0"), (0.0, 0.0), {"1/0": 1.0}, (-0.001, -0.001)), WILD),
+        ("softening to hardening", WILD, QUIET),
+        ("peak settled", QUIET, WILD),
+        ("somewhere none stable", made_up(("1/0", "1/0"), (0.0, 0.0), {"0/-": 0.1, "1/0": 0.9}), WILD),
+        ("everywhere one stable", WILD, made_up(("1/0", "1/0"), (0.0, 0.0), {"0/-": 0.1, "1/0": 0.9})),
+    ],
+)
+def test_claims_hold_and_fail(rule, holds, fails):
+    assert verdict(rule, holds).kind == AGREES
+    found = verdict(rule, fails)
+    assert found.kind == DIFFERS and found.reason.startswith("mesh ") and found.text.startswith("differs: ")
+
+
+def test_claims_against_the_band_before():
+    for rule in ("jump smaller", "double-sided less"):
+        assert verdict(rule, QUIET, WILD).kind == AGREES and verdict(rule, WILD, QUIET).kind == DIFFERS
+        assert verdict(rule, QUIET).text == "cannot be compared: the band before not measured"
+
+
+@pytest.mark.parametrize("what", sorted(TRAITS))
+def test_thresholds_are_compared_with_the_articles(what):
+    def ends_at(*values):
+        return made_up(("1/0", "1/0"), (0, 0), {"1/0": 1.0}, found={what: tuple(Edge(False, v) for v in values)})
+
+    within, beyond = (0.25 * (1.0 + THRESHOLD_AGREES + d) for d in (-BESIDE, 2 * BESIDE))
+    assert verdict(f"{what} ends", ends_at(within), value=0.25).kind == AGREES
+    assert verdict(f"{what} ends", ends_at(beyond, 0.9), value=0.25).kind == DIFFERS
+    assert verdict(f"{what} ends", ends_at(0.278), value=0.25).text == (
+        f"differs: mesh {what} ends at 0.278, article 0.25, +11 %"
+    )
+    assert "−10 %" in verdict(f"{what} ends", ends_at(0.225), value=0.25).reason
+    assert "does not end in this plane" in verdict(f"{what} ends", QUIET, value=0.25).reason
+
+
+def test_a_claim_holds_at_one_of_its_resonances():
+    bands = {"mesh": QUIET, "shaft": dataclasses.replace(WILD, resonance=SHAFT)}
+    one = Entry("", (Claim("double-sided"),))
+    assert judge(one, bands, {}).text == "agrees: shaft double-sided in 30 %"
+    both = Entry("", (Claim("double-sided", ("mesh",)), Claim("double-sided", ("shaft",))))
+    assert judge(both, bands, {}).text == (
+        "differs: mesh none, double-sided in 0 %; shaft double-sided in 30 %"
+    )
+    assert judge(one, {"mesh": QUIET}, {}).text == "cannot be compared: shaft not measured"
+    assert judge(Entry("", unclear="too vague"), bands, {}).text == "cannot be compared: too vague"
+    assert judge(Entry("", unclear="too vague"), {}, {}).kind == NOT_COMPARED
+
+
+def test_every_entry_of_the_article_has_a_meaning_or_a_reason():
+    for article in ARTICLE_TABLES:
+        for band in article.bands:
+            assert len(band.entries) == len(article.columns)
+            for entry in band.entries:
+                assert entry.claims or entry.unclear
+                for claim in entry.claims:
+                    assert claim.rule in READINGS and claim.resonances
+                    assert (claim.value is not None) == claim.rule.endswith("ends")
+        assert all(aspect in ASPECTS for column in article.columns for aspect in column.aspects)

@@ -16,6 +16,7 @@ from solver import (
     sweep_row,
 )
 from solver.boundaries import boundary_curves, row_events
+from solver.boundaries.bands import band, lines
 from solver.boundaries.regions import RegionError, regions
 from tests.conftest import consistent, published
 
@@ -313,3 +314,71 @@ def test_the_same_twice():
     assert dataclasses.asdict(again.occurrences("2/0-2")[0]) == pytest.approx(
         dataclasses.asdict(regions_of("f_pm").occurrences("2/0-2")[0])
     )
+
+
+# Bands and lines -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("axis", "value"), [("b", 0.1), ("b", 0.6), ("f_pm", 0.57), ("f_pm", 1.0)])
+def test_a_line_is_the_row(axis, value):
+    (found,) = lines(regions_of(axis), [value])
+    ends, names = row_pieces(axis, value)
+    assert list(found.labels) == names and found.ends == pytest.approx(ends, abs=1e-8)
+    assert sum(found.lengths.values()) == pytest.approx(OMEGA[1] - OMEGA[0], abs=1e-12)
+    assert set(found.lengths) == set(names)
+
+
+@pytest.mark.parametrize("window", [None, "mesh", "shaft"])
+def test_bands_add_up(window):
+    whole = regions_of("f_pm") if window is None else regions_of("f_pm").within(WINDOWS[window])
+    low, high = RANGES["f_pm"]
+    assert band(whole, low, high).shares == pytest.approx(whole.shares, abs=1e-9)
+    cuts = [low, 0.5, 0.5855, 1.0, high]
+    parts = [(band(whole, a, b), b - a) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+    for label in whole.labels:
+        share = sum(part.shares.get(label, 0.0) * height for part, height in parts) / (high - low)
+        assert share == pytest.approx(whole.shares[label], abs=1e-8), label
+    assert all(sum(part.shares.values()) == pytest.approx(1.0, abs=1e-12) for part, _ in parts)
+    assert all(part.error < 1e-7 for part, _ in parts)
+
+
+def test_a_band_is_the_plane_cut_there():
+    whole = regions_of("f_pm")
+    cut = whole.within(SHAFT, (0.5, 0.57))
+    assert band(whole.within(SHAFT), 0.5, 0.57).shares == pytest.approx(cut.shares, abs=1e-8)
+
+
+def test_a_band_shrinks_to_a_line():
+    part = regions_of("b").within(MESH)
+    single, thin = band(part, 0.1, 0.1), band(part, 0.1 - 5e-6, 0.1 + 5e-6)
+    assert single.shares == pytest.approx(thin.shares, abs=1e-6) and single.error == 0.0
+    (found,) = lines(part, [0.1])
+    for label, length in found.lengths.items():
+        assert single.shares[label] == pytest.approx(length / (MESH[1] - MESH[0]), abs=1e-12)
+
+
+def test_rows_on_the_border_of_a_slab():
+    part = regions_of("f_pm")
+    borders = [slab.slab.low for slab in part.slabs] + [RANGES["f_pm"][1]]
+    for value, found in zip(borders, lines(part, borders), strict=True):
+        assert found.value == value and np.all(np.diff(found.ends) >= 0.0)
+
+
+def test_ranges_of_several_labels():
+    part = regions_of("f_pm").within(SHAFT)
+    several = [label for label in part.labels if not label.startswith("1")]
+    ((low, high, share),) = part.ranges(several)
+    each = [found for label in several for found in part.occurrences(label)]
+    assert (low, high) == (min(found.appears for found in each), max(found.disappears for found in each))
+    assert share == pytest.approx(sum(found.share for found in each), abs=1e-12)
+    assert high == pytest.approx(0.5855, abs=5e-5)
+    assert part.ranges(()) == ()
+
+
+def test_bands_not_allowed():
+    whole = regions_of("f_pm")
+    for low, high, name in ((0.2, 0.5, "low"), (0.5, 1.3, "high"), (0.6, 0.5, "low")):
+        with pytest.raises(ParameterError, match=name):
+            band(whole, low, high)
+    with pytest.raises(ParameterError, match="p"):
+        lines(whole, [1.3])
