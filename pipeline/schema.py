@@ -166,6 +166,16 @@ class Jumps:
 
 
 @dataclass
+class Margins:
+    """A design point of the plane, its operating range and its tolerances; see `pipeline.margins.options`."""
+
+    point: Any = MISSING
+    range: Any = MISSING
+    tolerances: Any = MISSING
+    reach: float = MISSING
+
+
+@dataclass
 class Configuration:
     """All of it."""
 
@@ -180,4 +190,5 @@ class Configuration:
     verify: Verify = MISSING
     basins: Basins = MISSING
     jumps: Jumps = MISSING
+    margins: Margins = MISSING
     figures: Figures = MISSING

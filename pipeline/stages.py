@@ -67,7 +67,11 @@ def prepare(settings: Settings) -> Job:
             raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
         job = Job(settings, store.read_plan(job.store_path))
     _check_integration(job)
-    if job.asks("figures"):
+    if job.asks("margins"):
+        from pipeline.margins.options import design_of
+
+        design_of(config.margins, job.plan)
+    if job.asks("figures") or job.asks("margins"):
         from pipeline import figures
 
         options = config.figures
@@ -306,6 +310,12 @@ def _jumps(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if failures else 0
 
 
+def _measure_margins(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import margins
+
+    return margins.run(job, reporter)
+
+
 def _say_failures(failures, reporter: Reporter) -> None:
     for text in failures[:10]:
         reporter.error(text)
@@ -362,6 +372,7 @@ PLANE_STAGES: dict[str, Callable[[Job, Workforce, Reporter], int]] = {
     "verify": _verify,
     "basins": _basins,
     "jumps": _jumps,
+    "margins": _measure_margins,
     "figures": _draw,
 }
 SHARED_STAGES: dict[str, Callable[[Job, Reporter], int]] = {"tables": _tabulate}
