@@ -24,7 +24,7 @@ _TOLERANCE = {**_BOX, "linewidth": 1.1, "linestyle": (0, (2.2, 1.4)), "zorder": 
 _RANGE = {"color": "black", "linewidth": 1.8, "solid_capstyle": "butt", "zorder": 7, "path_effects": _halo(3.6)}
 _POINT = {"linestyle": "none", "marker": "*", "markersize": 9.5, "markerfacecolor": "white", "markeredgecolor": "black",
           "markeredgewidth": 0.9, "zorder": 9}  # fmt: skip
-_WAY = {"color": "black", "linewidth": 0.9, "linestyle": (0, (1.0, 1.2)), "zorder": 8, "path_effects": _halo(2.6)}
+_WAY = {"color": "black", "linewidth": 0.9, "linestyle": (0, (1.0, 1.2)), "zorder": 6.5, "path_effects": _halo(2.6)}
 _HIT = {"linestyle": "none", "marker": "X", "markersize": 5.6, "markerfacecolor": "black", "markeredgecolor": "white",
         "markeredgewidth": 0.8, "zorder": 8}  # fmt: skip
 #: What is shown is enlarged below where it takes up less than this share of both axes; around it so much of its size.
@@ -45,7 +45,7 @@ def draw_margins(plane: StoredPlane, answer) -> Figure:
     -------
     Figure
     """
-    window = _window(plane, answer)
+    window = _window(plane, answer, _hits(answer)) or _window(plane, answer, [])
     panels = [panel_of(plane)] + ([panel_of(plane, *window)] if window else [])
     below = ZOOM_HEIGHT + BETWEEN if window else 0.0
     figure, main, labels = with_main_panel(plane, panels, below, False, _entries(answer))
@@ -81,15 +81,15 @@ def _rectangles(answer) -> list[tuple[dict, tuple, tuple]]:
     return found
 
 
-def _window(plane: StoredPlane, answer) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """The part that holds everything about the design, if it is small; else None."""
+def _window(plane: StoredPlane, answer, places) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """The part that holds everything about the design and some places besides, if it is small; else None."""
     design, sides = answer.design, []
     rectangles = [ranges for _, *ranges in _rectangles(answer)]
     for i, (axis, ends) in enumerate((
         (plane.plan.sweep, (design.low, design.high)),
         (plane.plan.parameter, (design.p - design.tolerance, design.p + design.tolerance)),
     )):  # fmt: skip
-        values = [*ends, *(end for ranges in rectangles for end in ranges[i])]
+        values = [*ends, *(end for ranges in rectangles for end in ranges[i]), *(place[i] for place in places)]
         low, high = min(values), max(values)
         around = max(_AROUND * (high - low), 0.03 * (axis.high - axis.low))
         sides.append((max(low - around, axis.low), min(high + around, axis.high)))
@@ -120,7 +120,7 @@ def _entries(answer) -> list[Entry]:
         both = design.low < design.high and design.tolerance > 0.0
         text = "range and tolerance" if both else "operating range" if design.low < design.high else "tolerance"
         entries.append(Entry(text, line=_RANGE))
-        entries += [Entry("all of both", area=_TOLERANCE)] if both else []
+        entries += [Entry("range × tolerance", area=_TOLERANCE)] if both else []
     if _hits(answer):
         entries.append(Entry("nearest boundary", line=_WAY, mark=_HIT))
     if answer.box is not None:

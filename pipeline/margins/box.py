@@ -78,7 +78,7 @@ def largest_box(boundaries: Boundaries, plan: Plan, design: Design) -> Box:
         cells = np.concatenate(parts)
     corner = _polished(area, corner, [side.reach for side in sides])
     left, right = _joined(sides, *corner[:, None])
-    p = design.p - float(corner[0]), design.p + float(corner[1])
+    p = sides[0].end(float(corner[0])), sides[1].end(float(corner[1]))
     return Box((float(left[0]), float(right[0])), p, float(area(*corner[:, None])[0]))
 
 
@@ -126,7 +126,8 @@ class _Side:
         places, _ = boundaries.marked
         away = self.sign * (places[:, 1] - design.p)
         inside = (places[:, 0] > design.low) & (places[:, 0] < design.high) & (away > 0.0)
-        blocked = [away[inside], [self.sign * ((plan.parameter.high if upward else plan.parameter.low) - design.p)]]
+        self.border = plan.parameter.high if upward else plan.parameter.low
+        blocked = [away[inside], [self.sign * (self.border - design.p)]]
         for x in (design.low, design.high):
             crossed = self.sign * (boundaries.along(X, x)[0] - design.p)
             blocked.append(crossed[crossed > 0.0])
@@ -140,6 +141,11 @@ class _Side:
         self._right = np.minimum.accumulate(np.concatenate([[high], np.where(x >= design.high, x, high)]))
         # The row itself, where rectangles begin.
         self._first = self._crossed(np.zeros(1))
+
+    def end(self, away: float) -> float:
+        """The row at a distance; the plane's border itself where that is meant."""
+        row = self.design.p + self.sign * away
+        return self.border if abs(row - self.border) <= 1e-14 * abs(self.design.p - self.border) else row
 
     def walls(self, away: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far left and right rectangles may go that reach so far (.,) from the row of the range."""

@@ -63,7 +63,9 @@ def design_of(options: Margins, plan: Plan) -> Design:
         if size < 0.0:
             raise _refused(f"tolerances.{name}", size, "a number, at least 0")
         if name not in ("omega", *SCALAR_PARAMETERS):
-            raise _refused(f"tolerances.{name}", size, f"of one of {', '.join(('omega', *SCALAR_PARAMETERS))}")
+            raise ConfigurationError(
+                f"margins.tolerances.{name} is not allowed: it must be one of {', '.join(('omega', *SCALAR_PARAMETERS))}"
+            )
         value = {plan.sweep.name: x, plan.parameter.name: p}.get(name)
         if value is None:
             _check_further(name, size, plan, x, p)
@@ -131,10 +133,10 @@ def _check_further(name: str, size: float, plan: Plan, x: float, p: float) -> No
 
 def nominal_value(plan: Plan, x: float, p: float, name: str) -> float:
     """A parameter's value at a place of the plane; raises ValueError where it has several."""
-    axes = {plan.sweep.name: x, plan.parameter.name: p, "omega": plan.omega}
     model = model_at(plan, p, x)
-    axes |= {"translation_coupling": model.sigma, "rotation_coupling": model.rotation}
-    values = axes[name] if axes.get(name) is not None else getattr(model, name)
+    named = {"omega": plan.omega, "translation_coupling": model.sigma, "rotation_coupling": model.rotation}
+    named |= {plan.sweep.name: x, plan.parameter.name: p}
+    values = named[name] if name in named else getattr(model, name)
     (value,) = set(values) if isinstance(values, tuple) else (values,)
     return float(value)
 
