@@ -15,6 +15,8 @@ _TOLERANCE, _MOST_CELLS = 1e-6, 2**20
 _FIRST_CUTS = 64
 #: The best corner is polished on grids of so many values across, each so much narrower than the one before.
 _GRID, _NARROWER, _ROUNDS = 17, 0.35, 40
+#: Short of its reach by so much a rectangle is the same to rounding, and nothing crosses the range itself.
+_BEFORE = 1.0 - 1e-10
 
 
 @dataclass(frozen=True)
@@ -149,7 +151,8 @@ class _Side:
 
     def walls(self, away: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far left and right rectangles may go that reach so far (.,) from the row of the range."""
-        values, place = np.unique(away, return_inverse=True)
+        # What ends the reach touches the range there: on which of its sides it comes is seen just before.
+        values, place = np.unique(np.minimum(away, _BEFORE * self.reach), return_inverse=True)
         left, right = self._crossed(values)
         passed = np.searchsorted(self._away, values, side="right")
         left = np.maximum(np.maximum(left, self._left[passed]), self._first[0])
@@ -163,7 +166,6 @@ class _Side:
         found = self.arcs.crossings(P, rows[order])
         line, x = order[found.line], found.points[:, X]
         left, right = np.full(away.size, self.borders[0]), np.full(away.size, self.borders[1])
-        # What crosses the range itself at the end of its reach touches the rectangle from above or below.
         outer = x <= self.design.low
         np.maximum.at(left, line[outer], x[outer])
         outer = x >= self.design.high
