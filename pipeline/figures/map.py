@@ -104,8 +104,8 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Figure:
 
 
 def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, shares: bool, further: Sequence[Entry] = ()):
-    """A figure with the first panel and the legend of all and of what is drawn further, with room below: figure, axes and
-    their labels."""
+    """A figure with the first panel and the legend of all and of what is drawn further, with room below: figure, axes
+    and their labels."""
     entries = [*_entries(plane, panels, shares), *further]
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + below

@@ -1,4 +1,4 @@
-"""A design point on its map: operating range, tolerances, the largest safe box, and the ways to the nearest boundaries."""
+"""A design point on its map: operating range, tolerances, the largest safe box, the ways to the nearest boundaries."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -77,7 +77,8 @@ def _rectangles(answer) -> list[tuple[dict, tuple, tuple]]:
     design = answer.design
     found = [] if answer.box is None else [(_BOX, answer.box.x, answer.box.p)]
     if design.tolerance > 0.0 and design.low < design.high:
-        found.append((_TOLERANCE, (design.low, design.high), (design.p - design.tolerance, design.p + design.tolerance)))
+        p = design.p - design.tolerance, design.p + design.tolerance
+        found.append((_TOLERANCE, (design.low, design.high), p))
     return found
 
 

@@ -100,13 +100,13 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
             margins += margins_of_further(plan, design, name)
         found = corners(plan, design, stored_curves(path, plan))
         if len(found) > 1:
-            notes.append("Further parameters are looked at with all of them at the ends of their tolerances; between those "
-                         "nothing is proven.")  # fmt: skip
+            notes.append("Further parameters are looked at with all of them at the ends of their tolerances; between "
+                         "those nothing is proven.")  # fmt: skip
     else:
         order = plan.solver["order"]
         notes.append(
-            f"At order {order} solutions cannot be enumerated: distances to the stored folds and grazings and the largest "
-            "box free of them are given, without labels, tolerances or parameters that are no axis of the plane."
+            f"At order {order} solutions cannot be enumerated: distances to the stored folds and grazings and the "
+            "largest box free of them are given, without labels, tolerances or parameters that are no axis of the plane."
         )
     box, boxed, said = _box(boundaries, plan, design, row, label, first_order)
     return Answer(plan, design, label, row, tuple(margins), box, boxed, tuple(found), tuple([*said, *notes]))
@@ -125,11 +125,11 @@ def _box(boundaries, plan, design, row, label, labelled) -> tuple[Box | None, De
     boxed, said = design, []
     name = plan.sweep.name
     if labelled and label != SAFE:
-        return None, design, [f"There is no safe box: the design point itself has the label {label or 'of a boundary'}."]
+        return None, design, [f"There is no safe box: the design point's label is {label or 'not decided'}."]
     if len(row.within(design.low, design.high)) > 1:
         boxed = dataclasses.replace(design, low=design.x, high=design.x)
-        said.append(f"No safe box holds the operating range {name} = {design.low:g} ... {design.high:g}, which boundaries "
-                    "cross; the box is the largest around the design point.")  # fmt: skip
+        said.append(f"No safe box holds the operating range {name} = {design.low:g} ... {design.high:g}, which "
+                    "boundaries cross; the box is the largest around the design point.")  # fmt: skip
     box = largest_box(boundaries, plan, boxed)
     if not box.area > 0.0:
         return None, boxed, ["There is no safe box: the design point lies on a boundary."]
@@ -143,8 +143,9 @@ def _unlike(plan: Plan, box: Box) -> str:
     """Where a box has another label than the safe one, as far as rows and columns show; empty if nowhere."""
     inside = (np.arange(_CHECKED) + 0.5) / _CHECKED
     columns = box.x[0] + (box.x[1] - box.x[0]) * inside
+    ends = plan.sweep.low, plan.sweep.high
     for p in box.p[0] + (box.p[1] - box.p[0]) * inside:
-        codes = codes_along(plan, plan.sweep.name, (plan.sweep.low, plan.sweep.high), float(columns[0]), float(p))(columns)
+        codes = codes_along(plan, plan.sweep.name, ends, float(columns[0]), float(p))(columns)
         for x, code in zip(columns, codes.tolist(), strict=True):
             if code and domain_label(code) != SAFE:
                 return f"{domain_label(code)} at {plan.sweep.name} = {x:.6g}, {plan.parameter.name} = {p:.6g}"

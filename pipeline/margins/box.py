@@ -39,12 +39,12 @@ def largest_box(boundaries: Boundaries, plan: Plan, design: Design) -> Box:
     """The axis-parallel rectangle of largest area that holds the operating range and no boundary inside.
 
     Largest means by area with both axes as shares of the plane's; the rectangle ends at the plane's borders. The label
-    of the range must be the same all over it: then it is that of the whole rectangle, as labels change at boundaries only.
+    of the range must be the same all over it: then it is that of the whole rectangle, for labels change at boundaries.
 
     For a rectangle from p - d to p + u, the boundaries to the left of the range that reach into those rows say how far
     left it may go, which is a running maximum over the rows; likewise to the right. It changes only at boundaries' ends
     and turning points and along boundaries, where it is found from their cubics. The area over (u, d) is bounded on
-    cells from the narrowest and the widest rectangle in each, and cells that cannot hold the largest one are dropped until
+    cells from the narrowest and the widest rectangle in each, and cells that cannot hold the largest are dropped until
     what is left differs by less than 1e-6 of the area; the best is then polished.
 
     Parameters

@@ -73,7 +73,9 @@ def boundaries_of(curves) -> Boundaries:
     return Boundaries(arcs, kinds[flags])
 
 
-def traced(plan: Plan, x: tuple[float, float], p: tuple[float, float], rows: int) -> tuple[Plan, tuple[BoundaryCurve, ...]]:
+def traced(
+    plan: Plan, x: tuple[float, float], p: tuple[float, float], rows: int
+) -> tuple[Plan, tuple[BoundaryCurve, ...]]:
     """A part of a plane, and its boundaries followed on the spot from what some of its rows and columns meet.
 
     Parameters

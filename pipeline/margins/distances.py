@@ -100,7 +100,8 @@ def margins_of_axis(row: Line, column: Line, plan: Plan, design: Design) -> list
         # From the far end of the range: a boundary inside of it leaves no distance.
         place, kind, beyond = row.beyond(far, upward) or (None, Event.NONE, 0)
         start = end if place is None or (place > end) == upward and place != end else place
-        found.append(Margin(plan.sweep.name, upward, True, start, limit, place, start if place is None else place, kind, beyond))
+        at = start if place is None else place
+        found.append(Margin(plan.sweep.name, upward, True, start, limit, place, at, kind, beyond))
     return found
 
 
@@ -188,7 +189,8 @@ def _codes_near(boundaries, plan, design, x, p) -> list[int]:
     """Labels of a row within the operating range between two crossings each, the nearest to x first."""
     p = min(max(p, plan.parameter.low), plan.parameter.high)
     crossed, _ = boundaries.along(P, p)
-    cuts = np.unique(np.concatenate([[design.low, design.high], crossed[(crossed > design.low) & (crossed < design.high)]]))
+    inside = crossed[(crossed > design.low) & (crossed < design.high)]
+    cuts = np.unique(np.concatenate([[design.low, design.high], inside]))
     if cuts.size == 1:
         middles = cuts
     else:

@@ -54,7 +54,7 @@ class Line:
         )
 
     def beyond(self, place: float, upward: bool) -> tuple[float, Event, int] | None:
-        """The nearest change of label from a place on: where, what happens, and the label beyond; None if there is none."""
+        """The nearest change of label from a place on: where, what happens and the label beyond; None without one."""
         changes = zip(self.stretches[:-1], self.kinds, self.stretches[1:], strict=True)
         found = [(below.high, kind, above.code if upward else below.code) for below, kind, above in changes]
         if upward:
@@ -62,7 +62,9 @@ class Line:
         return next((change for change in reversed(found) if change[0] <= place), None)
 
 
-def codes_along(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> Callable[[np.ndarray], np.ndarray]:
+def codes_along(
+    plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float
+) -> Callable[[np.ndarray], np.ndarray]:
     """A function that gives the codes of the labels at values of one parameter, all others being those at (x, p).
 
     The code is 0 where the solutions are not proven to be all.
@@ -115,7 +117,7 @@ def divided(places, kinds, ends: tuple[float, float], codes: Callable[[np.ndarra
 
 
 def _labelled(low: float, high: float, codes) -> list[Stretch]:
-    """Parts with one label between two crossings: one, unless a motion passes the ceiling; none where it is too narrow."""
+    """Parts with one label between two crossings: one, unless a motion passes the ceiling; none if too narrow."""
     if codes is None:
         return [Stretch(low, high, 0)]
     places = low + (high - low) * _PLACES

@@ -58,14 +58,14 @@ def design_of(options: Margins, plan: Plan) -> Design:
     tolerances = options.tolerances or {}
     if not isinstance(tolerances, dict):
         raise _refused("tolerances", tolerances, "numbers by name, such as {f_e: 0.02}")
-    read = {name: _number(f"tolerances.{name}", size, name, "a number, at least 0") for name, size in tolerances.items()}
+    allowed = "a number, at least 0"
+    read = {name: _number(f"tolerances.{name}", size, name, allowed) for name, size in tolerances.items()}
     for name, size in read.items():
         if size < 0.0:
             raise _refused(f"tolerances.{name}", size, "a number, at least 0")
         if name not in ("omega", *SCALAR_PARAMETERS):
-            raise ConfigurationError(
-                f"margins.tolerances.{name} is not allowed: it must be one of {', '.join(('omega', *SCALAR_PARAMETERS))}"
-            )
+            names = ", ".join(("omega", *SCALAR_PARAMETERS))
+            raise ConfigurationError(f"margins.tolerances.{name} is not allowed: it must be one of {names}")
         value = {plan.sweep.name: x, plan.parameter.name: p}.get(name)
         if value is None:
             _check_further(name, size, plan, x, p)
@@ -142,7 +142,7 @@ def nominal_value(plan: Plan, x: float, p: float, name: str) -> float:
 
 
 def replaced(plan: Plan, values: dict[str, float], x: float, p: float) -> Plan:
-    """The same plane with parameters that are no axis changed; raises ParameterError if a place (x, p) does not allow it."""
+    """The same plane with parameters that are no axis changed; raises ParameterError if (x, p) does not allow it."""
     gear = {**plan.gear, **{name: value for name, value in values.items() if name != "omega"}}
     changed = dataclasses.replace(plan, gear=gear, omega=values.get("omega", plan.omega))
     model_at(changed, p, x)

@@ -20,9 +20,10 @@ KINDS = {
     Event.MAX_AT_BACK: "grazing, back flanks begin to part",
     Event.NONE: "amplitude ceiling",
 }
+_MARGIN_HEADINGS = ("parameter", "unit", "of", "direction", "distance", "boundary")
 _FIELDS = (
-    "item", "parameter", "unit", "of", "direction", "value", "low", "high", "distance", "boundary", "at", "label", "labels",
-    "share",
+    "item", "parameter", "unit", "of", "direction", "value", "low", "high", "distance", "boundary", "at", "label",
+    "labels", "share",
 )  # fmt: skip
 
 
@@ -44,8 +45,8 @@ def _records(answer: Answer):
     for name, value in ((sweep, design.x), (parameter, design.p)):
         yield {"item": "point", "parameter": name, "unit": _unit(name), "value": value, "label": answer.label}
     for stretch in answer.row.within(design.low, design.high) if design.low < design.high else ():
-        yield {"item": "label in range", "parameter": sweep, "unit": _unit(sweep), "low": stretch.low, "high": stretch.high,
-               "label": domain_label(stretch.code)}  # fmt: skip
+        yield {"item": "label in range", "parameter": sweep, "unit": _unit(sweep), "low": stretch.low,
+               "high": stretch.high, "label": domain_label(stretch.code)}  # fmt: skip
     for margin in answer.margins:
         record = {"item": "margin", "parameter": margin.name, "unit": _unit(margin.name), "of": _of(margin),
                   "direction": "up" if margin.upward else "down"}  # fmt: skip
@@ -56,8 +57,8 @@ def _records(answer: Answer):
                    "at": margin.at, "label": domain_label(margin.beyond)}  # fmt: skip
     if answer.box is not None:
         for name, (low, high) in ((sweep, answer.box.x), (parameter, answer.box.p)):
-            yield {"item": "safe box" if answer.label else "box free of boundaries", "parameter": name, "unit": _unit(name),
-                   "low": low, "high": high, "share": answer.box.area, "label": answer.label}  # fmt: skip
+            yield {"item": "safe box" if answer.label else "box free of boundaries", "parameter": name,
+                   "unit": _unit(name), "low": low, "high": high, "share": answer.box.area, "label": answer.label}  # fmt: skip
     for corner in answer.corners:
         shown = " ".join(f"{name}={value:.10g}" for name, value in corner.values.items())
         yield {"item": "tolerances", "parameter": shown, "label": corner.labels[0], "labels": " ".join(corner.labels)}
@@ -74,7 +75,8 @@ def _of(margin: Margin) -> str:
 
 
 def _worst(answer: Answer) -> str:
-    return max((label for corner in answer.corners for label in corner.labels), key=lambda label: (severity(label), label))
+    labels = {label for corner in answer.corners for label in corner.labels}
+    return max(labels, key=lambda label: (severity(label), label))
 
 
 def markdown(answer: Answer, name: str) -> str:
@@ -90,15 +92,19 @@ def markdown(answer: Answer, name: str) -> str:
                   _pipes([f"{sweep} from", "to", "label"], rows)]  # fmt: skip
     rows = [_margin_cells(margin) for margin in answer.margins]
     parts += ["## Distance to the nearest change of label",
-              _pipes(["parameter", "unit", "of", "direction", "distance", "boundary", f"at {sweep}", "beyond"], rows)]  # fmt: skip
+              _pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]  # fmt: skip
     if answer.box is not None:
-        rows = [[name, f"{low:.6g}", f"{high:.6g}"] for name, (low, high) in ((sweep, answer.box.x), (parameter, answer.box.p))]
+        sides = ((sweep, answer.box.x), (parameter, answer.box.p))
+        rows = [[name, f"{low:.6g}", f"{high:.6g}"] for name, (low, high) in sides]
         title = f"Largest safe box: all {SAFE}" if answer.label else "Largest box free of boundaries"
-        parts += [f"## {title}, {100.0 * answer.box.area:.4g} % of the plane", _pipes(["parameter", "from", "to"], rows)]
+        title += f", {100.0 * answer.box.area:.4g} % of the plane"
+        parts += [f"## {title}", _pipes(["parameter", "from", "to"], rows)]
     if answer.corners:
-        rows = [[", ".join(f"{key} = {value:.6g}" for key, value in one.values.items()) or "nominal", ", ".join(one.labels)]
+        rows = [[", ".join(f"{key} = {value:.6g}" for key, value in one.values.items()) or "nominal",
+                 ", ".join(one.labels)]
                 for one in answer.corners]  # fmt: skip
-        where = f"{sweep} = {design.low:.6g} ... {design.high:.6g}, {parameter} = {design.p:.6g} ± {design.tolerance:.6g}"
+        where = f"{sweep} = {design.low:.6g} ... {design.high:.6g}, "
+        where += f"{parameter} = {design.p:.6g} ± {design.tolerance:.6g}"
         parts += [f"## Labels over {where}, the worst first", _pipes(["further parameters", "labels"], rows),
                   f"Worst label within the tolerances: **{_worst(answer)}**."]  # fmt: skip
     if answer.notes:
@@ -110,7 +116,8 @@ def _margin_cells(margin: Margin) -> list[str]:
     cells = [margin.name, _unit(margin.name), _of(margin), "up" if margin.upward else "down"]
     if margin.place is None:
         return [*cells, f"none {'up' if margin.upward else 'down'} to {margin.limit:.6g}", "", "", ""]
-    return [*cells, f"{margin.distance:.6g}", KINDS[margin.kind], f"{margin.at:.6g}", domain_label(margin.beyond) or "-"]
+    beyond = domain_label(margin.beyond) or "-"
+    return [*cells, f"{margin.distance:.6g}", KINDS[margin.kind], f"{margin.at:.6g}", beyond]
 
 
 def _pipes(headings: list[str], rows: list[list[str]]) -> str:
@@ -128,7 +135,9 @@ def lines(answer: Answer) -> list[str]:
     table = [[name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
              for name, _, of, direction, distance, kind, at, beyond in map(_margin_cells, answer.margins)]  # fmt: skip
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    found += ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
+    for row in table:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        found.append(f"  {'  '.join(cells).rstrip()}")
     if answer.box is not None:
         (left, right), (low, high) = answer.box.x, answer.box.p
         found.append(f"  largest {'safe box' if answer.label else 'box free of boundaries'}: {sweep} = {left:.6g} ... "

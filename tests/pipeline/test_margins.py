@@ -262,10 +262,11 @@ def test_boxes_between_straight_boundaries(ends):
     [pytest.param("omega_fe", (0.72, 0.1, 0.6, 0.8), 0.03, {"b": 0.2, "alpha": 0.05}, marks=pytest.mark.slow),
      pytest.param("omega_b", (0.61, 0.8, 0.56, 0.66), 0.15, {}, marks=pytest.mark.slow),
      ("omega_fe", (0.75, 0.1, 0.7, 0.8), 0.02, {"b": 0.2}),
-     ("omega_b", (0.61, 0.6, 0.61, 0.61), 0.2, {"f_pm": 0.1}), ("omega_b", (0.61, 0.6, 0.57, 0.65), 0.0, {"f_pm": 0.1})],
+     ("omega_b", (0.61, 0.6, 0.61, 0.61), 0.2, {"f_pm": 0.1}),
+     ("omega_b", (0.61, 0.6, 0.57, 0.65), 0.0, {"f_pm": 0.1})],
 )  # fmt: skip
 def test_labels_within_tolerances(stores, name, where, tolerance, further):
-    """Every label of a dense grid, and no label that a denser one does not have; with every end of further tolerances."""
+    """Every label of a dense grid, and no other; with every end of further tolerances."""
     _, plan = stores[name]
     x, p, low, high = where
     found = ask(stores[name], *where, tolerance, further)
@@ -274,7 +275,8 @@ def test_labels_within_tolerances(stores, name, where, tolerance, further):
     across = np.linspace(low, high, 1 if low == high else 400 if tolerance else 8000)
     for corner in found.corners:
         seen = set()
-        for level in np.linspace(p - tolerance, p + tolerance, 1 if tolerance == 0.0 else 150 if low < high and len(further) != 1 else 60 if low < high else 1500):
+        rows = 1 if tolerance == 0.0 else 1500 if low == high else 60 if len(further) == 1 else 150
+        for level in np.linspace(p - tolerance, p + tolerance, rows):
             changes = {plan.parameter.name: level, **corner.values}
             seen |= set(enumerated(plan, "omega", across, x, p, **changes))
         assert set(corner.labels) == seen, corner.values
@@ -332,12 +334,12 @@ def test_lines_find_what_no_boundary_says():
         ([], "margins.point = None is not allowed: it must be [omega, f_e] within omega = 0.05 ... 2, f_e = 0 ... 0.5"),
         (["point=[0.6,0.9]"], "margins.point = [0.6, 0.9] is not allowed: it must be [omega, f_e] within omega = 0.05"),
         (["point={omega: 0.6}"], "margins.point = {'omega': 0.6} is not allowed: it must be [omega, f_e] within"),
-        (["range=[0.7,0.8]"], "margins.range = [0.7, 0.8] is not allowed: it must be null or [omega low, omega high] around"),
+        (["range=[0.7,0.8]"], "margins.range = [0.7, 0.8] is not allowed: it must be null or [omega low, omega high]"),
         (["range=[0.01,0.8]"], "margins.range = [0.01, 0.8] is not allowed"),
         (["tolerances={c: 0.1}"], "margins.tolerances.c is not allowed: it must be one of omega, b"),
         (["tolerances={f_e: -0.1}"], "margins.tolerances.f_e = -0.1 is not allowed: it must be a number, at least 0"),
-        (["tolerances={f_e: 0.4}"], "margins.tolerances.f_e = 0.4 is not allowed: it must be so small that f_e = 0.2 +- "),
-        (["tolerances={b: 1.5}"], "margins.tolerances.b = 1.5 is not allowed: it must be so small that b = 1 +- it stays a "),
+        (["tolerances={f_e: 0.4}"], "margins.tolerances.f_e = 0.4 is not allowed: it must be so small that f_e = 0.2"),
+        (["tolerances={b: 1.5}"], "margins.tolerances.b = 1.5 is not allowed: it must be so small that b = 1 +- it"),
         (["tolerances={alpha: x}"], "margins.tolerances.alpha = x is not allowed: it must be a number, at least 0"),
         (["tolerances=[1]"], "margins.tolerances = [1] is not allowed: it must be numbers by name"),
         (["reach=1"], "margins.reach = 1.0 is not allowed: it must be from 1.1 to 100"),
@@ -400,12 +402,14 @@ def test_other_orders_give_distances_without_labels(tmp_path):
     from pipeline.sweep import balance_of, continuation_of, row_of, seeds_of
 
     made = traced_store(
-        tmp_path / "hb.zarr", "solver=hb", "solver.order=3", "plane.sweep.min=0.7", "plane.sweep.max=1.1", columns=20, rows=4
-    )
+        tmp_path / "hb.zarr", "solver=hb", "solver.order=3", "plane.sweep.min=0.7", "plane.sweep.max=1.1",
+        columns=20, rows=4,
+    )  # fmt: skip
     found = ask(made, 0.9, 0.1, 0.85, 1.0, 0.01, {"alpha": 0.05})
     plan = made[1]
     row = row_of(plan, 0.1, balance_of(plan.solver), continuation_of(plan.solver), seeds_of(plan.solver))
     events = np.concatenate([curve.points[np.isin(curve.event, [1, 2, 3]), -1] for curve in row.curves])
     assert found.margins[0].place == pytest.approx(np.max(events[events < 0.9]), abs=1e-6)
-    assert found.label == "" and found.corners == () and found.box is not None and "cannot be enumerated" in found.notes[0]
+    assert found.label == "" and found.corners == () and found.box is not None
+    assert "cannot be enumerated" in found.notes[0]
     assert "free of boundaries" in markdown(found, "hb") and "not known" in lines(found)[0]
