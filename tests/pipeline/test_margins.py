@@ -225,6 +225,7 @@ unit = st.floats(0.0, 1.0).map(lambda value: round(value, 3))
 
 @settings(max_examples=4, phases=(Phase.explicit, Phase.generate))
 @example([(0.0, 0.5, 1.0, 0.0), (1.0, 0.562, 0.0, 1.0)])
+@example([(0.3, 0.6, 0.32, 0.65), (0.7, 0.4, 0.72, 0.45)])
 @given(st.lists(st.tuples(unit, unit, unit, unit), min_size=1, max_size=6))
 def test_boxes_between_straight_boundaries(ends):
     """The plane and boundaries made up: no boundary inside, and none larger among the rectangles of a grid."""
