@@ -20,7 +20,8 @@ keys people need
   stages=[sweep,boundaries,figures]  what to do (this is the default); each reads what the ones before it stored.
                                      There are also: verify (where the map can be trusted, by higher orders and by
                                      integration), basins (shares of random initial states), jumps (attractors followed
-                                     along rows, up and down), tables
+                                     along rows, up and down), margins (distances of a design point to the nearest
+                                     boundaries), tables
   gear.b=0.5 gear.alpha=0.3          any parameter of the gear that is not an axis of the plane
   plane.parameter.name=kappa         any scalar parameter as an axis, with plane.parameter.min, .max and .num
   plane.sweep.num=800                columns
@@ -30,6 +31,8 @@ keys people need
   verify.samples=1000                cells that are integrated; also verify.order, verify.delta, verify.seed
   basins.points=[[0.6,0.2]]          where basins are measured, column value and row value; also basins.starts
   jumps.values=[0.1,0.2]             rows along which attractors are followed; also jumps.rows
+  margins.point=[0.9,0.1]            the design point, column value and row value; also margins.range=[0.8,1.0] and
+                                     margins.tolerances={f_e:0.02,b:0.1}
   store.name=mine                    name of the store and of its figures' folder
   store.overwrite=true               replace a store of another configuration
   solver.corrector=broyden           the study's corrector instead of Newton's

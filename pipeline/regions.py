@@ -6,16 +6,17 @@ from pathlib import Path
 import numpy as np
 import zarr
 
+from pipeline.boundaries.tracing import frame
 from pipeline.errors import StoreError
 from pipeline.plan import Plan
 from pipeline.store import COMPLETE, read_plan
-from pipeline.sweep import continuation_of, model_at
+from pipeline.sweep import continuation_of
 from solver import Event, ParameterError
 from solver.boundaries import BoundaryCurve, boundary_curves
 from solver.boundaries.plane import KINDS
 from solver.boundaries.regions import Occurrence, RegionError, Regions, regions
 
-__all__ = ["label_occurrences", "stored_regions", "thresholds"]
+__all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds"]
 
 
 def thresholds(
@@ -101,18 +102,11 @@ def stored_regions(path: Path) -> Regions:
     """
     plan = read_plan(path)
     return regions(
-        *_frame(plan), _curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
+        *frame(plan), stored_curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
     )  # fmt: skip
 
 
-def _frame(plan: Plan) -> tuple:
-    """Model, names and ranges of both axes."""
-    sweep, parameter = plan.sweep, plan.parameter
-    model = model_at(plan, parameter.low, sweep.low)
-    return model, sweep.name, parameter.name, (sweep.low, sweep.high), (parameter.low, parameter.high)
-
-
-def _curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
+def stored_curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
     """All boundaries on which the events of the stored branches lie."""
     root = zarr.open_group(path, mode="r")
     complete = root["status"][:] == COMPLETE
@@ -124,4 +118,4 @@ def _curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
     starts = zip(
         map(Event, events[rows, points].tolist()), np.column_stack([*columns, plan.parameter.values[rows]]), strict=True
     )
-    return boundary_curves(*_frame(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))
+    return boundary_curves(*frame(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))

@@ -177,6 +177,16 @@ class Check:
 
 
 @dataclass
+class Margins:
+    """A design point of the plane, its operating range and its tolerances; see `pipeline.margins.options`."""
+
+    point: Any = MISSING
+    range: Any = MISSING
+    tolerances: Any = MISSING
+    reach: float = MISSING
+
+
+@dataclass
 class Configuration:
     """All of it."""
 
@@ -191,5 +201,6 @@ class Configuration:
     verify: Verify = MISSING
     basins: Basins = MISSING
     jumps: Jumps = MISSING
+    margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING

@@ -37,6 +37,10 @@ class Arcs:
         p, q, u, v = self.start[number], self.end[number], self.leave[number], self.arrive[number]
         return p + t * (u + t * (3.0 * (q - p) - 2.0 * u - v + t * (2.0 * (p - q) + u + v)))
 
+    def chosen(self, which) -> "Arcs":
+        """Some of the arcs, by number or as flags."""
+        return Arcs(self.start[which], self.end[which], self.leave[which], self.arrive[which])
+
     def controls(self) -> np.ndarray:
         """The four control points of every arc as a Bezier curve in the plane (x, p), (m, 4, 2)."""
         corners = (self.start, self.start + self.leave / 3.0, self.end - self.arrive / 3.0, self.end)

@@ -20,7 +20,7 @@ from pipeline.sweep import balance_of, continuation_of, model_at
 from solver import Continuation, EndReason, Event
 from solver.boundaries import BoundaryCurve, SpecialPoint, boundary_curves
 
-__all__ = ["Summary", "trace"]
+__all__ = ["Summary", "first_order_curves", "frame", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
@@ -74,7 +74,7 @@ def trace(path: Path, plan: Plan) -> Summary:
     return _summary(plan, fresh, False)
 
 
-def _frame(plan: Plan) -> tuple:
+def frame(plan: Plan) -> tuple:
     """Model, names and ranges of both axes."""
     x, p = plan.sweep, plan.parameter
     return model_at(plan, p.low, x.low), x.name, p.name, (x.low, x.high), (p.low, p.high)
@@ -83,8 +83,13 @@ def _frame(plan: Plan) -> tuple:
 def _first_order_curves(plan: Plan, events: RowEvents) -> list[StoredCurve]:
     """Folds and grazings of the describing function, on the angles of contact."""
     continuation = _with_short_steps(continuation_of(plan.solver))
-    curves = boundary_curves(*_frame(plan), events.starts(), omega=_frequency(plan), continuation=continuation)
-    return [_to_store(curve, _side(curve, events, continuation)) for curve in curves]
+    return [to_store(curve, _side(curve, events, continuation)) for curve in first_order_curves(plan, events.starts())]
+
+
+def first_order_curves(plan: Plan, starts) -> tuple[BoundaryCurve, ...]:
+    """Folds and grazings of the describing function from these starts, in so short steps as are stored."""
+    continuation = _with_short_steps(continuation_of(plan.solver))
+    return boundary_curves(*frame(plan), starts, omega=_frequency(plan), continuation=continuation)
 
 
 def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
@@ -94,9 +99,9 @@ def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
 
     continuation = _with_short_steps(continuation_of(plan.solver))
     curves = bifurcation_curves(
-        balance_of(plan.solver), *_frame(plan), starts, omega=_frequency(plan), continuation=continuation
+        balance_of(plan.solver), *frame(plan), starts, omega=_frequency(plan), continuation=continuation
     )  # fmt: skip
-    return [_to_store(curve, 0) for curve in curves]
+    return [to_store(curve, 0) for curve in curves]
 
 
 def _frequency(plan: Plan) -> float | None:
@@ -112,7 +117,8 @@ def _with_short_steps(continuation: Continuation) -> Continuation:
     )
 
 
-def _to_store(curve: BoundaryCurve, side: int) -> StoredCurve:
+def to_store(curve: BoundaryCurve, side: int = 0) -> StoredCurve:
+    """A traced boundary as it is stored; its side is 0 where it is not known."""
     return StoredCurve(
         curve.kind, curve.ends, side, curve.points, curve.slopes, curve.arclength,
         curve.stable, curve.special,

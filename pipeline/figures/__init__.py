@@ -8,7 +8,7 @@ from pathlib import Path
 from pipeline.figures.options import check_options
 from pipeline.store import read_plan
 
-__all__ = ["check_options", "draw"]
+__all__ = ["check_options", "draw", "draw_design"]
 
 _STYLE = Path(__file__).with_name("bevelmap.mplstyle")
 
@@ -58,6 +58,28 @@ def draw(
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
         return _draw(store_path, folder, curves, formats, dpi, window, stability)
+
+
+def draw_design(store_path: Path, folder: Path, answer, formats: list[str], dpi: int) -> list[Path]:
+    """Draw a design point with its margins on the map of its plane, as `margins` in all formats.
+
+    Parameters
+    ----------
+    store_path, folder, formats, dpi
+        As for `draw`.
+    answer : pipeline.margins.Answer
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with _without_collector():
+        from matplotlib import style
+
+        from pipeline.figures.margins import draw_margins
+        from pipeline.figures.output import write_figure
+        from pipeline.figures.stored import read_stored
+
+        plane = read_stored(store_path)
+        with style.context(_STYLE, after_reset=True):
+            return write_figure(draw_margins(plane, answer), plane, folder, "margins", formats, dpi)
 
 
 @contextmanager

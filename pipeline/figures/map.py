@@ -1,5 +1,7 @@
 """The n/I map: labels as colours, folds and grazings as lines, narrow regions enlarged below; and parts of it alone."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -42,7 +44,7 @@ from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
 from pipeline.store import FAILED
 
-__all__ = ["draw_map", "draw_window"]
+__all__ = ["draw_map", "draw_window", "fill", "with_main_panel"]
 
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
@@ -64,13 +66,13 @@ def draw_map(plane: StoredPlane) -> Figure:
     sweep = plane.plan.sweep
     zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
     whole = panel_of(plane)
-    figure, main, labels = _with_main_panel(plane, [whole, *zooms], ZOOM_HEIGHT + BETWEEN if zooms else 0.0, True)
+    figure, main, labels = with_main_panel(plane, [whole, *zooms], ZOOM_HEIGHT + BETWEEN if zooms else 0.0, True)
     height = figure.get_figheight()
     if zooms:
         main.set_title("(a)")
     for i, (panel, place) in enumerate(zip(zooms, zoom_places(len(zooms)), strict=True)):
         axes = figure.add_axes(shares_of(place, height), sharey=main)
-        _fill(axes, panel, plane)
+        fill(axes, panel, plane)
         axes.set_title(f"({'bc'[i]})")
         axes.set(xlabel=labels[0], ylabel=labels[1] if i == 0 else "")
         axes.tick_params(labelleft=i == 0)
@@ -92,7 +94,7 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Figure:
     -------
     Figure
     """
-    figure, axes, _ = _with_main_panel(plane, [panel_of(plane, tuple(window[:2]), tuple(window[2:]))], 0.0, False)
+    figure, axes, _ = with_main_panel(plane, [panel_of(plane, tuple(window[:2]), tuple(window[2:]))], 0.0, False)
     axes.set(xlim=window[:2], ylim=window[2:])
     axes.locator_params(axis="x", nbins=5)
     for axis, low, high in ((axes.xaxis, *window[:2]), (axes.yaxis, *window[2:])):
@@ -101,15 +103,16 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Figure:
     return figure
 
 
-def _with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, shares: bool):
-    """A figure with the first panel and the legend of all, with room below: figure, axes and their labels."""
-    entries = _entries(plane, panels, shares)
+def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, shares: bool, further: Sequence[Entry] = ()):
+    """A figure with the first panel and the legend of all and of what is drawn further, with room below: figure, axes
+    and their labels."""
+    entries = [*_entries(plane, panels, shares), *further]
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + below
     height = bottom + tall + TOP
     figure = Figure((WIDTH, height))
     axes = figure.add_axes(shares_of((LEFT, bottom, PANEL, tall), height))
-    _fill(axes, panels[0], plane)
+    fill(axes, panels[0], plane)
     figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan), ha="right", va="top", fontsize=8)
     names = (plane.plan.sweep.name, plane.plan.parameter.name)
     labels = tuple(axis_label(name, plane.attributes[name]) for name in names)
@@ -136,7 +139,8 @@ def _modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
     return np.any((places >= panel.x[0]) & (places <= panel.x[1]), axis=1)
 
 
-def _fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
+def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
+    """Fill a panel with its labels, lines and marks."""
     axes.imshow(
         _image(panel.code, plane.labels), extent=(*panel.x, *panel.y), origin="lower", aspect="auto",
         interpolation="none", zorder=0,

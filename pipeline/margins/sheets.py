@@ -1,0 +1,147 @@
+"""Answers about a design point as CSV, Markdown and plain lines; the same text from the same store."""
+
+import csv
+import io
+
+from pipeline.margins.answer import SAFE, Answer
+from pipeline.margins.distances import Margin
+from pipeline.margins.worst import severity
+from pipeline.store import axis_attributes
+from solver import Event, domain_label
+
+__all__ = ["lines", "markdown", "tidy"]
+
+#: What happens on a boundary, in words.
+KINDS = {
+    Event.FOLD: "fold",
+    Event.MIN_AT_DRIVE: "grazing, drive flanks begin to part",
+    Event.MIN_AT_BACK: "grazing, back flanks begin to touch",
+    Event.MAX_AT_DRIVE: "grazing, drive flanks begin to touch",
+    Event.MAX_AT_BACK: "grazing, back flanks begin to part",
+    Event.NONE: "amplitude ceiling",
+}
+_MARGIN_HEADINGS = ("parameter", "unit", "of", "direction", "distance", "boundary")
+_FIELDS = (
+    "item", "parameter", "unit", "of", "direction", "value", "low", "high", "distance", "boundary", "at", "label",
+    "labels", "share",
+)  # fmt: skip
+
+
+def tidy(answer: Answer) -> str:
+    """One line per answer, numbers to ten digits."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fieldnames=_FIELDS, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: _exact(value) for key, value in record.items()} for record in _records(answer))
+    return text.getvalue()
+
+
+def _exact(value) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _records(answer: Answer):
+    design, sweep, parameter = answer.design, answer.plan.sweep.name, answer.plan.parameter.name
+    for name, value in ((sweep, design.x), (parameter, design.p)):
+        yield {"item": "point", "parameter": name, "unit": _unit(name), "value": value, "label": answer.label}
+    for stretch in answer.row.within(design.low, design.high) if design.low < design.high else ():
+        yield {"item": "label in range", "parameter": sweep, "unit": _unit(sweep), "low": stretch.low,
+               "high": stretch.high, "label": domain_label(stretch.code)}  # fmt: skip
+    for margin in answer.margins:
+        record = {"item": "margin", "parameter": margin.name, "unit": _unit(margin.name), "of": _of(margin),
+                  "direction": "up" if margin.upward else "down"}  # fmt: skip
+        if margin.place is None:
+            yield {**record, "high" if margin.upward else "low": margin.limit, "boundary": "none"}
+        else:
+            yield {**record, "value": margin.place, "distance": margin.distance, "boundary": KINDS[margin.kind],
+                   "at": margin.at, "label": domain_label(margin.beyond)}  # fmt: skip
+    if answer.box is not None:
+        for name, (low, high) in ((sweep, answer.box.x), (parameter, answer.box.p)):
+            yield {"item": "safe box" if answer.label else "box free of boundaries", "parameter": name,
+                   "unit": _unit(name), "low": low, "high": high, "share": answer.box.area, "label": answer.label}  # fmt: skip
+    for corner in answer.corners:
+        shown = " ".join(f"{name}={value:.10g}" for name, value in corner.values.items())
+        yield {"item": "tolerances", "parameter": shown, "label": corner.labels[0], "labels": " ".join(corner.labels)}
+    if answer.corners:
+        yield {"item": "worst", "label": _worst(answer)}
+
+
+def _unit(name: str) -> str:
+    return axis_attributes(name)["units"]
+
+
+def _of(margin: Margin) -> str:
+    return "range" if margin.of_range else "point"
+
+
+def _worst(answer: Answer) -> str:
+    labels = {label for corner in answer.corners for label in corner.labels}
+    return max(labels, key=lambda label: (severity(label), label))
+
+
+def markdown(answer: Answer, name: str) -> str:
+    """The answers for a reader, numbers to six digits."""
+    design, sweep, parameter = answer.design, answer.plan.sweep.name, answer.plan.parameter.name
+    parts = [f"# Margins of {sweep} = {design.x:.6g}, {parameter} = {design.p:.6g} in {name}"]
+    if answer.label:
+        parts.append(f"Label at the design point: **{answer.label}**.")
+    if design.low < design.high:
+        rows = [[f"{one.low:.6g}", f"{one.high:.6g}", domain_label(one.code) or "-"]
+                for one in answer.row.within(design.low, design.high)]  # fmt: skip
+        parts += [f"## Labels of the operating range, at {parameter} = {design.p:.6g}",
+                  _pipes([f"{sweep} from", "to", "label"], rows)]  # fmt: skip
+    rows = [_margin_cells(margin) for margin in answer.margins]
+    parts += ["## Distance to the nearest change of label",
+              _pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]  # fmt: skip
+    if answer.box is not None:
+        sides = ((sweep, answer.box.x), (parameter, answer.box.p))
+        rows = [[name, f"{low:.6g}", f"{high:.6g}"] for name, (low, high) in sides]
+        title = f"Largest safe box: all {SAFE}" if answer.label else "Largest box free of boundaries"
+        title += f", {100.0 * answer.box.area:.4g} % of the plane"
+        parts += [f"## {title}", _pipes(["parameter", "from", "to"], rows)]
+    if answer.corners:
+        rows = [[", ".join(f"{key} = {value:.6g}" for key, value in one.values.items()) or "nominal",
+                 ", ".join(one.labels)]
+                for one in answer.corners]  # fmt: skip
+        where = f"{sweep} = {design.low:.6g} ... {design.high:.6g}, "
+        where += f"{parameter} = {design.p:.6g} ± {design.tolerance:.6g}"
+        parts += [f"## Labels over {where}, the worst first", _pipes(["further parameters", "labels"], rows),
+                  f"Worst label within the tolerances: **{_worst(answer)}**."]  # fmt: skip
+    if answer.notes:
+        parts += ["## Notes", "\n".join(f"- {note}" for note in answer.notes)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _margin_cells(margin: Margin) -> list[str]:
+    cells = [margin.name, _unit(margin.name), _of(margin), "up" if margin.upward else "down"]
+    if margin.place is None:
+        return [*cells, f"none {'up' if margin.upward else 'down'} to {margin.limit:.6g}", "", "", ""]
+    beyond = domain_label(margin.beyond) or "-"
+    return [*cells, f"{margin.distance:.6g}", KINDS[margin.kind], f"{margin.at:.6g}", beyond]
+
+
+def _pipes(headings: list[str], rows: list[list[str]]) -> str:
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))
+
+
+def lines(answer: Answer) -> list[str]:
+    """The answers as aligned lines for the terminal."""
+    design, sweep, parameter = answer.design, answer.plan.sweep.name, answer.plan.parameter.name
+    found = [f"  label at {sweep} = {design.x:.6g}, {parameter} = {design.p:.6g}: {answer.label or 'not known'}"]
+    if design.low < design.high and answer.label:
+        parts = answer.row.within(design.low, design.high)
+        told = ", ".join(f"{domain_label(one.code)} {one.low:.6g} ... {one.high:.6g}" for one in parts)
+        found.append(f"  labels of the range: {told}")
+    table = [[name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
+             for name, _, of, direction, distance, kind, at, beyond in map(_margin_cells, answer.margins)]  # fmt: skip
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for row in table:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        found.append(f"  {'  '.join(cells).rstrip()}")
+    if answer.box is not None:
+        (left, right), (low, high) = answer.box.x, answer.box.p
+        found.append(f"  largest {'safe box' if answer.label else 'box free of boundaries'}: {sweep} = {left:.6g} ... "
+                     f"{right:.6g}, {parameter} = {low:.6g} ... {high:.6g}")  # fmt: skip
+    if answer.corners:
+        found.append(f"  worst label within the tolerances: {_worst(answer)}")
+    return [*found, *(f"  note: {note}" for note in answer.notes)]

@@ -1,0 +1,116 @@
+"""Which labels occur over an operating range and a tolerance of the row parameter, and which of them is the worst."""
+
+import itertools
+from dataclasses import dataclass
+
+from pipeline.margins.curves import traced
+from pipeline.margins.lines import codes_along, divided, swept
+from pipeline.margins.options import Design, nominal_value, replaced
+from pipeline.plan import Plan
+from pipeline.sweep import model_at
+from pipeline.tables.classes import worst_impact
+from solver import ImpactState, domain_label
+from solver.boundaries import BoundaryCurve, RegionError, Regions, regions
+
+__all__ = ["Corner", "corners", "labels_within", "severity"]
+
+#: Rows and columns from which boundaries are started, more where those leave something unexplained.
+_ROWS = (5, 17, 65)
+
+
+@dataclass(frozen=True)
+class Corner:
+    """Labels that occur with further parameters at the ends of their tolerances.
+
+    Parameters
+    ----------
+    values : dict of str to float
+        The further parameters; empty for the nominal gear.
+    labels : tuple of str
+        The worst first.
+    """
+
+    values: dict[str, float]
+    labels: tuple[str, ...]
+
+
+def severity(label: str) -> tuple[int, int]:
+    """What ranks a label: its severest impact, no stable motion at all above all, then how many stable motions.
+
+    Examples
+    --------
+    >>> sorted(["1/2", "2/0-1", "0/-", "1/0", "2/0-2"], key=severity)
+    ['1/0', '2/0-1', '1/2', '2/0-2', '0/-']
+    """
+    n, symbols = label.split("/")
+    if n == "0":
+        return len(ImpactState), 0
+    return worst_impact([int(state.symbol in symbols.split("-")) for state in ImpactState], 1), int(n)
+
+
+def corners(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] | None) -> list[Corner]:
+    """Labels of the nominal gear and of all combinations of the further tolerances' ends.
+
+    Parameters
+    ----------
+    plan : Plan
+    design : Design
+    curves : tuple of BoundaryCurve
+        The plane's own.
+
+    Raises
+    ------
+    ArithmeticError
+        If boundaries cannot be followed or do not divide the plane.
+    """
+    found = [Corner({}, labels_within(plan, design, curves))]
+    spread = {name: size for name, size in design.further.items() if size > 0.0}
+    nominal = {name: nominal_value(plan, design.x, design.p, name) for name in spread}
+    ends = [(nominal[name] - size, nominal[name] + size) for name, size in spread.items()]
+    for combination in itertools.product(*ends) if spread else ():
+        values = dict(zip(spread, combination, strict=True))
+        found.append(Corner(values, labels_within(replaced(plan, values, design.x, design.p), design, None)))
+    return found
+
+
+def labels_within(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] | None) -> tuple[str, ...]:
+    """All labels over the operating range and the tolerance of the row parameter, the worst first.
+
+    Parameters
+    ----------
+    plan : Plan
+    design : Design
+    curves : tuple of BoundaryCurve or None
+        All of the plane; traced on the spot within that part of it if not given.
+    """
+    x, p = (design.low, design.high), (design.p - design.tolerance, design.p + design.tolerance)
+    if x[0] < x[1] and p[0] < p[1]:
+        found = set(_regions(plan, x, p, curves).labels)
+    elif x[0] < x[1] or p[0] < p[1]:
+        name, ends = (plan.sweep.name, x) if x[0] < x[1] else (plan.parameter.name, p)
+        points, kinds = swept(plan, name, ends, design.x, design.p)
+        line = divided(points[:, 3], kinds, ends, codes_along(plan, name, ends, design.x, design.p))
+        found = {domain_label(stretch.code) for stretch in line.stretches}
+    else:
+        codes = codes_along(plan, plan.sweep.name, (plan.sweep.low, plan.sweep.high), design.x, design.p)
+        found = {domain_label(code) for code in codes([design.x]).tolist()}
+    return tuple(sorted(found - {""}, key=lambda label: (severity(label), label), reverse=True))
+
+
+def _regions(plan: Plan, x, p, curves: tuple[BoundaryCurve, ...] | None) -> Regions:
+    """The regions of a part of a plane."""
+    ceiling = float(plan.solver["amplitude_max"])
+    names = plan.sweep.name, plan.parameter.name
+    omega = None if "omega" in names else plan.omega
+    if curves is not None:
+        model = model_at(plan, plan.parameter.low, plan.sweep.low)
+        return regions(model, *names, x, p, curves, omega=omega, amplitude_max=ceiling)
+    for rows in _ROWS:
+        window, curves = traced(plan, x, p, rows)
+        try:
+            return regions(model_at(window, p[0], x[0]), *names, x, p, curves, omega=omega, amplitude_max=ceiling)
+        except RegionError:
+            # A boundary that lies between the rows and columns is missing.
+            if rows == _ROWS[-1]:
+                raise
+    raise AssertionError
