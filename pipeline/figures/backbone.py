@@ -69,7 +69,7 @@ def draw_backbone(plane: StoredPlane) -> Figure:
     scale = ScalarMappable(Normalize(row_axis.low, row_axis.high), _COLOURS)
 
     shown = plane.scales is not None
-    panel, beside = (_PANEL - 0.52, _BESIDE + 0.42) if shown else (_PANEL, _BESIDE)
+    panel, beside = (_PANEL - 0.54, _BESIDE + 0.44) if shown else (_PANEL, _BESIDE)
     height = _BOTTOM + _HEIGHT + _TOP + (LIFT if shown else 0.0)
     figure = Figure((_WIDTH, height))
     for mode, title in enumerate(_TITLES):

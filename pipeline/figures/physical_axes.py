@@ -46,7 +46,8 @@ def show_units(axes: Axes, plane: StoredPlane, x: str | None = None, y: str | No
         other = secondary(places[low], functions=_functions(scale.shown))
         if low in sides:
             other_axis = other.xaxis if low == "b" else other.yaxis
-            other_axis.set_label_text(f"{scale.name} ({scale.unit})")
+            what = label.partition(" $")[0] if name == "length" else scale.name
+            other_axis.set_label_text(f"{what} ({scale.unit})" if what else "")
         other.tick_params(**{f"label{places[low]}": low in sides})
 
 
