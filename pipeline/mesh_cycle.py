@@ -48,8 +48,8 @@ def read_mesh_cycle(path: str, count: int) -> MeshCycle:
     Parameters
     ----------
     path : str
-        CSV with a header such as `angle (deg), stiffness (N/um), error (um)`: the angle within one mesh cycle, of 360 deg
-        or 1 cycle, and one or both of the other columns, in any order.
+        CSV with a header such as `angle (deg), stiffness (N/um), error (um)`: the angle within one mesh cycle, of
+        360 deg or 1 cycle, and one or both of the other columns, in any order.
     count : int
 
     Raises
@@ -67,7 +67,7 @@ def read_mesh_cycle(path: str, count: int) -> MeshCycle:
             values[name].append(_number(path, number, name, row[place]) * size)
     for (number, _), angle in zip(rows, values["angle"], strict=True):
         if not 0.0 <= angle < 2.0 * math.pi:
-            raise _wrong(path, f"line {number}: the angle must be at least 0 and below one mesh cycle, 360 deg or 1 cycle")
+            raise _wrong(path, f"line {number}: the angle must be at least 0 and below one mesh cycle, 360 deg")
     for (number, _), stiffness in zip(rows, values.get("stiffness", []), strict="stiffness" in values):
         if stiffness < 0.0:
             raise _wrong(path, f"line {number}: the stiffness must be at least 0 all cycle")
@@ -104,7 +104,8 @@ def _columns(path: str, header: list[str]) -> dict[str, tuple[int, float]]:
         name = match and {"phase": "angle"}.get(match[1].lower(), match[1].lower())
         if name not in COLUMNS or name in found:
             raise _wrong(
-                path, f"its header has {text.strip()[:40]!r}, where each of angle (deg), stiffness (N/um), error (um) may stand once"
+                path, f"its header has {text.strip()[:40]!r}, where each of angle (deg), stiffness (N/um), "
+                "error (um) may stand once",
             )
         found[name] = place, unit_size(f"{KEY}, unit of {name}", match[2].strip(), COLUMNS[name])
     if "angle" not in found or len(found) < 2:

@@ -174,7 +174,9 @@ def _of_gears(config, name: str) -> list[float]:
 def _blanks(config) -> list[Blank]:
     key, blanks = f"{_PREFIX}blanks", config.blanks
     if not isinstance(blanks, list) or len(blanks) != 2 or not all(isinstance(blank, dict) for blank in blanks):
-        raise ConfigurationError(f"{key} = {blanks!r} is not allowed: it must be a list of two, each with {', '.join(_BLANK)}")
+        raise ConfigurationError(
+            f"{key} = {blanks!r} is not allowed: it must be a list of two, each with {', '.join(_BLANK)}"
+        )
     density, result = _one(config, "density", "density"), []
     for i, blank in enumerate(blanks):
         for name in [*(set(blank) ^ set(_BLANK))]:
@@ -211,6 +213,7 @@ def _of_cycle(config, cycle) -> dict:
     for name in found:
         if getattr(config, name) not in (None, []):
             raise ConfigurationError(
-                f"{_PREFIX}{name} = {getattr(config, name)!r} is not allowed: it must be null or [], the mesh_cycle gives it"
+                f"{_PREFIX}{name} = {getattr(config, name)!r} is not allowed: "
+                "it must be null or [], the mesh_cycle gives it"
             )
     return found

@@ -155,7 +155,8 @@ def plan(settings: Settings) -> Plan:
         )
     gear, physical = _gear(config.gear)
     scales = None if physical is None else _scales(physical)
-    axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS, scales) for role in ("sweep", "parameter")}
+    roles = ("sweep", "parameter")
+    axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS, scales) for role in roles}
     sweep, parameter = axes["sweep"], axes["parameter"]
     cells = sweep.num * parameter.num
     if cells > config.plane.max_cells:
@@ -210,7 +211,8 @@ def _gear(config) -> tuple[dict, dict | None]:
             if value is None:
                 raise ConfigurationError(f"gear.{key} has no value")
         variation = values.pop("variation")
-        return {**values, "variation_translation": variation["translation"], "variation_rotation": variation["rotation"]}, None
+        values.update({f"variation_{part}": variation[part] for part in ("translation", "rotation")})
+        return values, None
     for key, value in values.items():
         if value is not None:
             raise ConfigurationError(
@@ -237,7 +239,7 @@ def _check_axis_keys(settings: Settings, names: set[str]) -> None:
     for name in names & set(AXIS_KEYS):
         key = f"gear.physical.{AXIS_KEYS[name]}"
         if settings.overridden(key):
-            raise ConfigurationError(f"{key} is not allowed here: {name}, which follows from it, is an axis of this plane")
+            raise ConfigurationError(f"{key} is not allowed here: {name}, which follows from it, is an axis")
 
 
 def _value(key: str, name: str, value, scales) -> float:
@@ -260,7 +262,7 @@ def _axis(role: str, axis, scalars, scales) -> Axis:
         )
     low, high = (_value(f"plane.{role}.{end}", name, getattr(axis, end), scales) for end in ("min", "max"))
     shown_low, shown_high = (
-        getattr(axis, end) if isinstance(getattr(axis, end), str) else number for end, number in (("min", low), ("max", high))
+        typed if isinstance(typed, str) else number for typed, number in ((axis.min, low), (axis.max, high))
     )
     if not np.isfinite(low) or (name == "omega" and low <= 0.0):
         extra = " above 0" if name == "omega" else ""

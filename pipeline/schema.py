@@ -18,7 +18,7 @@ class Variation:
 
 @dataclass
 class PhysicalGear:
-    """Gear pair in physical units; see `solver.GearPair`. Texts are numbers with units, keys of type Any also lists of them."""
+    """Gear pair in physical units; see `solver.GearPair`. Texts are numbers with units, some keys take lists."""
 
     teeth: Any = MISSING
     module: Any = MISSING

@@ -1,7 +1,7 @@
-"""Numbers with units, as users write them, into SI numbers: the only place that knows pint, which is loaded at first use.
+"""Numbers with units, as users write them, into SI numbers: the only place that knows pint.
 
-A text is a number and a unit and nothing else. It is matched before pint sees it, because pint evaluates what stands in a
-unit, powers of powers included.
+A text is a number and a unit and nothing else. It is matched before pint sees it, because pint evaluates what stands in
+a unit, powers of powers included.
 """
 
 import functools
@@ -65,7 +65,7 @@ def quantities(key: str, value, kind: str, count: int) -> list[float]:
     if not isinstance(value, list):
         return [quantity(key, value, kind)] * count
     if len(value) != count:
-        raise _refused(key, value, f"one number with a unit of {kind}, such as {KINDS[kind][0]!r}, or a list of {count}")
+        raise _refused(key, value, f"a number with a unit of {kind}, such as {KINDS[kind][0]!r}, or a list of {count}")
     return [quantity(f"{key}[{i}]", entry, kind) for i, entry in enumerate(value)]
 
 
@@ -123,8 +123,8 @@ def _split(key: str, value, allowed: str) -> tuple[float, str]:
     text = value.strip()
     number = _NUMBER.match(text)
     unit = text[number.end() :] if number else ""
-    # "81/inch" is 81 per inch, never 8 times 1/inch; "8 1/inch" needs its space.
-    if not number or not _UNIT.fullmatch(unit.strip()) or unit.startswith("1"):
+    # "81/inch" is 81 per inch, since the number takes all digits; "8 1/inch" needs its space.
+    if not number or not _UNIT.fullmatch(unit.strip()):
         raise _refused(key, value, allowed)
     return float(number.group()), unit.strip()
 

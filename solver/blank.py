@@ -19,8 +19,8 @@ class Blank:
     Parameters
     ----------
     large_diameter, small_diameter : float
-        Of the frustum's two faces, > 0, the first at least as large as the second. The pitch diameters at both ends of the
-        teeth are near to the middle of what the tooth spaces take away and the tips add.
+        Of the frustum's two faces, > 0, the first at least as large as the second. The pitch diameters at
+        both ends of the teeth balance what the tooth spaces take away and the tips add.
     width : float
         Along the axis, > 0.
     bore : float

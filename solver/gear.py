@@ -77,8 +77,8 @@ class GearPair:
         above, least = (0.0, False), (0.0, True)
         self._set("teeth", _teeth(self.teeth))
         for name, bound in {
-            "module": above, "shaft_angle": above, "pressure_angle": least, "face_width": above, "mesh_stiffness": above,
-            "mesh_damping_ratio": least, "half_backlash": least, "torque": None, "torque_fluctuation": None,
+            "module": above, "shaft_angle": above, "pressure_angle": least, "face_width": above,
+            "mesh_stiffness": above, "mesh_damping_ratio": least, "half_backlash": least, "torque": None, "torque_fluctuation": None,
         }.items():  # fmt: skip
             self._set(name, _number(name, getattr(self, name), bound))
         for name, count, bound in (
@@ -105,7 +105,7 @@ class GearPair:
         if self.pressure_angle >= 90.0:
             raise ParameterError("pressure_angle", self.pressure_angle, "an angle in degrees, at least 0 and below 90")
         if self.face_width > self.cone_distance:
-            raise ParameterError("face_width", self.face_width, f"at most the cone distance {self.cone_distance:.6g} (m)")
+            raise ParameterError("face_width", self.face_width, f"at most the cone distance {self.cone_distance:.6g} m")
 
     def _check_loads(self):
         if self.reference_length is None and self.half_backlash == 0.0:
@@ -125,8 +125,8 @@ class GearPair:
     def cone_angles(self) -> tuple[float, float]:
         """Pitch cone angles (degrees): tan delta_1 = sin Sigma/(u + cos Sigma), delta_2 = Sigma - delta_1.
 
-        One of them may exceed a right angle (an internal bevel gear): the contact normal holds there as well, its radial
-        component turning its sign.
+        One of them may exceed a right angle (an internal bevel gear): the contact normal holds there as well, its
+        radial component turning its sign.
         """
         angle = math.radians(self.shaft_angle)
         first = math.degrees(math.atan2(math.sin(angle), self.ratio + math.cos(angle)))
@@ -179,7 +179,7 @@ class GearPair:
         return float(self.tangential * self.equivalent_mass * shares.sum() / (self.mesh_stiffness * self.length_unit))
 
     def model(self) -> Model:
-        """The dimensionless model, geometric and with one mesh force, so that xi_hg = xi_h kappa_g, d.d = 1, c = a_3^2."""
+        """The model, geometric and with one mesh force, so that xi_hg = xi_h kappa_g, d.d = 1, c = a_3^2."""
         unit, mass = self.frequency_unit, np.repeat(self.mass, 3)
         kappa = self.equivalent_mass / np.array(self.mass)
         (alpha, alpha_phase), *alphas = _scaled(self.mesh_stiffness_harmonics, self.mesh_stiffness)

@@ -36,8 +36,8 @@ def fit_cycle(angle, value, count: int) -> CycleFit:
     Parameters
     ----------
     angle : (n,) array
-        Mesh phase theta (rad) within [0, 2 pi), in any order and spacing, each once; no gap as wide as half a period of the
-        highest harmonic, the one across the end of the cycle included.
+        Mesh phase theta (rad) within [0, 2 pi), in any order and spacing, each once; no gap as wide as half a period of
+        the highest harmonic, the one across the end of the cycle included.
     value : (n,) array
         In any unit.
     count : int

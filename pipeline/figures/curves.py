@@ -100,8 +100,8 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Figure:
                 text = value_text(plane.plan.parameter.name, plane.rows[row], plane.scales)
                 titled(axes, plane, text, below_axis=line > 0)
             elif line == 0:
-                figure.text(1 - _RIGHT / _WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan, plane.scales), ha="right",
-                            va="top", fontsize=8)  # fmt: skip
+                fixed = fixed_parameters(plane.plan, plane.scales)
+                figure.text(1 - _RIGHT / _WIDTH, 1 - 0.06 / height, fixed, ha="right", va="top", fontsize=8)
             sides = "lr" + "t" * (line == 0) + "b" * (line == len(rows) - 1)
             show_units(axes, plane, sweep.name, "length", sides)
     figure.legend(

@@ -67,7 +67,8 @@ def draw_map(plane: StoredPlane) -> Figure:
     sweep = plane.plan.sweep
     zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
     whole = panel_of(plane)
-    figure, main, labels = _with_main_panel(plane, [whole, *zooms], ZOOM_HEIGHT + BETWEEN + _lift(plane) if zooms else 0.0, True)
+    below = ZOOM_HEIGHT + BETWEEN + _lift(plane) if zooms else 0.0
+    figure, main, labels = _with_main_panel(plane, [whole, *zooms], below, True)
     height = figure.get_figheight()
     if zooms:
         titled(main, plane, "(a)")
@@ -115,7 +116,8 @@ def _with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, shar
     figure = Figure((WIDTH, height))
     axes = figure.add_axes(shares_of((LEFT, bottom, PANEL - _spare(plane), tall), height))
     _fill(axes, panels[0], plane)
-    figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan, plane.scales), ha="right", va="top", fontsize=8)
+    fixed = fixed_parameters(plane.plan, plane.scales)
+    figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed, ha="right", va="top", fontsize=8)
     names = (plane.plan.sweep.name, plane.plan.parameter.name)
     labels = tuple(axis_label(name, plane.attributes[name]) for name in names)
     axes.set(xlabel=labels[0], ylabel=labels[1])

@@ -111,7 +111,10 @@ class StoredPlane:
 
 
 def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:
-    """Read a store, labels by static or by dynamic stability, with scales to show it in physical units if asked; raises StoreError as `pipeline.store.read_plan` does."""
+    """Read a store, labels by static or by dynamic stability, with scales if it is to be shown in physical units.
+
+    Raises StoreError as `pipeline.store.read_plan` does.
+    """
     plan = store.read_plan(path)
     # Plain arrays are wanted at once: dask would only cost time.
     plane = xr.open_zarr(path, chunks=None)
