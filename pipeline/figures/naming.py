@@ -2,7 +2,7 @@
 
 from pipeline.plan import Plan
 from pipeline.sweep import model_at
-from solver import ImpactState
+from solver import ImpactState, Scales
 
 __all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "symbol", "value_text"]
 
@@ -49,16 +49,19 @@ def axis_label(name: str, attributes: dict) -> str:
     return f"{attributes['long_name']} {symbol(name)}{_UNITS[attributes['units']]}"
 
 
-def value_text(name: str, value: float) -> str:
-    """A parameter with its value, "$f_e$ = 0.126"."""
-    return f"{symbol(name)} = {value:.4g}".replace("-", "\N{MINUS SIGN}")
+def value_text(name: str, value: float, scales: Scales | None = None) -> str:
+    """A parameter with its value, "$f_e$ = 0.126", and the physical one where there are scales, "(6.3 µm)"."""
+    text = f"{symbol(name)} = {value:.4g}".replace("-", "\N{MINUS SIGN}")
+    if scales is None or name not in scales:
+        return text
+    return f"{text} ({value * scales[name].shown:.3g} {scales[name].unit})"
 
 
-def fixed_parameters(plan: Plan) -> str:
+def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:
     """The parameters that a reader asks for first, as far as the plane holds them fixed."""
     model = model_at(plan, plan.parameter.low, plan.sweep.low)
     values = {"omega": plan.omega, "b": model.b, "alpha": model.alpha, "f_e": model.f_e, "f_pm": model.f_pm}
     if model.f_pv:
         values["f_pv"] = model.f_pv
     axes = {plan.parameter.name, plan.sweep.name}
-    return ",  ".join(value_text(k, v) for k, v in values.items() if k not in axes and v is not None)
+    return ",  ".join(value_text(k, v, scales) for k, v in values.items() if k not in axes and v is not None)

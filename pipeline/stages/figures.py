@@ -13,7 +13,7 @@ __all__ = ["STAGE"]
 def _options(job: Job) -> dict:
     """The settings of figures as `pipeline.figures.draw` takes them."""
     options = job.settings.config.figures
-    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability")}
+    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability", "units")}
 
 
 def _check_options(job: Job) -> None:
