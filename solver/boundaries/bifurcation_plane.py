@@ -243,7 +243,7 @@ class BifurcationPlane:
     def parameters(self, point: np.ndarray) -> np.ndarray:
         """The packed parameters at a point (u, x, p)."""
         found = np.empty(int(self._theta[NUMBER]))
-        _parameters(self._theta, self._direction, np.ascontiguousarray(point), found)
+        _parameters(self._theta.copy(), self._direction.copy(), np.array(point, dtype=float), found)
         return found
 
     def windows(self, kind: Event, share: float) -> list[int]:
