@@ -76,9 +76,9 @@ class Expansion:
     distances : (2,) sequence
         M_g, m, > 0.
     cone_angles : (2,) sequence
-        delta_g, rad.
+        delta_g, degrees.
     pressure_angle : float
-        alpha_n, rad.
+        alpha_n, degrees.
     valid : (low, high)
         Range of temperatures, degrees Celsius.
     """
@@ -100,10 +100,10 @@ class Expansion:
 
     def value(self, at: Temperatures) -> float:
         closing = sum(
-            m * math.sin(d) * (a * (at.gears - at.reference) - self.housing * (at.housing - at.reference))
+            m * math.sin(math.radians(d)) * (a * (at.gears - at.reference) - self.housing * (at.housing - at.reference))
             for m, d, a in zip(self.distances, self.cone_angles, self.gears, strict=True)
         )
-        return -math.sin(self.pressure_angle) * closing
+        return -math.sin(math.radians(self.pressure_angle)) * closing
 
     def felt(self, at: Temperatures) -> tuple[float, ...]:
         return at.gears, at.housing

@@ -27,8 +27,8 @@ from tests.conftest import consistent, published
 from tests.solver.strategies import random_model
 
 STEEL = Expansion(
-    gears=(11.5e-6, 11.5e-6), housing=10.5e-6, distances=(0.045, 0.045), cone_angles=(math.pi / 4, math.pi / 4),
-    pressure_angle=math.radians(20.0), valid=(-30.0, 160.0),
+    gears=(11.5e-6, 11.5e-6), housing=10.5e-6, distances=(0.045, 0.045), cone_angles=(45.0, 45.0),
+    pressure_angle=20.0, valid=(-30.0, 160.0),
 )  # fmt: skip
 MODULUS = LinearModulus(slope=3.35e-4, valid=(-30.0, 200.0))
 OIL = VogelViscosity(constant=1075.0, offset=95.0, exponent=1.0, valid=(0.0, 150.0))
@@ -55,8 +55,7 @@ def test_axial_shift_is_that_of_the_contact_normal():
     """What 1 m of shift of one gear takes from the gap is d Lambda_n/dY of the model, whose normal is the geometric one."""
     model = consistent(pitch_cone_angle=30.0, pressure_angle=25.0)
     one = dataclasses.replace(
-        STEEL, gears=(1.0, 0.0), housing=0.0, distances=(1.0, 1.0), pressure_angle=math.radians(25.0),
-        cone_angles=(math.radians(30.0), math.radians(60.0)),
+        STEEL, gears=(1.0, 0.0), housing=0.0, distances=(1.0, 1.0), pressure_angle=25.0, cone_angles=(30.0, 60.0),
     )  # fmt: skip
     assert one.value(at(41.0)) == pytest.approx(-abs(model.direction[1]), rel=1e-14)
 
