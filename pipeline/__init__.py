@@ -1,6 +1,6 @@
 """From a configuration to stored planes, and from these to figures and tables."""
 
-__all__ = ["thresholds"]
+__all__ = ["scales_of", "thresholds"]
 
 
 def __getattr__(name: str):
@@ -9,4 +9,8 @@ def __getattr__(name: str):
         from pipeline.regions import thresholds
 
         return thresholds
+    if name == "scales_of":
+        from pipeline.physical import scales_of
+
+        return scales_of
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

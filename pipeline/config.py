@@ -4,6 +4,7 @@ import dataclasses
 import difflib
 import itertools
 import re
+import typing
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -167,8 +168,10 @@ def _keys() -> list[str]:
     def walk(schema, prefix):
         for field in dataclasses.fields(schema):
             yield f"{prefix}{field.name}"
-            if dataclasses.is_dataclass(field.type):
-                yield from walk(field.type, f"{prefix}{field.name}.")
+            # A section that may be null is a union with None.
+            for kind in (field.type, *typing.get_args(field.type)):
+                if dataclasses.is_dataclass(kind):
+                    yield from walk(kind, f"{prefix}{field.name}.")
 
     return list(walk(Configuration, ""))
 
@@ -181,6 +184,8 @@ def _one_line(error: Exception) -> str:
         key = detail.full_key or ""
         if isinstance(detail, ConfigKeyError | ConfigAttributeError):
             key = key or str(detail.key)
+            if key.startswith("gear.physical.") and key in _keys():
+                return f"{key} is not allowed here: this gear is dimensionless; gear=miter is one in physical units"
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
         if "is not a ListConfig, list or tuple" in said:

@@ -58,6 +58,8 @@ class Plan:
         Continuation settings.
     max_solutions, max_branches, max_points : int
         Room per row.
+    physical : dict or None
+        A gear in SI units, `pipeline.physical.describe`; None where it is dimensionless.
     """
 
     gear: dict
@@ -68,11 +70,15 @@ class Plan:
     max_solutions: int
     max_branches: int
     max_points: int
+    physical: dict | None = None
 
     @property
     def numbers(self) -> dict:
-        """Everything that changes numbers, as plain data."""
-        return json.loads(json.dumps(asdict(self)))
+        """Everything that changes numbers, as plain data; what they mean in physical units included, where they do."""
+        numbers = json.loads(json.dumps(asdict(self)))
+        if self.physical is None:
+            del numbers["physical"]
+        return numbers
 
     @property
     def digest(self) -> str:
@@ -147,7 +153,9 @@ def plan(settings: Settings) -> Plan:
         raise ConfigurationError(
             f"plane.parameter.name = {config.plane.parameter.name!r} is not allowed: the sweep axis has that name already"
         )
-    axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS) for role in ("sweep", "parameter")}
+    gear, physical = _gear(config.gear)
+    scales = None if physical is None else _scales(physical)
+    axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS, scales) for role in ("sweep", "parameter")}
     sweep, parameter = axes["sweep"], axes["parameter"]
     cells = sweep.num * parameter.num
     if cells > config.plane.max_cells:
@@ -157,6 +165,8 @@ def plan(settings: Settings) -> Plan:
         )
     names = {sweep.name, parameter.name}
     omega = config.plane.omega
+    if omega is not None:
+        omega = _value("plane.omega", "omega", omega, scales)
     if "omega" in names and omega is not None:
         raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
     if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
@@ -167,9 +177,8 @@ def plan(settings: Settings) -> Plan:
         if not low <= value <= high:
             raise ConfigurationError(f"store.{name} = {value} is not allowed: it must be from {low} to {high}")
 
-    gear = asdict(config.gear)
-    variation = gear.pop("variation")
-    gear.update(variation_translation=variation["translation"], variation_rotation=variation["rotation"])
+    if physical is not None:
+        _check_axis_keys(settings, names)
     for name in names & set(gear):
         key = f"gear.{name.replace('variation_', 'variation.')}"
         if settings.overridden(key):
@@ -186,28 +195,84 @@ def plan(settings: Settings) -> Plan:
         config.store.max_solutions,
         config.store.max_branches,
         config.store.max_points,
+        physical,
     )
     _check_numbers(result)
     return result
 
 
-def _axis(role: str, axis, scalars) -> Axis:
+def _gear(config) -> tuple[dict, dict | None]:
+    """Keyword arguments of the dimensionless model, and what it comes from where that is a gear in physical units."""
+    values = asdict(config)
+    del values["physical"]
+    if config.physical is None:
+        for key, value in values.items():
+            if value is None:
+                raise ConfigurationError(f"gear.{key} has no value")
+        variation = values.pop("variation")
+        return {**values, "variation_translation": variation["translation"], "variation_rotation": variation["rotation"]}, None
+    for key, value in values.items():
+        if value is not None:
+            raise ConfigurationError(
+                f"gear.{key} = {value!r} is not allowed: it must be null, because it follows from gear.physical"
+            )
+    from pipeline.physical import describe
+    from solver import GearPair
+
+    physical = describe(config.physical)
+    # As a store gives it back.
+    gear = json.loads(json.dumps(asdict(GearPair(**physical["gear"]).model())))
+    return gear, json.loads(json.dumps(physical))
+
+
+def _scales(physical: dict):
+    from solver import GearPair, Scales
+
+    return Scales(GearPair(**physical["gear"]))
+
+
+def _check_axis_keys(settings: Settings, names: set[str]) -> None:
+    from pipeline.physical import AXIS_KEYS
+
+    for name in names & set(AXIS_KEYS):
+        key = f"gear.physical.{AXIS_KEYS[name]}"
+        if settings.overridden(key):
+            raise ConfigurationError(f"{key} is not allowed here: {name}, which follows from it, is an axis of this plane")
+
+
+def _value(key: str, name: str, value, scales) -> float:
+    """A number, or a text with a unit made dimensionless."""
+    if isinstance(value, str):
+        from pipeline.physical import place_of
+
+        return place_of(key, name, value, scales)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number, or a text with a unit")
+    return float(value)
+
+
+def _axis(role: str, axis, scalars, scales) -> Axis:
     name = axis.name.replace("gear.", "").replace("variation.", "variation_")
     allowed = ("omega", *scalars)
     if name not in allowed:
         raise ConfigurationError(
             f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
         )
-    if not np.isfinite(axis.min) or (name == "omega" and axis.min <= 0.0):
+    low, high = (_value(f"plane.{role}.{end}", name, getattr(axis, end), scales) for end in ("min", "max"))
+    shown_low, shown_high = (
+        getattr(axis, end) if isinstance(getattr(axis, end), str) else number for end, number in (("min", low), ("max", high))
+    )
+    if not np.isfinite(low) or (name == "omega" and low <= 0.0):
         extra = " above 0" if name == "omega" else ""
-        raise ConfigurationError(f"plane.{role}.min = {axis.min} is not allowed: it must be a finite number{extra}")
-    if not np.isfinite(axis.max) or axis.max <= axis.min:
+        raise ConfigurationError(f"plane.{role}.min = {shown_low!r} is not allowed: it must be a finite number{extra}")
+    if not np.isfinite(high) or high <= low:
         raise ConfigurationError(
-            f"plane.{role}.max = {axis.max} is not allowed: it must be a finite number above plane.{role}.min = {axis.min}"
+            f"plane.{role}.max = {shown_high!r} is not allowed: "
+            f"it must be a finite number above plane.{role}.min = {shown_low!r}"
         )
     if axis.num < 2:
         raise ConfigurationError(f"plane.{role}.num = {axis.num} is not allowed: it must be at least 2")
-    return Axis(name, float(axis.min), float(axis.max), int(axis.num))
+    return Axis(name, low, high, int(axis.num))
 
 
 def _check_numbers(plan: Plan) -> None:
@@ -251,11 +316,15 @@ def warnings(plan: Plan) -> list[str]:
     if lowest < 0.0:
         lines.append(f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical")
     model = corners[0]
-    ratios = {xi / model.xi_mesh for xi in model.xi_translation} if model.xi_mesh > 0.0 else set()
-    if any(abs(ratio - kappa) > 1e-9 for ratio in ratios for kappa in model.kappa):
-        shown = ", ".join(f"{ratio:g}" for ratio in sorted(ratios))
+    ratios = [xi / model.xi_mesh for xi in model.xi_translation] if model.xi_mesh > 0.0 else []
+    if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=bool(ratios))):
+        shown = ", ".join(f"{ratio:g}" for ratio in sorted(set(ratios)))
         lines.append(
             f"gear.xi_translation/gear.xi_mesh = {shown} differs from gear.kappa = {model.kappa[0]:g}: "
             "one mesh force would make them equal"
         )
+    if plan.physical is not None:
+        from pipeline.physical import cycle_note
+
+        lines += cycle_note(plan)
     return lines

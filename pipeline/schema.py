@@ -17,37 +17,70 @@ class Variation:
 
 
 @dataclass
-class Gear:
-    """Dimensionless gear pair; see `solver.Model`. Keys of type Any take one number or a list."""
+class PhysicalGear:
+    """Gear pair in physical units; see `solver.GearPair`. Texts are numbers with units, keys of type Any also lists of them."""
 
-    b: float = MISSING
-    alpha: float = MISSING
-    alpha_phase: float = MISSING
+    teeth: Any = MISSING
+    module: Any = MISSING
+    diametral_pitch: Any = MISSING
+    shaft_angle: Any = MISSING
+    pressure_angle: Any = MISSING
+    face_width: Any = MISSING
+    blanks: Any = MISSING
+    density: Any = MISSING
+    mass: Any = MISSING
+    inertia: Any = MISSING
+    support_stiffness: Any = MISSING
+    support_damping: Any = MISSING
+    mesh_stiffness: Any = MISSING
+    mesh_stiffness_harmonics: Any = MISSING
+    mesh_damping_ratio: float | None = MISSING
+    mesh_cycle: str | None = MISSING
+    mesh_cycle_harmonics: int = MISSING
+    half_backlash: Any = MISSING
+    error_harmonics: Any = MISSING
+    torque: Any = MISSING
+    load_torque: Any = MISSING
+    torque_fluctuation: Any = MISSING
+    reference_length: Any = MISSING
+
+
+@dataclass
+class Gear:
+    """Dimensionless gear pair; see `solver.Model`. Keys of type Any take one number or a list.
+
+    Of a gear in physical units all but `physical` are null: they follow from it.
+    """
+
+    b: float | None = MISSING
+    alpha: float | None = MISSING
+    alpha_phase: float | None = MISSING
     alpha_harmonics: Any = MISSING
-    f_e: float = MISSING
-    f_e_phase: float = MISSING
+    f_e: float | None = MISSING
+    f_e_phase: float | None = MISSING
     f_e_harmonics: Any = MISSING
-    f_pm: float = MISSING
-    f_pv: float = MISSING
+    f_pm: float | None = MISSING
+    f_pv: float | None = MISSING
     kappa: Any = MISSING
-    xi_mesh: float = MISSING
+    xi_mesh: float | None = MISSING
     xi_translation: Any = MISSING
     xi_support: Any = MISSING
     k_support: Any = MISSING
-    pitch_cone_angle: float = MISSING
-    pressure_angle: float = MISSING
+    pitch_cone_angle: float | None = MISSING
+    pressure_angle: float | None = MISSING
     translation_coupling: Any = MISSING
     rotation_coupling: Any = MISSING
-    variation: Variation = MISSING
+    variation: Variation | None = MISSING
+    physical: PhysicalGear | None = MISSING
 
 
 @dataclass
 class Axis:
-    """One axis of a plane: `num` values from `min` to `max`, both included."""
+    """One axis of a plane: `num` values from `min` to `max`, both included; these are numbers, or texts with units."""
 
     name: str = MISSING
-    min: float = MISSING
-    max: float = MISSING
+    min: Any = MISSING
+    max: Any = MISSING
     num: int = MISSING
 
 
@@ -57,7 +90,7 @@ class Plane:
 
     sweep: Axis = MISSING
     parameter: Axis = MISSING
-    omega: float | None = MISSING
+    omega: Any = MISSING
     max_cells: float = MISSING
 
 
@@ -129,6 +162,7 @@ class Figures:
     dpi: int = MISSING
     stability: str = MISSING
     window: list[float] | None = MISSING
+    units: str = MISSING
 
 
 @dataclass

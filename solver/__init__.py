@@ -4,6 +4,7 @@ Boundary curves in two parameters are in `solver.boundaries`, which is imported 
 """
 
 from solver.backbone import Backbone, backbone
+from solver.blank import Blank
 from solver.branches import LinearSeeds, ProvenSeeds, RowError
 from solver.contact_system import ContactSystem, gear_system
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
@@ -17,6 +18,7 @@ from solver.enumeration import (
     enumerate_row,
 )
 from solver.errors import ParameterError
+from solver.gear import GearPair
 from solver.harmonic.first_order import DescribingFunction, first_order_problem
 from solver.harmonic.uncondensed import translations, uncondensed_balance
 from solver.impact import (
@@ -27,9 +29,11 @@ from solver.impact import (
     domain_parts,
     impact_state,
 )
+from solver.mesh_cycle import CycleFit, fit_cycle
 from solver.model import GEOMETRIC, SCALAR_PARAMETERS, Model
 from solver.problem import Balance
 from solver.row import Row, sweep_row
+from solver.scales import Scale, Scales
 
 __all__ = [
     "GEOMETRIC",
@@ -37,13 +41,16 @@ __all__ = [
     "Above",
     "Balance",
     "Backbone",
+    "Blank",
     "Broyden",
     "ContactSystem",
     "Continuation",
     "Curve",
+    "CycleFit",
     "DescribingFunction",
     "EndReason",
     "Event",
+    "GearPair",
     "LinearSeeds",
     "ImpactState",
     "Model",
@@ -55,6 +62,8 @@ __all__ = [
     "Row",
     "RowError",
     "RowSolutions",
+    "Scale",
+    "Scales",
     "Solutions",
     "all_solutions",
     "backbone",
@@ -64,6 +73,7 @@ __all__ = [
     "domain_parts",
     "enumerate_row",
     "first_order_problem",
+    "fit_cycle",
     "gear_system",
     "impact_state",
     "sweep_row",

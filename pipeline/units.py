@@ -1,0 +1,156 @@
+"""Numbers with units, as users write them, into SI numbers: the only place that knows pint, which is loaded at first use.
+
+A text is a number and a unit and nothing else. It is matched before pint sees it, because pint evaluates what stands in a
+unit, powers of powers included.
+"""
+
+import functools
+import math
+import re
+
+from pipeline.errors import ConfigurationError
+
+__all__ = ["KINDS", "quantities", "quantity", "speed", "unit_size"]
+
+#: Kind -> an example, whose unit has the dimension that is asked for, and the SI unit.
+KINDS = {
+    "length": ("12 um", "m"),
+    "angle": ("20 deg", "rad"),
+    "mass": ("0.7 kg", "kg"),
+    "inertia": ("4.5e-4 kg*m^2", "kg*m^2"),
+    "density": ("7850 kg/m^3", "kg/m^3"),
+    "stiffness": ("300 N/um", "N/m"),
+    "damping": ("900 N*s/m", "N*s/m"),
+    "torque": ("45 N*m", "N*m"),
+    "diametral pitch": ("8 1/inch", "1/m"),
+}
+
+_LONGEST = 60
+_WORD = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)[1-4]|[²³⁴])?"
+_UNIT = re.compile(rf"(?:1?\s*/\s*)?{_WORD}(?:(?:\s*[*/·]\s*|\s+){_WORD})*")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?=\s|[^\d.\s]|$)")
+
+
+@functools.cache
+def _registry():
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def quantity(key: str, value, kind: str) -> float:
+    """The SI number of a text such as "45 N*m".
+
+    Parameters
+    ----------
+    key : str
+        What the user typed it for; messages begin with it.
+    value
+        As typed.
+    kind : str
+        Of `KINDS`.
+
+    Raises
+    ------
+    ConfigurationError
+        One line: no number, no unit, one that is not known, or one of another dimension.
+    """
+    allowed = f"a number with a unit of {kind}, such as {KINDS[kind][0]!r}"
+    number, unit = _split(key, value, allowed)
+    return _finite(key, value, number * _size(key, value, unit, kind, allowed), allowed)
+
+
+def quantities(key: str, value, kind: str, count: int) -> list[float]:
+    """One text for all or a list of `count` texts, as SI numbers; raises as `quantity` does."""
+    if not isinstance(value, list):
+        return [quantity(key, value, kind)] * count
+    if len(value) != count:
+        raise _refused(key, value, f"one number with a unit of {kind}, such as {KINDS[kind][0]!r}, or a list of {count}")
+    return [quantity(f"{key}[{i}]", entry, kind) for i, entry in enumerate(value)]
+
+
+def unit_size(key: str, text: str, kind: str) -> float:
+    """SI units of a unit that stands alone; raises as `quantity` does."""
+    allowed = f"a unit of {kind}, such as {KINDS[kind][0].partition(' ')[2]!r}"
+    if len(text) > _LONGEST or not _UNIT.fullmatch(text):
+        raise _refused(key, text[:_LONGEST], allowed)
+    return _size(key, text, text, kind, allowed)
+
+
+def speed(key: str, value) -> tuple[str, float]:
+    """A pinion speed ("1500 rpm") or a mesh frequency ("1.2 kHz").
+
+    Returns
+    -------
+    name : str
+        "omega" or "mesh_frequency", as `solver.Scales` calls them.
+    number : float
+        rad/s of the pinion, or Hz.
+
+    Raises
+    ------
+    ConfigurationError
+        One line; 1/s alone is refused, since it may mean either.
+    """
+    allowed = "a number with a unit of pinion speed or mesh frequency, such as '1500 rpm' or '1.2 kHz'"
+    number, unit = _split(key, value, allowed)
+    parsed = _parsed(key, value, unit, allowed)
+    names = dict(parsed._units)
+    hertz = [name for name in names if name.endswith("hertz")]
+    turning = [name for name in names if name.startswith("revolutions_per_") or _is_angle(name)]
+    if parsed.dimensionality != {"[time]": -1.0} or bool(hertz) == bool(turning):
+        raise _refused(key, value, allowed)
+    # For pint, Hz is 1/s and an angle is 1: cycles of the mesh and radians of the pinion.
+    size = _registry().Quantity(1.0, parsed).to("1/s").magnitude
+    return ("mesh_frequency" if hertz else "omega"), _finite(key, value, number * size, allowed)
+
+
+def _refused(key: str, value, allowed: str) -> ConfigurationError:
+    shown = repr(value) if len(repr(value)) <= 2 * _LONGEST else f"{repr(value)[: 2 * _LONGEST]}…"
+    return ConfigurationError(f"{key} = {shown} is not allowed: it must be {allowed}")
+
+
+def _finite(key: str, value, number: float, allowed: str) -> float:
+    if not math.isfinite(number):
+        raise _refused(key, value, allowed)
+    return number
+
+
+def _split(key: str, value, allowed: str) -> tuple[float, str]:
+    """Number and unit of a text."""
+    if not isinstance(value, str) or len(value) > _LONGEST:
+        raise _refused(key, value, allowed)
+    text = value.strip()
+    number = _NUMBER.match(text)
+    unit = text[number.end() :] if number else ""
+    # "81/inch" is 81 per inch, never 8 times 1/inch; "8 1/inch" needs its space.
+    if not number or not _UNIT.fullmatch(unit.strip()) or unit.startswith("1"):
+        raise _refused(key, value, allowed)
+    return float(number.group()), unit.strip()
+
+
+def _parsed(key: str, value, unit: str, allowed: str):
+    import pint
+
+    unit = f"1{unit}" if unit.startswith("/") else unit
+    try:
+        return _registry().parse_units(unit)
+    except pint.UndefinedUnitError as error:
+        unknown = error.unit_names if isinstance(error.unit_names, str) else ", ".join(error.unit_names)
+        raise _refused(key, value, f"{allowed} ({unknown!r} is not a known unit)") from None
+    except (pint.PintError, ValueError, AssertionError, TypeError):
+        raise _refused(key, value, allowed) from None
+
+
+def _is_angle(name: str) -> bool:
+    return not _registry().parse_units(name).dimensionality
+
+
+def _size(key: str, value, unit: str, kind: str, allowed: str) -> float:
+    """SI units of a unit, which must have the kind's dimension; only an angle may have units without one in it."""
+    parsed, wanted = _parsed(key, value, unit, allowed), _registry().parse_units(KINDS[kind][1])
+    angles = [name for name in dict(parsed._units) if _is_angle(name)]
+    wrong = (list(dict(parsed._units).values()) != [1] or angles == []) if kind == "angle" else bool(angles)
+    if wrong or parsed.dimensionality != wanted.dimensionality:
+        raise _refused(key, value, allowed)
+    return float(_registry().Quantity(1.0, parsed).to(wanted).magnitude)
