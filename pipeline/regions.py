@@ -9,7 +9,7 @@ import zarr
 from pipeline.errors import StoreError
 from pipeline.plan import Plan
 from pipeline.store import COMPLETE, read_plan
-from pipeline.sweep import continuation_of, model_at
+from pipeline.sweep import continuation_of, frame_of
 from solver import Event, ParameterError
 from solver.boundaries import BoundaryCurve, boundary_curves
 from solver.boundaries.plane import KINDS
@@ -101,15 +101,8 @@ def stored_regions(path: Path) -> Regions:
     """
     plan = read_plan(path)
     return regions(
-        *_frame(plan), _curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
+        *frame_of(plan), _curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
     )  # fmt: skip
-
-
-def _frame(plan: Plan) -> tuple:
-    """Model, names and ranges of both axes."""
-    sweep, parameter = plan.sweep, plan.parameter
-    model = model_at(plan, parameter.low, sweep.low)
-    return model, sweep.name, parameter.name, (sweep.low, sweep.high), (parameter.low, parameter.high)
 
 
 def _curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
@@ -124,4 +117,4 @@ def _curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
     starts = zip(
         map(Event, events[rows, points].tolist()), np.column_stack([*columns, plan.parameter.values[rows]]), strict=True
     )
-    return boundary_curves(*_frame(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))
+    return boundary_curves(*frame_of(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))

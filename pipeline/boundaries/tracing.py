@@ -16,7 +16,7 @@ from pipeline.boundaries.group import (
     write_boundaries,
 )
 from pipeline.plan import Plan
-from pipeline.sweep import balance_of, continuation_of, model_at
+from pipeline.sweep import balance_of, continuation_of, frame_of
 from solver import Continuation, EndReason, Event
 from solver.boundaries import BoundaryCurve, SpecialPoint, boundary_curves
 
@@ -74,16 +74,10 @@ def trace(path: Path, plan: Plan) -> Summary:
     return _summary(plan, fresh, False)
 
 
-def _frame(plan: Plan) -> tuple:
-    """Model, names and ranges of both axes."""
-    x, p = plan.sweep, plan.parameter
-    return model_at(plan, p.low, x.low), x.name, p.name, (x.low, x.high), (p.low, p.high)
-
-
 def _first_order_curves(plan: Plan, events: RowEvents) -> list[StoredCurve]:
     """Folds and grazings of the describing function, on the angles of contact."""
     continuation = _with_short_steps(continuation_of(plan.solver))
-    curves = boundary_curves(*_frame(plan), events.starts(), omega=_frequency(plan), continuation=continuation)
+    curves = boundary_curves(*frame_of(plan), events.starts(), omega=_frequency(plan), continuation=continuation)
     return [_to_store(curve, _side(curve, events, continuation)) for curve in curves]
 
 
@@ -94,7 +88,7 @@ def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
 
     continuation = _with_short_steps(continuation_of(plan.solver))
     curves = bifurcation_curves(
-        balance_of(plan.solver), *_frame(plan), starts, omega=_frequency(plan), continuation=continuation
+        balance_of(plan.solver), *frame_of(plan), starts, omega=_frequency(plan), continuation=continuation
     )  # fmt: skip
     return [_to_store(curve, 0) for curve in curves]
 

@@ -1,7 +1,7 @@
 """How parameters are written in figures."""
 
 from pipeline.plan import Plan
-from pipeline.sweep import model_at
+from pipeline.sweep import frame_of
 from solver import ImpactState
 
 __all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "symbol", "value_text"]
@@ -26,8 +26,9 @@ _SYMBOLS = {
     "rotation_coupling": "c",
     "variation_translation": r"\varepsilon_t",
     "variation_rotation": r"\varepsilon_r",
+    "temperature": r"\Delta T",
 }
-_UNITS = {"1": "", "rad": " (rad)", "degree": " (°)"}
+_UNITS = {"1": "", "rad": " (rad)", "degree": " (°)", "K": " (K)"}
 
 STATE_NAMES = {
     ImpactState.PERMANENT: "no impact",
@@ -55,8 +56,9 @@ def value_text(name: str, value: float) -> str:
 
 
 def fixed_parameters(plan: Plan) -> str:
-    """The parameters that a reader asks for first, as far as the plane holds them fixed."""
-    model = model_at(plan, plan.parameter.low, plan.sweep.low)
+    """The parameters that a reader asks for first, as far as the plane holds them fixed; over temperature, those of the
+    reference."""
+    model = frame_of(plan)[0]
     values = {"omega": plan.omega, "b": model.b, "alpha": model.alpha, "f_e": model.f_e, "f_pm": model.f_pm}
     if model.f_pv:
         values["f_pv"] = model.f_pv
