@@ -10,7 +10,7 @@ usage: python -m pipeline [-m] [--config-dir DIR] [--cfg] [GROUP=CHOICE ...] [KE
 Computes how many steady motions a bevel gear pair with backlash has over a parameter plane, stores them, draws the map.
 
 groups
-  plane    omega_b omega_alpha omega_fe omega_fpm    (default omega_fe)
+  plane    omega_b omega_alpha omega_fe omega_fpm    (default omega_fe); omega_temperature for gears in physical units
   gear     published consistent antiphase            (default published)
   quality  paper (400 x 200) draft (160 x 60)        (default paper)
   solver   first_order

@@ -323,8 +323,10 @@ def _check_numbers(plan: Plan) -> None:
         seeds_of(plan.solver)
     except ParameterError as error:
         raise ConfigurationError(f"solver.{error}") from None
-    # A temperature may jam the gears anywhere on its way.
-    rows = (plan.parameter.low, plan.parameter.high) if plan.thermal is None else plan.parameter.values
+    rows = [plan.parameter.low, plan.parameter.high]
+    if plan.thermal is not None:
+        # Gears may jam between temperatures at which they do not.
+        rows += plan.parameter.values[1:-1].tolist()
     for row in rows:
         for column in (plan.sweep.low, plan.sweep.high):
             try:

@@ -1,6 +1,6 @@
 """How parameters are written in figures."""
 
-from pipeline.plan import Plan
+from pipeline.plan import TEMPERATURE, Plan
 from pipeline.sweep import frame_of
 from solver import ImpactState
 
@@ -51,8 +51,9 @@ def axis_label(name: str, attributes: dict) -> str:
 
 
 def value_text(name: str, value: float) -> str:
-    """A parameter with its value, "$f_e$ = 0.126"."""
-    return f"{symbol(name)} = {value:.4g}".replace("-", "\N{MINUS SIGN}")
+    """A parameter with its value, "$f_e$ = 0.126"; a temperature with its unit."""
+    unit = " K" if name == TEMPERATURE else ""
+    return f"{symbol(name)} = {value:.4g}{unit}".replace("-", "\N{MINUS SIGN}")
 
 
 def fixed_parameters(plan: Plan) -> str:
@@ -63,4 +64,5 @@ def fixed_parameters(plan: Plan) -> str:
     if model.f_pv:
         values["f_pv"] = model.f_pv
     axes = {plan.parameter.name, plan.sweep.name}
-    return ",  ".join(value_text(k, v) for k, v in values.items() if k not in axes and v is not None)
+    shown = ",  ".join(value_text(k, v) for k, v in values.items() if k not in axes and v is not None)
+    return shown if plan.thermal is None else f"at {value_text(TEMPERATURE, 0.0)}:  {shown}"
