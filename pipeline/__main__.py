@@ -12,6 +12,7 @@ Computes how many steady motions a bevel gear pair with backlash has over a para
 groups
   plane    omega_b omega_alpha omega_fe omega_fpm    (default omega_fe); omega_temperature for gears in physical units
   gear     published consistent antiphase            (default published)
+           miter differential                        (from drawings, in physical units)
   quality  paper (400 x 200) draft (160 x 60)        (default paper)
   solver   first_order
   cluster  local none scheduler                      (default local: two worker processes)
@@ -22,6 +23,8 @@ keys people need
                                      integration), basins (shares of random initial states), jumps (attractors followed
                                      along rows, up and down), tables
   gear.b=0.5 gear.alpha=0.3          any parameter of the gear that is not an axis of the plane
+  gear.physical.torque='60 N*m'      any number of a gear in physical units, with its unit; then also
+                                     plane.sweep.min='500 rpm' and figures.units=physical
   plane.parameter.name=kappa         any scalar parameter as an axis, with plane.parameter.min, .max and .num
   plane.sweep.num=800                columns
   figures.curves=[0.1,0.5,1.0]       parameter values whose amplitude-frequency curves are drawn

@@ -315,7 +315,7 @@ def _say_failures(failures, reporter: Reporter) -> None:
 
 def _figure_options(options) -> dict:
     """The settings of figures as `pipeline.figures.draw` takes them."""
-    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability")}
+    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability", "units")}
 
 
 def _draw(job: Job, workforce: Workforce, reporter: Reporter) -> int:

@@ -21,6 +21,7 @@ def draw(
     dpi: int,
     window: list[float] | None = None,
     stability: str = "static",
+    units: str = "dimensionless",
 ) -> list[Path]:
     """Draw the map, the amplitude-frequency curves and the backbone of a stored plane, and a part of the map if asked.
 
@@ -42,6 +43,9 @@ def draw(
     stability : str
         Which motions the labels count: "static" (det J > 0, what is dynamically unstable is hatched) or "dynamic".
 
+    units : str
+        Of the axes: "dimensionless", or "physical" with the dimensionless value on the opposite side.
+
     Returns
     -------
     list of Path
@@ -54,10 +58,10 @@ def draw(
     ConfigurationError
         If the options are not allowed for this plane, or there is no store of ours.
     """
-    check_options(read_plan(store_path), curves, formats, dpi, window, stability)
+    check_options(read_plan(store_path), curves, formats, dpi, window, stability, units)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
-        return _draw(store_path, folder, curves, formats, dpi, window, stability)
+        return _draw(store_path, folder, curves, formats, dpi, window, stability, units)
 
 
 @contextmanager
@@ -75,7 +79,7 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(store_path, folder, curves, formats, dpi, window, stability) -> list[Path]:
+def _draw(store_path, folder, curves, formats, dpi, window, stability, units) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from matplotlib import style
 
@@ -85,7 +89,7 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability) -> list[P
     from pipeline.figures.output import write_figure
     from pipeline.figures.stored import read_stored
 
-    plane = read_stored(store_path, stability == "dynamic")
+    plane = read_stored(store_path, stability == "dynamic", units == "physical")
     paths = []
     # A user's own matplotlibrc must not change our figures.
     with style.context(_STYLE, after_reset=True):

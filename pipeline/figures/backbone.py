@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.peaks import resonance_peaks
+from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units, titled
 from pipeline.figures.stored import StoredPlane
 from pipeline.sweep import model_at
 from solver import Backbone, Model, backbone
@@ -67,18 +68,21 @@ def draw_backbone(plane: StoredPlane) -> Figure:
     row_axis = plane.plan.parameter
     scale = ScalarMappable(Normalize(row_axis.low, row_axis.high), _COLOURS)
 
-    height = _BOTTOM + _HEIGHT + _TOP
+    shown = plane.scales is not None
+    panel, beside = (_PANEL - 0.54, _BESIDE + 0.44) if shown else (_PANEL, _BESIDE)
+    height = _BOTTOM + _HEIGHT + _TOP + (LIFT if shown else 0.0)
     figure = Figure((_WIDTH, height))
     for mode, title in enumerate(_TITLES):
-        left = _LEFT + mode * (_PANEL + _BESIDE)
-        axes = figure.add_axes((left / _WIDTH, _BOTTOM / height, _PANEL / _WIDTH, _HEIGHT / height))
+        left = _LEFT + mode * (panel + beside)
+        axes = figure.add_axes((left / _WIDTH, _BOTTOM / height, panel / _WIDTH, _HEIGHT / height))
         amplitudes = np.linspace(0.0, tops[mode], _AMPLITUDES)
         curves = _distinct({value: backbone(model, amplitudes) for value, model in models.items()})
         _draw_mode(axes, plane.rows[rows], peaks[:, mode], curves, mode, scale)
         axes.set(xlabel=axis_label("omega", plane.attributes["omega"]), ylabel="" if mode else r"amplitude $\lambda_a$")
-        axes.set_title(title)
-    right = (_LEFT + 2 * _PANEL + _BESIDE) / _WIDTH
-    figure.text(right, 1 - 0.05 / height, fixed_parameters(plane.plan), ha="right", va="top", fontsize=8)
+        titled(axes, plane, title)
+        show_units(axes, plane, "omega", "length", "blrt")
+    right = (_LEFT + 2 * panel + beside) / _WIDTH
+    figure.text(right, 1 - 0.05 / height, fixed_parameters(plane.plan, plane.scales), ha="right", va="top", fontsize=8)
     bar = figure.add_axes((_BAR_LEFT / _WIDTH, _BOTTOM / height, _BAR / _WIDTH, _HEIGHT / height))
     # By hand: a colorbar is a mesh of 256 areas, and a PDF would hold each of them.
     bar.imshow(_COLOURS(np.linspace(0.0, 1.0, 256))[:, None], extent=(0.0, 1.0, row_axis.low, row_axis.high),
@@ -86,6 +90,8 @@ def draw_backbone(plane: StoredPlane) -> Figure:
     bar.set(xticks=[], ylabel=axis_label(row_axis.name, plane.attributes[row_axis.name]))
     bar.yaxis.tick_right()
     bar.yaxis.set_label_position("right")
+    if shown:
+        show_bar_units(bar, plane, row_axis.name)
     keys = {
         "backbone (undamped, free)": Line2D([], [], color="black", **_LINE),
         rf"largest stable $\lambda_a$ ({rows.size} of {plane.rows.size} rows)": Line2D([], [], **_PEAK),

@@ -13,6 +13,7 @@ from pipeline.figures.naming import (
     value_text,
 )
 from pipeline.figures.palette import hex_colour, state_colour
+from pipeline.figures.physical_axes import LIFT, show_units, titled
 from pipeline.figures.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED, PENDING
 from pipeline.sweep import model_at
@@ -23,6 +24,7 @@ __all__ = ["chosen_rows", "draw_curves"]
 #: Inches.
 _WIDTH, _LEFT, _RIGHT, _BESIDE = 7.2, 0.5, 0.15, 0.55
 _HEIGHT, _BETWEEN, _TOP, _BOTTOM, _PITCH, _COLUMNS = 1.75, 0.34, 0.3, 0.45, 0.16, 4
+_ASIDE = 0.35
 
 _UNSTABLE = (0, (2.6, 1.3))
 _FREQUENCY = {"color": "0.45", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 1}
@@ -71,14 +73,16 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Figure:
     sweep = plane.plan.sweep
     keys = _legend_keys(plane, rows)
     bottom = _BOTTOM + _PITCH * -(-len(keys) // _COLUMNS) + 0.08
-    height = bottom + len(rows) * (_HEIGHT + _BETWEEN) - _BETWEEN + _TOP
+    top = _TOP + (0.0 if plane.scales is None else LIFT)
+    height = bottom + len(rows) * (_HEIGHT + _BETWEEN) - _BETWEEN + top
     figure = Figure((_WIDTH, height))
-    width = (_WIDTH - _LEFT - _RIGHT - _BESIDE) / 2
+    aside = 0.0 if plane.scales is None else _ASIDE
+    width = (_WIDTH - _LEFT - _RIGHT - _BESIDE - 2 * aside) / 2
     limits = _limits(plane, rows)
     for line, row in enumerate(rows):
-        low = height - _TOP - (line + 1) * _HEIGHT - line * _BETWEEN
+        low = height - top - (line + 1) * _HEIGHT - line * _BETWEEN
         for column, (name, label) in enumerate(_QUANTITIES.items()):
-            left = _LEFT + column * (width + _BESIDE)
+            left = _LEFT + column * (width + aside + _BESIDE)
             axes = figure.add_axes((left / _WIDTH, low / height, width / _WIDTH, _HEIGHT / height))
             axes.set(xlim=(sweep.low, sweep.high), ylim=limits[row][name], ylabel=label)
             axes.locator_params(nbins=5)
@@ -93,9 +97,13 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Figure:
             if plane.over_frequency:
                 _draw_frequencies(axes, plane, row, name, limits[row]["amplitude"][1])
             if column == 0:
-                axes.set_title(value_text(plane.plan.parameter.name, plane.rows[row]))
+                text = value_text(plane.plan.parameter.name, plane.rows[row], plane.scales)
+                titled(axes, plane, text, below_axis=line > 0)
             elif line == 0:
-                axes.set_title(fixed_parameters(plane.plan), loc="right", fontsize=8)
+                figure.text(1 - _RIGHT / _WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan, plane.scales), ha="right",
+                            va="top", fontsize=8)  # fmt: skip
+            sides = "lr" + "t" * (line == 0) + "b" * (line == len(rows) - 1)
+            show_units(axes, plane, sweep.name, "length", sides)
     figure.legend(
         keys.values(), keys.keys(), loc="lower center", ncols=_COLUMNS, bbox_to_anchor=(0.5, 0.05 / height),
         columnspacing=1.4,

@@ -20,9 +20,9 @@ def shares_of(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
     return tuple(size / whole for size, whole in zip(inches, (WIDTH, height, WIDTH, height), strict=True))
 
 
-def zoom_places(count: int) -> list[tuple[float, float, float, float]]:
-    """Left, bottom, width and height in inches of the enlargements at the foot of a figure."""
-    width = (WIDTH - LEFT - RIGHT - _BESIDE * (count - 1)) / max(count, 1)
+def zoom_places(count: int, spare: float = 0.0) -> list[tuple[float, float, float, float]]:
+    """Left, bottom, width and height in inches of the enlargements at the foot of a figure, with room spared at the right."""
+    width = (WIDTH - LEFT - RIGHT - spare - _BESIDE * (count - 1)) / max(count, 1)
     return [(LEFT + i * (width + _BESIDE), BOTTOM, width, ZOOM_HEIGHT) for i in range(count)]
 
 
@@ -33,9 +33,9 @@ def enlarged(image: np.ndarray) -> np.ndarray:
     return image
 
 
-def mark_window(axes: Axes, x: tuple[float, float], letter: str) -> None:
-    """A bar above the panel over the stretch that another panel enlarges."""
+def mark_window(axes: Axes, x: tuple[float, float], letter: str, lift: float = 0.0) -> None:
+    """A bar above the panel, `lift` of its height further up, over the stretch that another panel enlarges."""
     above = axes.get_xaxis_transform()
-    axes.plot(x, [1.022, 1.022], transform=above, color="black", linewidth=1.6, clip_on=False,
+    axes.plot(x, [1.022 + lift, 1.022 + lift], transform=above, color="black", linewidth=1.6, clip_on=False,
               solid_capstyle="butt")  # fmt: skip
-    axes.text(0.5 * (x[0] + x[1]), 1.035, f"({letter})", transform=above, ha="center", va="bottom", fontsize=8)
+    axes.text(0.5 * (x[0] + x[1]), 1.035 + lift, f"({letter})", transform=above, ha="center", va="bottom", fontsize=8)

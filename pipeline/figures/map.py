@@ -38,6 +38,7 @@ from pipeline.figures.map_legend import (
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import label_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
+from pipeline.figures.physical_axes import LIFT, show_units, titled
 from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
 from pipeline.store import FAILED
@@ -46,6 +47,8 @@ __all__ = ["draw_map", "draw_window"]
 
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
+#: Inches that an axis at the right of a panel takes.
+_ASIDE = 0.42
 
 
 def draw_map(plane: StoredPlane) -> Figure:
@@ -64,18 +67,20 @@ def draw_map(plane: StoredPlane) -> Figure:
     sweep = plane.plan.sweep
     zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
     whole = panel_of(plane)
-    figure, main, labels = _with_main_panel(plane, [whole, *zooms], ZOOM_HEIGHT + BETWEEN if zooms else 0.0, True)
+    figure, main, labels = _with_main_panel(plane, [whole, *zooms], ZOOM_HEIGHT + BETWEEN + _lift(plane) if zooms else 0.0, True)
     height = figure.get_figheight()
     if zooms:
-        main.set_title("(a)")
-    for i, (panel, place) in enumerate(zip(zooms, zoom_places(len(zooms)), strict=True)):
+        titled(main, plane, "(a)")
+    for i, (panel, place) in enumerate(zip(zooms, zoom_places(len(zooms), _spare(plane)), strict=True)):
         axes = figure.add_axes(shares_of(place, height), sharey=main)
         _fill(axes, panel, plane)
-        axes.set_title(f"({'bc'[i]})")
+        titled(axes, plane, f"({'bc'[i]})")
         axes.set(xlabel=labels[0], ylabel=labels[1] if i == 0 else "")
         axes.tick_params(labelleft=i == 0)
         axes.locator_params(axis="x", nbins=6)
-        mark_window(main, panel.x, "bc"[i])
+        names = (plane.plan.sweep.name, plane.plan.parameter.name)
+        show_units(axes, plane, *names, sides="bt" + "l" * (i == 0) + "r" * (i == len(zooms) - 1))
+        mark_window(main, panel.x, "bc"[i], _lift(plane) / (main.get_position().height * height))
     return figure
 
 
@@ -106,16 +111,27 @@ def _with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, shar
     entries = _entries(plane, panels, shares)
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + below
-    height = bottom + tall + TOP
+    height = bottom + tall + TOP + _lift(plane)
     figure = Figure((WIDTH, height))
-    axes = figure.add_axes(shares_of((LEFT, bottom, PANEL, tall), height))
+    axes = figure.add_axes(shares_of((LEFT, bottom, PANEL - _spare(plane), tall), height))
     _fill(axes, panels[0], plane)
-    figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan), ha="right", va="top", fontsize=8)
+    figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan, plane.scales), ha="right", va="top", fontsize=8)
     names = (plane.plan.sweep.name, plane.plan.parameter.name)
     labels = tuple(axis_label(name, plane.attributes[name]) for name in names)
     axes.set(xlabel=labels[0], ylabel=labels[1])
+    show_units(axes, plane, *names)
     draw_legend(figure, entries, LEGEND, bottom + tall)
     return figure, axes, labels
+
+
+def _lift(plane: StoredPlane) -> float:
+    """Inches for an axis above a panel."""
+    return 0.0 if plane.scales is None else LIFT
+
+
+def _spare(plane: StoredPlane) -> float:
+    """Inches for an axis at the right of a panel."""
+    return 0.0 if plane.scales is None or plane.plan.parameter.name not in plane.scales else _ASIDE
 
 
 def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entry]:

@@ -2,7 +2,7 @@
 
 from pipeline.plan import TEMPERATURE, Plan
 from pipeline.sweep import frame_of
-from solver import ImpactState
+from solver import ImpactState, Scales
 
 __all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "symbol", "value_text"]
 
@@ -50,13 +50,16 @@ def axis_label(name: str, attributes: dict) -> str:
     return f"{attributes['long_name']} {symbol(name)}{_UNITS[attributes['units']]}"
 
 
-def value_text(name: str, value: float) -> str:
-    """A parameter with its value, "$f_e$ = 0.126"; a temperature with its unit."""
+def value_text(name: str, value: float, scales: Scales | None = None) -> str:
+    """A parameter with its value, "$f_e$ = 0.126", and the physical one where there are scales, "(6.3 µm)"."""
     unit = " K" if name == TEMPERATURE else ""
-    return f"{symbol(name)} = {value:.4g}{unit}".replace("-", "\N{MINUS SIGN}")
+    text = f"{symbol(name)} = {value:.4g}{unit}".replace("-", "\N{MINUS SIGN}")
+    if scales is None or name not in scales:
+        return text
+    return f"{text} ({value * scales[name].shown:.3g} {scales[name].unit})"
 
 
-def fixed_parameters(plan: Plan) -> str:
+def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:
     """The parameters that a reader asks for first, as far as the plane holds them fixed; over temperature, those of the
     reference."""
     model = frame_of(plan)[0]
@@ -64,5 +67,5 @@ def fixed_parameters(plan: Plan) -> str:
     if model.f_pv:
         values["f_pv"] = model.f_pv
     axes = {plan.parameter.name, plan.sweep.name}
-    shown = ",  ".join(value_text(k, v) for k, v in values.items() if k not in axes and v is not None)
+    shown = ",  ".join(value_text(k, v, scales) for k, v in values.items() if k not in axes and v is not None)
     return shown if plan.thermal is None else f"at {value_text(TEMPERATURE, 0.0)}:  {shown}"

@@ -9,6 +9,7 @@ __all__ = ["FORMATS", "check_options"]
 
 FORMATS = ("png", "pdf", "svg")
 STABILITIES = ("static", "dynamic")
+UNITS = ("dimensionless", "physical")
 _LEAST_DPI, _MOST_DPI = 30, 1200
 #: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
 NARROWEST = 1e-5
@@ -16,7 +17,7 @@ NARROWEST = 1e-5
 
 def check_options(
     plan: Plan, curves: list[float] | None, formats: list[str], dpi: int, window: list[float] | None = None,
-    stability: str = "static",
+    stability: str = "static", units: str = "dimensionless",
 ) -> None:
     """Raise unless these figures can be drawn of this plane.
 
@@ -33,6 +34,8 @@ def check_options(
         A part of the plane, [x low, x high, p low, p high]; None draws none.
     stability : str
         "static" or "dynamic".
+    units : str
+        "dimensionless" or "physical"; the latter needs a gear in physical units.
 
     Raises
     ------
@@ -61,6 +64,12 @@ def check_options(
     if stability not in STABILITIES:
         raise ConfigurationError(
             f"figures.stability = {stability!r} is not allowed: it must be one of {', '.join(STABILITIES)}"
+        )
+    if units not in UNITS:
+        raise ConfigurationError(f"figures.units = {units!r} is not allowed: it must be one of {', '.join(UNITS)}")
+    if units == "physical" and plan.physical is None:
+        raise ConfigurationError(
+            "figures.units = 'physical' is not allowed: it must be dimensionless, as this plane's gear is"
         )
     if window is not None:
         _check_window(plan, window)

@@ -10,9 +10,10 @@ import xarray as xr
 from pipeline import store
 from pipeline.boundaries import StoredBoundaries, read_boundaries
 from pipeline.figures.pieces import Piece, pieces_of_row
+from pipeline.physical import scales_of
 from pipeline.plan import Plan
 from pipeline.sweep import model_at
-from solver import domain_code
+from solver import Scales, domain_code
 from solver.stability import Instability
 
 __all__ = ["StoredPlane", "read_stored"]
@@ -47,6 +48,8 @@ class StoredPlane:
     end_reason : (P, branch, 2) array
     boundaries : StoredBoundaries or None
         None where they have not been traced.
+    scales : Scales or None
+        To show the plane in physical units; None shows it dimensionless.
     """
 
     plan: Plan
@@ -65,6 +68,7 @@ class StoredPlane:
     n_points: np.ndarray
     end_reason: np.ndarray
     boundaries: StoredBoundaries | None
+    scales: Scales | None = None
 
     @property
     def rows(self) -> np.ndarray:
@@ -106,8 +110,8 @@ class StoredPlane:
         return pieces_of_row(points, backlash)
 
 
-def read_stored(path: Path, dynamic: bool = False) -> StoredPlane:
-    """Read a store, labels by static or by dynamic stability; raises StoreError as `pipeline.store.read_plan` does."""
+def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:
+    """Read a store, labels by static or by dynamic stability, with scales to show it in physical units if asked; raises StoreError as `pipeline.store.read_plan` does."""
     plan = store.read_plan(path)
     # Plain arrays are wanted at once: dask would only cost time.
     plane = xr.open_zarr(path, chunks=None)
@@ -143,4 +147,5 @@ def read_stored(path: Path, dynamic: bool = False) -> StoredPlane:
         n_points=n_points,
         end_reason=branches["end_reason"].values,
         boundaries=read_boundaries(path, plan),
+        scales=scales_of(plan) if physical else None,
     )
