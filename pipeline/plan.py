@@ -287,8 +287,8 @@ def _axis(role: str, axis, scalars, scales) -> Axis:
     name = axis.name.replace("gear.", "").replace("variation.", "variation_")
     if name == TEMPERATURE and role == "sweep":
         raise ConfigurationError(
-            f"plane.sweep.name = {axis.name!r} is not allowed: temperature changes several numbers at once, so that it can "
-            "be plane.parameter.name only"
+            f"plane.sweep.name = {axis.name!r} is not allowed: temperature changes several numbers at once, "
+            "so that it can be plane.parameter.name only"
         )
     allowed = ("omega", *scalars, *([TEMPERATURE] if role == "parameter" else []))
     if name not in allowed:

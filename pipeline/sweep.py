@@ -95,8 +95,8 @@ def seeds_of(settings: dict, every_column: bool = False):
 def model_at(plan: Plan, row: float, column: float) -> Model:
     """The gear at one point of the plane; omega, if it is an axis, is not the gear's."""
     start = _start(plan, row, column)
-    # At the reference the gear is its own model: even that c is geometric, which enumeration encloses a little wider than
-    # the number, stays.
+    # At the reference the gear is its own model: even that c is geometric stays, which enumeration encloses a little
+    # wider than the number.
     return start if plan.thermal is None or row == 0.0 else place_on(row_axis(plan), row, start)[0]
 
 

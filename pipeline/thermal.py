@@ -11,7 +11,8 @@ from solver.thermal_laws import LAWS, law_of
 
 __all__ = ["thermal_numbers", "thermal_pair"]
 
-_TEMPERATURE, _DIFFERENCE, _COEFFICIENT, _NUMBER = "temperature", "temperature difference", "thermal coefficient", "number"
+_TEMPERATURE, _NUMBER = "temperature", "number"
+_DIFFERENCE, _COEFFICIENT = "temperature difference", "thermal coefficient"
 #: Law -> keys that it reads, and what kind of number each is. Of a list that is every entry.
 _READS = {
     "expansion": {"gears": _COEFFICIENT, "housing": _COEFFICIENT, "distances": "length", "valid": _TEMPERATURE},
@@ -66,7 +67,8 @@ def _law(key: str, role: str, given: dict, pair: GearPair) -> dict:
             middle = pair.cone_distance - 0.5 * pair.face_width
             del reads["distances"]
             geometry["distances"] = [middle * math.cos(math.radians(angle)) for angle in pair.cone_angles]
-    return {"law": law, **{name: _measured(f"{key}.{name}", given[name], kind) for name, kind in reads.items()}, **geometry}
+    read = {name: _measured(f"{key}.{name}", given[name], kind) for name, kind in reads.items()}
+    return {"law": law, **read, **geometry}
 
 
 def _measured(key: str, value, kind: str):

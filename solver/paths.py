@@ -115,7 +115,8 @@ def plane_vectors(
     first, along_x = vectors(x_axis, middle)
     if isinstance(p_axis, ParameterPath):
         if x_axis in p_axis.uses:
-            raise ParameterError("x_axis", x_axis, f"another parameter than {', '.join(p_axis.uses)}, which {p_axis} sets")
+            taken = ", ".join(p_axis.uses)
+            raise ParameterError("x_axis", x_axis, f"another parameter than {taken}, which {p_axis} sets")
         slots, bent = _bent(lambda p: vectors(x_axis, p)[0], p_axis, p_range)
         base = first.copy()
         base[slots] = 0.0

@@ -10,8 +10,8 @@ everything else as it was: the force c k_r f is proportional to k_m and 2 c xi_h
 a3 T_1/(r_1 k_m(T_0) b_c), and the stiffness harmonics are relative to k_m. Supports keep their stiffness and damping.
 
 The axis is the temperature difference D = T_gears - T_housing in K. The housing follows the gears by a share s of their
-rise, T_housing - T_0 = s (T_gears - T_0), so that T_gears = T_0 + D/(1 - s). At D = 0 every number is the reference's own,
-to the bit.
+rise, T_housing - T_0 = s (T_gears - T_0), so that T_gears = T_0 + D/(1 - s). At D = 0 every number is the
+reference's own, to the bit.
 """
 
 import math
@@ -111,9 +111,8 @@ class ThermalPair:
             for felt in law.felt(at):
                 # A law that is given at its own ends holds there, whatever rounding says.
                 if not low - 1e-9 <= felt <= high + 1e-9:
-                    raise ParameterError(
-                        name, value, f"such that the law of {role} holds: it is for {low:g} to {high:g}, not for {felt:.6g}"
-                    )
+                    allowed = f"such that the law of {role} holds: it is for {low:g} to {high:g}, not for {felt:.6g}"
+                    raise ParameterError(name, value, allowed)
 
     def _jam(self, model: Model, difference: float) -> float:
         """The difference nearest to 0 on the way to a jam, at which the backlash is used up."""

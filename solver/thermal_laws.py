@@ -1,8 +1,8 @@
 """What a temperature does to backlash, mesh stiffness and mesh damping: one frozen object a law, all replaceable.
 
-A law of stiffness or damping gives a ratio to the value at the reference temperature, exactly 1 there; a law of backlash
-gives the change of the half backlash in metres, exactly 0 there. Temperatures are in degrees Celsius. Each law names the
-temperatures that it depends on and the range in which it holds.
+A law of stiffness or damping gives a ratio to the value at the reference temperature, exactly 1 there; a law of
+backlash gives the change of the half backlash in metres, exactly 0 there. Temperatures are in degrees Celsius. Each law
+names the temperatures that it depends on and the range in which it holds.
 """
 
 import math
@@ -57,15 +57,15 @@ class Expansion:
     """Backlash under thermal expansion of two straight bevel gears and their housing.
 
     A flank of a straight bevel gear is a cone with the gear's apex as its tip, so that uniform expansion about the apex
-    maps it onto itself. What expansion does is to move the apex. Relative to the shoulder that holds gear g, at the mounting
-    distance M_g from its apex, the apex moves away by M_g a_g (T_gears - T_0), and the housing moves the shoulder away from
-    the point where the axes meet by M_g a_h (T_housing - T_0). The difference s_g shifts the gear along its axis into
-    its mate. The normal of the contact has the axial component sin(delta_g) sin(alpha_n) (PHYSICS, section 1; the other
+    maps it onto itself. What expansion does is to move the apex. Relative to the shoulder that holds gear g, at the
+    mounting distance M_g from its apex, the apex moves away by M_g a_g (T_gears - T_0), and the housing moves the
+    shoulder away from the point where the axes meet by M_g a_h (T_housing - T_0). The difference s_g shifts the gear
+    along its axis into its mate. The normal of the contact has the axial component sin(delta_g) sin(alpha_n) (PHYSICS, section 1; the other
     flank's normal has the same one), so that the gap at each flank closes by s_g sin(delta_g) sin(alpha_n):
 
         change of b_h = -sin(alpha_n) sum_g M_g sin(delta_g) [a_g (T_gears - T_0) - a_h (T_housing - T_0)]
 
-    Both flanks together give the known rule that an axial shift s changes normal backlash by 2 s sin(delta) sin(alpha_n).
+    Both flanks together give the rule that an axial shift s changes normal backlash by 2 s sin(delta) sin(alpha_n).
 
     Parameters
     ----------
@@ -114,8 +114,8 @@ class LinearModulus:
     """Mesh stiffness proportional to Young's modulus, E(T) = E(T_0) [1 - slope (T - T_0)].
 
     ASME B31.3, table C-6, carbon steel with C > 0.3 %: 202.0 GPa at 21, 197.2 at 93, 189.6 at 204, 186.8 at 260 degrees
-    Celsius. The line through the first and the third has slope 3.35e-4 per K of the modulus at 21 degrees and misses the
-    others between -73 and 260 degrees by less than 0.8 %.
+    Celsius. The line through the first and the third has slope 3.35e-4 per K of the modulus at 21 degrees and misses
+    the others between -73 and 260 degrees by less than 0.8 %.
 
     Parameters
     ----------
@@ -135,7 +135,8 @@ class LinearModulus:
         _set(self, "valid", _range(self.valid))
         low, high = self.valid
         if not abs(self.slope) * (high - low) < 1.0:
-            raise ParameterError("slope", self.slope, f"such that the modulus stays above 0 from {low:g} to {high:g} °C")
+            allowed = f"such that the modulus stays above 0 from {low:g} to {high:g} °C"
+            raise ParameterError("slope", self.slope, allowed)
 
     def value(self, at: Temperatures) -> float:
         return 1.0 - self.slope * (at.gears - at.reference)
@@ -148,10 +149,10 @@ class LinearModulus:
 class VogelViscosity:
     """Mesh damping proportional to a power of the oil's viscosity, nu(T) = a exp[B/(T + C)] (Vogel 1921).
 
-    Squeeze-film damping is proportional to viscosity (Reynolds' equation is linear in it); a smaller exponent stands for
-    damping that comes in part from elsewhere. With C = 95 K, as in Cameron's form of the equation, B = 1075 K takes an ISO VG
-    220 oil from 220 mm2/s at 40 degrees Celsius, which defines the grade (ISO 3448), to 19 mm2/s at 100 degrees, usual for
-    mineral gear oils of viscosity index 95.
+    Squeeze-film damping is proportional to viscosity (Reynolds' equation is linear in it); a smaller exponent stands
+    for damping that comes in part from elsewhere. With C = 95 K, as in Cameron's form of the equation, B = 1075 K takes
+    an ISO VG 220 oil from 220 mm2/s at 40 degrees Celsius, which defines the grade (ISO 3448), to 19 mm2/s at 100
+    degrees, usual for mineral gear oils of viscosity index 95.
 
     Parameters
     ----------
@@ -208,7 +209,8 @@ class _Table:
         if not np.all(np.diff(places) > 0.0):
             raise ParameterError("table", points, "a list of pairs with ascending temperatures, none of them twice")
         if not np.min(self._spline(np.linspace(places[0], places[-1], 1001))) > 0.0:
-            raise ParameterError("table", points, "a list of pairs whose values, and the spline between them, are above 0")
+            allowed = "a list of pairs whose values, and the spline between them, are above 0"
+            raise ParameterError("table", points, allowed)
 
     @cached_property
     def _spline(self) -> CubicSpline:

@@ -43,7 +43,8 @@ def test_laws_are_kept_in_si_units():
     middle = (80e-3 / math.sqrt(2.0) - 8e-3) / math.sqrt(2.0)
     assert laws["backlash"]["distances"] == pytest.approx([middle, middle], rel=1e-12)
     assert laws["backlash"]["cone_angles"] == [45.0, 45.0] and laws["backlash"]["pressure_angle"] == 20.0
-    assert laws["damping"] == {"law": "vogel", "constant": 1075.0, "offset": 95.0, "exponent": 1.0, "valid": [0.0, 120.0]}
+    oil = {"law": "vogel", "constant": 1075.0, "offset": 95.0, "exponent": 1.0, "valid": [0.0, 120.0]}
+    assert laws["damping"] == oil
     given = small_plan(*MITER, "gear.thermal.backlash.distances=[50 mm,2 inch]", "gear.thermal.reference=313.15 K")
     assert given.thermal["backlash"]["distances"] == [0.05, pytest.approx(0.0508)]
     assert given.thermal["reference"] == pytest.approx(40.0, abs=1e-10)
@@ -95,11 +96,11 @@ def test_the_reference_row_is_the_plane_without_temperature(tmp_path, stored):
     axis = ["plane.parameter.name=f_pm", f"plane.parameter.min={load!r}", f"plane.parameter.max={2.0 * load!r}"]
     other = small_store(tmp_path / "load.zarr", small_plan("gear=miter", *axis, columns=60, rows=2))
     ours, its = contents(stored), contents(other)
-    seen = 0
-    for name in ("mean", "amplitude", "phase", "stable", "impact", "domain", "multiplier", "n_solutions", "instability"):
+    raster = [name for name in ours if ours[name].shape[:2] == swept.shape and name in its]
+    assert {"mean", "amplitude", "phase", "stable", "impact", "domain", "multiplier", "n_solutions"} <= set(raster)
+    for name in raster:
         np.testing.assert_array_equal(ours[name][row], its[name][0])
-        seen += 1
-    assert seen == 9 and np.max(its["n_solutions"][0]) > 1
+    assert np.max(its["n_solutions"][0]) > 1
 
 
 @pytest.mark.parametrize("difference", [-10.0, 13.0, 30.0])
@@ -139,7 +140,8 @@ def test_every_stage_reads_the_gear_of_its_row(stored):
         here = plane.isel(temperature=row)
         free = here.impact.values == ImpactState.PERMANENT
         lowest = (here["mean"] - here.amplitude).values
-        assert np.all(lowest[free] > model.b) and np.all(lowest[here.impact.values == ImpactState.SINGLE_SIDED] <= model.b)
+        assert np.all(lowest[free] > model.b)
+        assert np.all(lowest[here.impact.values == ImpactState.SINGLE_SIDED] <= model.b)
         assert half_backlash(swept, np.array([0.7]), np.array([value]))[0] == model.b
         assert gear_system(model).front_gap == model.b
 
@@ -181,25 +183,25 @@ def test_figures_name_the_axis(stored):
     [
         (["gear=published"], "plane.parameter.name = 'temperature' is not allowed: it needs a gear in physical units"),
         (["gear.thermal=null"], "gear.thermal, the laws of temperature, has no value"),
-        (["plane.parameter.max=50"], "plane.parameter.max = 50.0 is not allowed: it must be such that the law of damping"),
+        (["plane.parameter.max=50"], "plane.parameter.max = 50.0 .* must be such that the law of damping"),
         (["plane.parameter.min=-30"], "plane.parameter.min = -30.0 is not allowed: .* it is for 0 to 120, not for -20"),
         (["gear.physical.half_backlash=5 um", "gear.physical.reference_length=50 um"],
-         r"parameter.max = 30.0 is not allowed: it must be below 25.9\d+ K, where the backlash is used up and the gears jam"),
+         r"parameter.max = 30.0 .* must be below 25.9\d+ K, where the backlash is used up and the gears jam"),
         (["gear.physical.half_backlash=5 um", "gear.thermal.backlash.law=table",
           "gear.thermal.backlash.table=[[-10 K,60 um],[0 K,50 um],[10 K,40 um],[30 K,50 um]]"],
          r"temperature = \d.\d+ is not allowed: .* the gears jam"),
         (["gear.thermal.stiffness.law=cubic"], "gear.thermal.stiffness.law = 'cubic' .* one of linear, table, none"),
         (["gear.thermal.stiffness.slope=3e-4"], "gear.thermal.stiffness.slope = 0.0003 .* unit of thermal coefficient"),
-        (["gear.thermal.damping.exponent=x"], "gear.thermal.damping.exponent = 'x' is not allowed: it must be a number"),
+        (["gear.thermal.damping.exponent=x"], "gear.thermal.damping.exponent = 'x' .* must be a number"),
         (["gear.thermal.damping.exponent=-1"], "gear.thermal.damping.exponent = -1.0 .* at least 0"),
-        (["gear.thermal.reference=40"], "gear.thermal.reference = 40 is not allowed: it must be a temperature with its unit"),
+        (["gear.thermal.reference=40"], "gear.thermal.reference = 40 .* must be a temperature with its unit"),
         (["gear.thermal.reference=140 degC"], "gear.thermal.reference = 140.0 .* law of damping holds"),
         (["gear.thermal.housing_share=1"], "gear.thermal.housing_share = 1.0 .* below 1"),
         (["gear.thermal.damping.law=table"], "gear.thermal.damping.table = .* at least 2"),
         (["gear.thermal.damping.law=table", "gear.thermal.damping.table=[1]"], "list of .temperature, value. pairs"),
         (["gear.thermal.backlash.gears=11e-6 1/K"], "gear.thermal.backlash.gears = 1.1e-05 .* list of 2"),
-        (["plane.sweep.name=b", "plane.sweep.min=0", "plane.omega=1"], "plane.sweep.name = 'b' is not allowed: over temp"),
-        (["plane.sweep.name=temperature", "plane.parameter.name=omega"], "temperature .* can be plane.parameter.name only"),
+        (["plane.sweep.name=b", "plane.sweep.min=0", "plane.omega=1"], "plane.sweep.name = 'b' .* over temperature"),
+        (["plane.sweep.name=temperature", "plane.parameter.name=omega"], "temperature .* plane.parameter.name only"),
         (["plane.parameter.max=30 degC"], "plane.parameter.max = '30 degC' .* unit of temperature difference"),
     ],
 )  # fmt: skip
