@@ -11,6 +11,7 @@ Computes how many steady motions a bevel gear pair with backlash has over a para
 
 groups
   plane    omega_b omega_alpha omega_fe omega_fpm omega_phase omega_xi omega_xi_support b_fe    (default omega_fe)
+           omega_temperature (for gears in physical units)
   gear     published consistent antiphase            (default published)
            miter differential                        (from drawings, in physical units)
   quality  paper (400 x 200) draft (160 x 60)        (default paper)

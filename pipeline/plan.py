@@ -17,6 +17,9 @@ SCHEMA_VERSION = 3
 #: Stores from this version on can be read; rows are only written to stores of this program's own version.
 OLDEST_READ = 2
 
+#: The row parameter that moves several numbers of the gear.
+TEMPERATURE = "temperature"
+
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
 
@@ -62,6 +65,8 @@ class Plan:
         Room per row.
     physical : dict or None
         A gear in SI units, `pipeline.physical.describe`; None where it is dimensionless.
+    thermal : dict or None
+        Laws of temperature in SI units, where that is the row parameter; see `pipeline.thermal`.
     """
 
     gear: dict
@@ -73,13 +78,15 @@ class Plan:
     max_branches: int
     max_points: int
     physical: dict | None = None
+    thermal: dict | None = None
 
     @property
     def numbers(self) -> dict:
         """Everything that changes numbers, as plain data; what they mean in physical units included, where they do."""
         numbers = json.loads(json.dumps(asdict(self)))
-        if self.physical is None:
-            del numbers["physical"]
+        for name in ("physical", "thermal"):
+            if numbers[name] is None:
+                del numbers[name]
         return numbers
 
     @property
@@ -160,6 +167,7 @@ def plan(settings: Settings) -> Plan:
     roles = ("sweep", "parameter")
     axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS, scales) for role in roles}
     sweep, parameter = axes["sweep"], axes["parameter"]
+    thermal = _thermal(settings, sweep, physical) if parameter.name == TEMPERATURE else None
     cells = sweep.num * parameter.num
     if cells > config.plane.max_cells:
         raise ConfigurationError(
@@ -199,6 +207,7 @@ def plan(settings: Settings) -> Plan:
         config.store.max_branches,
         config.store.max_points,
         physical,
+        thermal,
     )
     _check_numbers(result)
     return result
@@ -207,7 +216,7 @@ def plan(settings: Settings) -> Plan:
 def _gear(config) -> tuple[dict, dict | None]:
     """Keyword arguments of the dimensionless model, and what it comes from where that is a gear in physical units."""
     values = asdict(config)
-    del values["physical"]
+    del values["physical"], values["thermal"]
     if config.physical is None:
         for key, value in values.items():
             if value is None:
@@ -229,6 +238,25 @@ def _gear(config) -> tuple[dict, dict | None]:
     return gear, json.loads(json.dumps(physical))
 
 
+def _thermal(settings: Settings, sweep: Axis, physical: dict | None) -> dict:
+    """The laws of temperature, as plain data."""
+    config, where = settings.config.gear.thermal, "plane.parameter.name = 'temperature' is not allowed"
+    if physical is None:
+        raise ConfigurationError(f"{where}: it needs a gear in physical units, such as gear=miter")
+    if config is None:
+        raise ConfigurationError(f"{where}: gear.thermal, the laws of temperature, has no value")
+    from pipeline.thermal import thermal_numbers, thermal_pair
+    from solver import GearPair
+
+    numbers = json.loads(json.dumps(thermal_numbers(config, GearPair(**physical["gear"]))))
+    if sweep.name in (uses := thermal_pair(numbers).path.uses):
+        raise ConfigurationError(
+            f"plane.sweep.name = {sweep.name!r} is not allowed: over temperature it must be another parameter than "
+            f"{', '.join(uses)}, which follow from the temperature"
+        )
+    return numbers
+
+
 def _scales(physical: dict):
     from solver import GearPair, Scales
 
@@ -247,6 +275,10 @@ def _check_axis_keys(settings: Settings, names: set[str]) -> None:
 def _value(key: str, name: str, value, scales) -> float:
     """A number, or a text with a unit made dimensionless."""
     if isinstance(value, str):
+        if name == TEMPERATURE:
+            from pipeline.units import quantity
+
+            return quantity(key, value, "temperature difference")
         from pipeline.physical import place_of
 
         return place_of(key, name, value, scales)
@@ -257,7 +289,12 @@ def _value(key: str, name: str, value, scales) -> float:
 
 def _axis(role: str, axis, scalars, scales) -> Axis:
     name = axis.name.replace("gear.", "").replace("variation.", "variation_")
-    allowed = ("omega", *scalars)
+    if name == TEMPERATURE and role == "sweep":
+        raise ConfigurationError(
+            f"plane.sweep.name = {axis.name!r} is not allowed: temperature changes several numbers at once, "
+            "so that it can be plane.parameter.name only"
+        )
+    allowed = ("omega", *scalars, *([TEMPERATURE] if role == "parameter" else []))
     if name not in allowed:
         raise ConfigurationError(
             f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
@@ -284,26 +321,33 @@ def _check_numbers(plan: Plan) -> None:
     from pipeline.sweep import balance_of, continuation_of, model_at, seeds_of
     from solver import ParameterError
 
-    gear_axes = {axis.name: role for role, axis in (("sweep", plan.sweep), ("parameter", plan.parameter))}
     try:
         balance_of(plan.solver)
         continuation_of(plan.solver)
         seeds_of(plan.solver)
     except ParameterError as error:
         raise ConfigurationError(f"solver.{error}") from None
-    for row in (plan.parameter.low, plan.parameter.high):
+    rows = [plan.parameter.low, plan.parameter.high]
+    if plan.thermal is not None:
+        # Gears may jam between temperatures at which they do not.
+        rows += plan.parameter.values[1:-1].tolist()
+    for row in rows:
         for column in (plan.sweep.low, plan.sweep.high):
             try:
                 model_at(plan, row, column)
             except ParameterError as error:
-                base = error.name.split("[")[0]
-                if base in gear_axes:
-                    end = "min" if error.value == getattr(plan, gear_axes[base]).low else "max"
-                    key = f"plane.{gear_axes[base]}.{end}"
-                else:
-                    key = f"gear.{error.name.replace('variation_', 'variation.')}"
+                key = _key_of(error, plan)
                 message = str(error).replace(error.name, key, 1)
                 raise ConfigurationError(message) from None
+
+
+def _key_of(error, plan: Plan) -> str:
+    """The key that a model's parameter has its value from; between the ends of an axis, the axis itself."""
+    name = error.name.split("[")[0]
+    for role, axis in (("sweep", plan.sweep), ("parameter", plan.parameter)):
+        if name == axis.name:
+            return {axis.low: f"plane.{role}.min", axis.high: f"plane.{role}.max"}.get(error.value, name)
+    return f"gear.{error.name.replace('variation_', 'variation.')}"
 
 
 def warnings(plan: Plan) -> list[str]:

@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-from pipeline.boundaries.tracing import frame
 from pipeline.errors import StoreError
 from pipeline.plan import Plan
 from pipeline.store import COMPLETE, read_plan
-from pipeline.sweep import continuation_of
+from pipeline.sweep import continuation_of, frame_of
 from solver import Event, ParameterError
 from solver.boundaries import BoundaryCurve, boundary_curves
 from solver.boundaries.plane import KINDS
@@ -102,7 +101,7 @@ def stored_regions(path: Path) -> Regions:
     """
     plan = read_plan(path)
     return regions(
-        *frame(plan), stored_curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
+        *frame_of(plan), stored_curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
     )  # fmt: skip
 
 
@@ -118,4 +117,4 @@ def stored_curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
     starts = zip(
         map(Event, events[rows, points].tolist()), np.column_stack([*columns, plan.parameter.values[rows]]), strict=True
     )
-    return boundary_curves(*frame(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))
+    return boundary_curves(*frame_of(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))

@@ -17,6 +17,51 @@ class Variation:
 
 
 @dataclass
+class ThermalBacklash:
+    """Law of the backlash over temperature; keys of other laws than `law` are not read."""
+
+    law: str = MISSING
+    gears: Any = MISSING
+    housing: Any = MISSING
+    distances: Any = MISSING
+    valid: Any = MISSING
+    table: Any = MISSING
+
+
+@dataclass
+class ThermalStiffness:
+    """Law of the mesh stiffness over temperature."""
+
+    law: str = MISSING
+    slope: Any = MISSING
+    valid: Any = MISSING
+    table: Any = MISSING
+
+
+@dataclass
+class ThermalDamping:
+    """Law of the mesh damping over temperature."""
+
+    law: str = MISSING
+    constant: Any = MISSING
+    offset: Any = MISSING
+    exponent: Any = MISSING
+    valid: Any = MISSING
+    table: Any = MISSING
+
+
+@dataclass
+class Thermal:
+    """What temperature does to a gear in physical units; see `solver.thermal`. Quantities are written with units."""
+
+    reference: Any = MISSING
+    housing_share: float = MISSING
+    backlash: ThermalBacklash = MISSING
+    stiffness: ThermalStiffness = MISSING
+    damping: ThermalDamping = MISSING
+
+
+@dataclass
 class PhysicalGear:
     """Gear pair in physical units; see `solver.GearPair`. Texts are numbers with units, some keys take lists."""
 
@@ -49,7 +94,7 @@ class PhysicalGear:
 class Gear:
     """Dimensionless gear pair; see `solver.Model`. Keys of type Any take one number or a list.
 
-    Of a gear in physical units all but `physical` are null: they follow from it.
+    Of a gear in physical units all but `physical` and `thermal` are null: they follow from these.
     """
 
     b: float | None = MISSING
@@ -72,6 +117,7 @@ class Gear:
     rotation_coupling: Any = MISSING
     variation: Variation | None = MISSING
     physical: PhysicalGear | None = MISSING
+    thermal: Thermal | None = MISSING
 
 
 @dataclass

@@ -10,6 +10,7 @@ from time import perf_counter
 from pipeline import store
 from pipeline.plan import Block, Plan
 from pipeline.store.tries import Tries
+from pipeline.thermal import thermal_pair
 from solver import (
     Balance,
     Broyden,
@@ -24,10 +25,11 @@ from solver import (
     RowError,
     sweep_row,
 )
+from solver.paths import ParameterPath, place_on
 
 __all__ = [
-    "Outcome", "Receipt", "RowTrouble", "balance_of", "continuation_of", "model_at", "point_of", "row_of", "seeds_of",
-    "sweep_block", "sweep_blocks",
+    "Outcome", "Receipt", "RowTrouble", "balance_of", "continuation_of", "frame_of", "model_at", "point_of", "row_axis",
+    "row_of", "seeds_of", "sweep_block", "sweep_blocks",
 ]  # fmt: skip
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
@@ -104,7 +106,28 @@ def seeds_of(settings: dict, every_column: bool = False):
 
 def model_at(plan: Plan, row: float, column: float) -> Model:
     """The gear at one point of the plane; omega, if it is an axis, is not the gear's."""
-    values = {plan.parameter.name: row, plan.sweep.name: column}
+    start = _start(plan, row, column)
+    # At the reference the gear is its own model: even that c is geometric stays, which enumeration encloses a little
+    # wider than the number.
+    return start if plan.thermal is None or row == 0.0 else place_on(row_axis(plan), row, start)[0]
+
+
+def row_axis(plan: Plan) -> str | ParameterPath:
+    """The row parameter as the solver takes it: a name, or the path along which temperature moves the gear."""
+    return plan.parameter.name if plan.thermal is None else thermal_pair(plan.thermal).path
+
+
+def frame_of(plan: Plan) -> tuple:
+    """The gear to start from, both axes and the ranges of both, as boundaries and regions take them."""
+    x, p = plan.sweep, plan.parameter
+    return _start(plan, p.low, x.low), x.name, row_axis(plan), (x.low, x.high), (p.low, p.high)
+
+
+def _start(plan: Plan, row: float, column: float) -> Model:
+    """The gear before the row parameter has moved it, where that is a path; at its place otherwise."""
+    values = {plan.sweep.name: column}
+    if plan.thermal is None:
+        values[plan.parameter.name] = row
     values.pop("omega", None)
     return Model(**plan.gear, **values)
 

@@ -10,7 +10,7 @@ import re
 
 from pipeline.errors import ConfigurationError
 
-__all__ = ["KINDS", "quantities", "quantity", "speed", "unit_size"]
+__all__ = ["KINDS", "celsius", "quantities", "quantity", "speed", "unit_size"]
 
 #: Kind -> an example, whose unit has the dimension that is asked for, and the SI unit.
 KINDS = {
@@ -23,6 +23,8 @@ KINDS = {
     "damping": ("900 N*s/m", "N*s/m"),
     "torque": ("45 N*m", "N*m"),
     "diametral pitch": ("8 1/inch", "1/m"),
+    "temperature difference": ("20 K", "K"),
+    "thermal coefficient": ("11.2e-6 1/K", "1/K"),
 }
 
 _LONGEST = 60
@@ -105,6 +107,16 @@ def speed(key: str, value) -> tuple[str, float]:
     return ("mesh_frequency" if hertz else "omega"), _finite(key, value, number * size, allowed)
 
 
+def celsius(key: str, value) -> float:
+    """The degrees Celsius of a temperature such as "40 degC" or "313.15 K"; raises as `quantity` does."""
+    allowed = "a temperature with its unit, such as '40 degC' or '313.15 K'"
+    number, unit = _split(key, value, allowed)
+    parsed = _parsed(key, value, unit, allowed)
+    if dict(parsed._units) not in ({"degree_Celsius": 1}, {"kelvin": 1}, {"degree_Fahrenheit": 1}):
+        raise _refused(key, value, allowed)
+    return _finite(key, value, float(_registry().Quantity(number, parsed).to("degC").magnitude), allowed)
+
+
 def _refused(key: str, value, allowed: str) -> ConfigurationError:
     shown = repr(value) if len(repr(value)) <= 2 * _LONGEST else f"{repr(value)[: 2 * _LONGEST]}…"
     return ConfigurationError(f"{key} = {shown} is not allowed: it must be {allowed}")
@@ -153,4 +165,8 @@ def _size(key: str, value, unit: str, kind: str, allowed: str) -> float:
     wrong = (list(dict(parsed._units).values()) != [1] or angles == []) if kind == "angle" else bool(angles)
     if wrong or parsed.dimensionality != wanted.dimensionality:
         raise _refused(key, value, allowed)
-    return float(_registry().Quantity(1.0, parsed).to(wanted).magnitude)
+    zero, one = (_registry().Quantity(size, parsed).to(wanted).magnitude for size in (0.0, 1.0))
+    if zero != 0.0:
+        # On the scales of thermometers 0 means something else.
+        raise _refused(key, value, allowed)
+    return float(one)

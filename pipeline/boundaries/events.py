@@ -9,8 +9,9 @@ import zarr
 
 from pipeline.plan import Plan
 from pipeline.store import COMPLETE
-from pipeline.sweep import balance_of, model_at
+from pipeline.sweep import balance_of, frame_of
 from solver import Event
+from solver.paths import place_on
 
 __all__ = ["BIFURCATIONS", "GRAZINGS_AND_FOLDS", "MARGINS", "RowEvents", "half_backlash", "read_events"]
 
@@ -68,8 +69,13 @@ class RowEvents:
 def half_backlash(plan: Plan, x, p) -> np.ndarray:
     """b at places of the plane, arrays of one shape."""
     axes = {plan.sweep.name: x, plan.parameter.name: p}
-    b = axes["b"] if "b" in axes else model_at(plan, plan.parameter.low, plan.sweep.low).b
-    return np.broadcast_to(np.asarray(b, dtype=float), np.shape(x))
+    if "b" in axes:
+        return np.broadcast_to(np.asarray(axes["b"], dtype=float), np.shape(x))
+    model, _, axis, _, _ = frame_of(plan)
+    if isinstance(axis, str):
+        return np.full(np.shape(x), model.b)
+    rows, place = np.unique(p, return_inverse=True)
+    return np.array([place_on(axis, row, model)[0].b for row in rows])[place].reshape(np.shape(p))
 
 
 def read_events(path: Path, plan: Plan) -> RowEvents:

@@ -16,11 +16,11 @@ from pipeline.boundaries.group import (
     write_boundaries,
 )
 from pipeline.plan import Plan
-from pipeline.sweep import balance_of, continuation_of, model_at
+from pipeline.sweep import balance_of, continuation_of, frame_of
 from solver import Continuation, EndReason, Event
 from solver.boundaries import BoundaryCurve, SpecialPoint, boundary_curves
 
-__all__ = ["Summary", "first_order_curves", "frame", "to_store", "trace"]
+__all__ = ["Summary", "first_order_curves", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
@@ -74,12 +74,6 @@ def trace(path: Path, plan: Plan) -> Summary:
     return _summary(plan, fresh, False)
 
 
-def frame(plan: Plan) -> tuple:
-    """Model, names and ranges of both axes."""
-    x, p = plan.sweep, plan.parameter
-    return model_at(plan, p.low, x.low), x.name, p.name, (x.low, x.high), (p.low, p.high)
-
-
 def _first_order_curves(plan: Plan, events: RowEvents) -> list[StoredCurve]:
     """Folds and grazings of the describing function, on the angles of contact."""
     continuation = _with_short_steps(continuation_of(plan.solver))
@@ -89,7 +83,7 @@ def _first_order_curves(plan: Plan, events: RowEvents) -> list[StoredCurve]:
 def first_order_curves(plan: Plan, starts) -> tuple[BoundaryCurve, ...]:
     """Folds and grazings of the describing function from these starts, in so short steps as are stored."""
     continuation = _with_short_steps(continuation_of(plan.solver))
-    return boundary_curves(*frame(plan), starts, omega=_frequency(plan), continuation=continuation)
+    return boundary_curves(*frame_of(plan), starts, omega=_frequency(plan), continuation=continuation)
 
 
 def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
@@ -99,7 +93,7 @@ def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
 
     continuation = _with_short_steps(continuation_of(plan.solver))
     curves = bifurcation_curves(
-        balance_of(plan.solver), *frame(plan), starts, omega=_frequency(plan), continuation=continuation
+        balance_of(plan.solver), *frame_of(plan), starts, omega=_frequency(plan), continuation=continuation
     )  # fmt: skip
     return [to_store(curve, 0) for curve in curves]
 

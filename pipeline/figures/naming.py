@@ -1,7 +1,7 @@
 """How parameters are written in figures."""
 
-from pipeline.plan import Plan
-from pipeline.sweep import model_at
+from pipeline.plan import TEMPERATURE, Plan
+from pipeline.sweep import frame_of
 from solver import ImpactState, Scales
 
 __all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "symbol", "value_text"]
@@ -26,8 +26,9 @@ _SYMBOLS = {
     "rotation_coupling": "c",
     "variation_translation": r"\varepsilon_t",
     "variation_rotation": r"\varepsilon_r",
+    "temperature": r"\Delta T",
 }
-_UNITS = {"1": "", "rad": " (rad)", "degree": " (°)"}
+_UNITS = {"1": "", "rad": " (rad)", "degree": " (°)", "K": " (K)"}
 
 STATE_NAMES = {
     ImpactState.PERMANENT: "no impact",
@@ -51,17 +52,20 @@ def axis_label(name: str, attributes: dict) -> str:
 
 def value_text(name: str, value: float, scales: Scales | None = None) -> str:
     """A parameter with its value, "$f_e$ = 0.126", and the physical one where there are scales, "(6.3 µm)"."""
-    text = f"{symbol(name)} = {value:.4g}".replace("-", "\N{MINUS SIGN}")
+    unit = " K" if name == TEMPERATURE else ""
+    text = f"{symbol(name)} = {value:.4g}{unit}".replace("-", "\N{MINUS SIGN}")
     if scales is None or name not in scales:
         return text
     return f"{text} ({value * scales[name].shown:.3g} {scales[name].unit})"
 
 
 def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:
-    """The parameters that a reader asks for first, as far as the plane holds them fixed."""
-    model = model_at(plan, plan.parameter.low, plan.sweep.low)
+    """The parameters that a reader asks for first, as far as the plane holds them fixed; over temperature, those of the
+    reference."""
+    model = frame_of(plan)[0]
     values = {"omega": plan.omega, "b": model.b, "alpha": model.alpha, "f_e": model.f_e, "f_pm": model.f_pm}
     if model.f_pv:
         values["f_pv"] = model.f_pv
     axes = {plan.parameter.name, plan.sweep.name}
-    return ",  ".join(value_text(k, v, scales) for k, v in values.items() if k not in axes and v is not None)
+    shown = ",  ".join(value_text(k, v, scales) for k, v in values.items() if k not in axes and v is not None)
+    return shown if plan.thermal is None else f"at {value_text(TEMPERATURE, 0.0)}:  {shown}"

@@ -22,8 +22,12 @@ LONG_NAMES = {
     "rotation_coupling": "rotation coupling",
     "variation_translation": "share of the stiffness variation in the translation rows",
     "variation_rotation": "share of the stiffness variation in the mesh row",
+    "temperature": "temperature difference between gears and housing",
 }
-UNITS = {"alpha_phase": "rad", "f_e_phase": "rad", "pitch_cone_angle": "degree", "pressure_angle": "degree"}
+UNITS = {
+    "alpha_phase": "rad", "f_e_phase": "rad", "pitch_cone_angle": "degree", "pressure_angle": "degree",
+    "temperature": "K",
+}  # fmt: skip
 
 
 def flags(members, labels=None) -> dict:

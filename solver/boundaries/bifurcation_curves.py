@@ -15,6 +15,7 @@ from solver.continuation import Continuation, Curve, EndReason, Event
 from solver.correctors import workspace_rows
 from solver.errors import ParameterError
 from solver.model import Model
+from solver.paths import ParameterPath
 from solver.problem import Balance
 from solver.stability.hill_determinant import HALF
 from solver.stability.scan import critical_shares
@@ -61,7 +62,7 @@ def bifurcation_curves(
     balance: Balance,
     system: Model | ContactSystem,
     x_axis: str,
-    p_axis: str,
+    p_axis: str | ParameterPath,
     x_range: tuple[float, float],
     p_range: tuple[float, float],
     starts: Iterable[tuple[Event, np.ndarray]],
@@ -80,9 +81,11 @@ def bifurcation_curves(
     ----------
     balance : DescribingFunction or Galerkin
     system : Model or ContactSystem
-        Its own values of the two axes are not used.
-    x_axis, p_axis : str
-        Two names that the balance knows as axes.
+        Its own values of the two axes are not used; a path starts from it.
+    x_axis : str
+        A name that the balance knows as an axis.
+    p_axis : str or ParameterPath
+        Another one, or a path of models.
     x_range, p_range : (low, high)
         The plane.
     starts : iterable of (Event, (n + 2,) array)

@@ -5,9 +5,9 @@ with the second frequency. Rows are the balance, then what makes the motion spec
 matrix at the exponent 0 (fold), at half the base frequency (period doubling), at i omega (Neimark-Sacker: real and
 imaginary part), or the distance of an extreme of lambda from a flank (grazing).
 
-Kernels see theta = (parameters with both axes at 0 | what x adds | their number | the event | the window | whether the
-force is truncated before the stiffness multiplies it | switches of contact, or ANY), and direction, what p adds. The
-parameters are those of `solver.harmonic.layout.packed`.
+Kernels see theta = (parameters with both axes at 0 | what x adds | how p bends them, `solver.paths` | their number |
+the event | the window | whether the force is truncated before the stiffness multiplies it | switches of contact, or
+ANY), and direction, what p adds along a straight line. The parameters are those of `solver.harmonic.layout.packed`.
 
 A determinant has an infinite gradient where the motion grazes a flank, and its curve a corner. A problem may be
 confined to motions that switch contact a given number of times: beyond, its equations are not numbers, and continuation
@@ -29,6 +29,7 @@ from solver.harmonic import first_order, galerkin
 from solver.harmonic.contact_spectrum import contact_arcs
 from solver.harmonic.layout import BACK, FRONT, PAIRS, SIGN, STIFFNESSES, packed
 from solver.model import Model
+from solver.paths import ParameterPath, add_path, place_on, plane_vectors
 from solver.problem import Balance
 from solver.stability.hill_determinant import HALF, WHOLE
 from solver.stability.hill_slopes import determinant_slopes
@@ -56,8 +57,10 @@ _balance_1, _balance_h, _monitor_h = first_order.balance, galerkin.balance, gale
 def _at(theta, direction, y):
     """The parameters at (x, p), and what either axis adds to them."""
     size, last = int(theta[NUMBER]), y.shape[0] - 1
-    along_x, along_p = theta[size : 2 * size], direction[:size]
-    return theta[:size] + y[last - 1] * along_x + y[last] * along_p, along_x, along_p
+    along_x, along_p = theta[size : 2 * size], direction[:size].copy()
+    here = theta[:size] + y[last - 1] * along_x + y[last] * along_p
+    add_path(theta, 2 * size, y[last], here, along_p)
+    return here, along_x, along_p
 
 
 @kernel(types.int64(ARRAY, ARRAY, ARRAY))
@@ -70,6 +73,12 @@ def _switches(theta, direction, y):
     for i in range(count):
         total += 1 if zones[i - 1 if i > 0 else count - 1] + zones[i] > 0 else _BACK
     return total
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY))
+def _parameters(theta, direction, y, found):
+    """The parameters at (x, p)."""
+    found[:] = _at(theta, direction, y)[0]
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
@@ -154,9 +163,11 @@ class BifurcationPlane:
     balance : DescribingFunction or Galerkin
         The describing function's folds and grazings are those of `solver.boundaries.plane.Plane`.
     system : Model or ContactSystem
-        Its own values of the two axes are not used.
-    x_axis, p_axis : str
-        Two different names that `solver.harmonic.layout.packed` knows.
+        Its own values of the two axes are not used; a path starts from it.
+    x_axis : str
+        A name that `solver.harmonic.layout.packed` knows.
+    p_axis : str or ParameterPath
+        Another one, or a path of models.
     x_range, p_range : (low, high)
     omega : float, optional
         The mesh frequency; needed unless it is an axis.
@@ -164,13 +175,13 @@ class BifurcationPlane:
     Raises
     ------
     ParameterError
-        If the axes are equal or unknown, a range is empty, or the frequency is missing.
+        If the axes are equal, unknown or at odds, a range is empty, or the frequency is missing.
     """
 
     balance: Balance
     system: Model | ContactSystem
     x_axis: str
-    p_axis: str
+    p_axis: str | ParameterPath
     x_range: tuple[float, float]
     p_range: tuple[float, float]
     omega: float | None = None
@@ -185,21 +196,21 @@ class BifurcationPlane:
             object.__setattr__(self, name, (low, high))
         if "omega" not in (self.x_axis, self.p_axis) and (self.omega is None or not 0.0 < self.omega < np.inf):
             raise ParameterError("omega", self.omega, "a finite number above 0, as no axis is the frequency")
-        system = self.system
-        if isinstance(system, Model):
-            places = ((self.x_axis, self.x_range), (self.p_axis, self.p_range))
-            system = system.replace(**{axis: 0.5 * sum(ends) for axis, ends in places if axis != "omega"})
-        order, period = self.balance.order, self.balance.period
-        first, along_x = packed(system, self.x_axis, self.omega or 0.0, order, period)
-        second, along_p = packed(system, self.p_axis, self.omega or 0.0, order, period)
-        # What either axis sets is 0 in the vector that belongs to it.
-        theta = np.where(second == 0.0, 0.0, first)
+        def system_at(p):
+            if not isinstance(self.system, Model):
+                return self.system
+            return place_on(self.p_axis, p, place_on(self.x_axis, 0.5 * sum(self.x_range), self.system)[0])[0]
+
+        def vectors(axis, p):
+            return packed(system_at(p), axis, self.omega or 0.0, self.balance.order, self.balance.period)
+
+        read = plane_vectors(vectors, self.x_axis, self.p_axis, self.p_range)
         truncated = float(self.balance.truncated)
-        n, size = self.balance.unknowns, system.motion_size
+        n, size = self.balance.unknowns, system_at(0.5 * sum(self.p_range)).motion_size
         ranges = [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
         for name, value in (
-            ("theta", np.concatenate([theta, along_x, [theta.size, 0.0, 0.0, truncated, ANY]])),
-            ("direction", np.concatenate([along_p, np.zeros(theta.size + 5)])),
+            ("theta", np.concatenate([read.base, read.along_x, read.bent, [read.base.size, 0.0, 0.0, truncated, ANY]])),
+            ("direction", read.along_p),
             ("scale", np.concatenate([np.full(n, size), ranges])),
         ):
             value.setflags(write=False)
@@ -231,8 +242,9 @@ class BifurcationPlane:
 
     def parameters(self, point: np.ndarray) -> np.ndarray:
         """The packed parameters at a point (u, x, p)."""
-        size = int(self._theta[NUMBER])
-        return self._theta[:size] + point[-2] * self._theta[size : 2 * size] + point[-1] * self._direction[:size]
+        found = np.empty(int(self._theta[NUMBER]))
+        _parameters(self._theta.copy(), self._direction.copy(), np.array(point, dtype=float), found)
+        return found
 
     def windows(self, kind: Event, share: float) -> list[int]:
         """The windows in which a motion with this second frequency (over the base one) is sought."""

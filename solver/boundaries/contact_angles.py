@@ -18,7 +18,7 @@ is a smooth problem of its own, and the grazings are the walls between them.
 
 The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the packed
 vector `theta` = (model with both axes at 0 | what x adds | zone of the front flank | of the back flank | s | flank that
-is grazed | its angle), and `direction`, what p adds.
+is grazed | its angle | how p bends the model, `solver.paths`), and `direction`, what p adds along a straight line.
 """
 
 import math
@@ -29,6 +29,7 @@ from numba import types
 from solver.compiled import ARRAY, MATRIX, kernel
 from solver.condensation import SIZE
 from solver.harmonic.first_order import coefficients
+from solver.paths import add_path
 
 __all__ = [
     "BACK",
@@ -53,6 +54,7 @@ UNKNOWNS = 6
 # Slots of the packed theta behind the model and the direction of x.
 ZONE = 2 * SIZE
 LENGTH_SCALE, GRAZED_FLANK, GRAZED_ANGLE = ZONE + 2, ZONE + 3, ZONE + 4
+# Where the path begins.
 PACKED = ZONE + 5
 
 #: Monitor values of a boundary: the amplitude, and on grazing curves det dE/du.
@@ -67,9 +69,10 @@ _RIGHT = 0.5 * math.pi
 @kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
 def plane_coefficients(theta, direction, y):
     """What `solver.harmonic.first_order.coefficients` gives at (x, p), with the derivatives by both."""
-    model, along_x, along_p = np.empty(SIZE), theta[SIZE : 2 * SIZE], direction[:SIZE]
+    model, along_x, along_p = np.empty(SIZE), theta[SIZE : 2 * SIZE], direction[:SIZE].copy()
     for i in range(SIZE):
         model[i] = theta[i] + y[X] * along_x[i] + y[P] * along_p[i]
+    add_path(theta, PACKED, y[P], model, along_p)
     values, by_x, constants, constants_x = coefficients(model, along_x, 0.0)
     _, by_p, _, constants_p = coefficients(model, along_p, 0.0)
     return (values, by_x, by_p), (constants, constants_x, constants_p)

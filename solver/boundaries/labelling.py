@@ -8,6 +8,7 @@ from solver.boundaries.plane import Plane
 from solver.boundaries.slabs import RegionError, RowCrossings, Slab
 from solver.enumeration import Proof, enumerate_row
 from solver.impact import domain_code, domain_label, impact_state
+from solver.paths import place_on
 
 __all__ = ["Labeller"]
 
@@ -122,18 +123,14 @@ class Labeller:
 
 def _enumerated(plane: Plane, value: float, x: np.ndarray, amplitude_max: float):
     """Every solution at places of one row."""
-    model, omega = plane.model, plane.omega
-    if plane.p_axis == "omega":
-        omega = value
-    else:
-        model = model.replace(**{plane.p_axis: value})
+    model, omega = place_on(plane.p_axis, value, plane.model, plane.omega)
     return enumerate_row(model, plane.x_axis, x, omega=omega, amplitude_max=amplitude_max)
 
 
 def row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
     """Codes of the labels at places of one row; 0 where the solutions are not proven to be all."""
     found = _enumerated(plane, value, x, amplitude_max)
-    b = np.array([plane.half_backlash(place, value) for place in x])
+    b = plane.half_backlash(x, value)
     states = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, b[:, None]).astype(np.int64)
     stable = found.stable == 1
     bits = np.bitwise_or.reduce(np.where(stable, 1 << states.clip(0), 0), axis=1, initial=0)

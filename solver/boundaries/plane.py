@@ -28,10 +28,11 @@ from solver.boundaries.contact_angles import (
     plane_coefficients,
 )
 from solver.compiled import ARRAY, MATRIX, kernel
-from solver.condensation import AXES, SIZE, axis_vectors
+from solver.condensation import AXES, axis_vectors
 from solver.continuation import Event, Problem
 from solver.errors import ParameterError
 from solver.model import Model
+from solver.paths import ParameterPath, place_on, plane_vectors
 
 __all__ = ["KINDS", "Plane"]
 
@@ -88,9 +89,11 @@ class Plane:
     Parameters
     ----------
     model : Model
-        Its own values of the two axes are not used.
-    x_axis, p_axis : str
-        Two different names of `solver.condensation.AXES`.
+        Its own values of the two axes are not used; a path starts from it.
+    x_axis : str
+        One of `solver.condensation.AXES`.
+    p_axis : str or ParameterPath
+        Another one, or a path of models.
     x_range, p_range : (low, high)
     omega : float, optional
         The frequency; needed unless it is an axis.
@@ -98,20 +101,21 @@ class Plane:
     Raises
     ------
     ParameterError
-        If the axes are equal or unknown, a range is empty, or the frequency is missing.
+        If the axes are equal, unknown or at odds, a range is empty, or the frequency is missing.
     """
 
     model: Model
     x_axis: str
-    p_axis: str
+    p_axis: str | ParameterPath
     x_range: tuple[float, float]
     p_range: tuple[float, float]
     omega: float | None = None
 
     def __post_init__(self):
         for name in ("x_axis", "p_axis"):
-            if getattr(self, name) not in AXES:
-                raise ParameterError(name, getattr(self, name), f"one of {', '.join(AXES)}")
+            axis = getattr(self, name)
+            if axis not in AXES and not (name == "p_axis" and isinstance(axis, ParameterPath)):
+                raise ParameterError(name, axis, f"one of {', '.join(AXES)}")
         if self.x_axis == self.p_axis:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
@@ -121,20 +125,16 @@ class Plane:
             object.__setattr__(self, name, (low, high))
         if "omega" not in (self.x_axis, self.p_axis) and (self.omega is None or not 0.0 < self.omega < np.inf):
             raise ParameterError("omega", self.omega, "a finite number above 0, as no axis is the frequency")
-        middle = {
-            axis: 0.5 * (low + high)
-            for axis, (low, high) in ((self.x_axis, self.x_range), (self.p_axis, self.p_range))
-            if axis != "omega"
-        }
-        model = self.model.replace(**middle)
-        first, along_x = axis_vectors(model, self.x_axis, self.omega or 0.0)
-        second, along_p = axis_vectors(model, self.p_axis, self.omega or 0.0)
-        size = model.motion_size
-        theta, direction = np.zeros(PACKED), np.zeros(PACKED)
-        # What either axis sets is 0 in the vector that belongs to it.
-        theta[:SIZE] = np.where(second == 0.0, 0.0, first)
-        theta[SIZE:ZONE], direction[:SIZE] = along_x, along_p
+        at_x, _ = place_on(self.x_axis, 0.5 * sum(self.x_range), self.model)
+
+        def vectors(axis, p):
+            return axis_vectors(place_on(self.p_axis, p, at_x)[0], axis, self.omega or 0.0)
+
+        read = plane_vectors(vectors, self.x_axis, self.p_axis, self.p_range)
+        size = place_on(self.p_axis, 0.5 * sum(self.p_range), at_x)[0].motion_size
+        theta = np.concatenate([read.base, read.along_x, np.zeros(PACKED - ZONE), read.bent])
         theta[LENGTH_SCALE] = size
+        direction = read.along_p
         scale = np.array([size, size, size, 1.0, 1.0, *(0.1 * (r[1] - r[0]) for r in (self.x_range, self.p_range))])
         for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
             value.setflags(write=False)
@@ -145,9 +145,11 @@ class Plane:
         """Typical size of (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p), (7,)."""
         return self._scale
 
-    def half_backlash(self, x: float, p: float) -> float:
-        """b at one place of the plane."""
-        return {self.x_axis: x, self.p_axis: p}.get("b", self.model.b)
+    def half_backlash(self, x, p: float):
+        """b at places x, a number or an array, of the row p."""
+        if self.x_axis == "b":
+            return x
+        return np.broadcast_to(place_on(self.p_axis, p, self.model)[0].b, np.shape(x))
 
     def problem(self, kind: Event, zones: tuple[int, int]) -> Problem:
         """The curve of one kind within a pair of zones of front and back flank (-1 below, 0 crossed, 1 above)."""

@@ -19,6 +19,7 @@ from solver.continuation import EndReason, Event
 from solver.errors import ParameterError
 from solver.impact import domain_label
 from solver.model import Model
+from solver.paths import ParameterPath
 
 __all__ = ["Frontier", "LabelledSlab", "Occurrence", "RegionError", "Regions", "regions"]
 
@@ -191,7 +192,7 @@ class Regions:
 def regions(
     model: Model,
     x_axis: str,
-    p_axis: str,
+    p_axis: str | ParameterPath,
     x_range: tuple[float, float],
     p_range: tuple[float, float],
     curves: Sequence[BoundaryCurve],
@@ -204,9 +205,11 @@ def regions(
     Parameters
     ----------
     model : Model
-        Its own values of the two axes are not used.
-    x_axis, p_axis : str
-        Two names of `solver.condensation.AXES`: along rows, and from row to row.
+        Its own values of the two axes are not used; a path starts from it.
+    x_axis : str
+        One of `solver.condensation.AXES`: along rows.
+    p_axis : str or ParameterPath
+        Another one, or a path of models: from row to row.
     x_range, p_range : (low, high)
         The plane, or a part of the one for which the curves were traced.
     curves : sequence of BoundaryCurve

@@ -14,6 +14,7 @@ from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import workspace_rows
 from solver.errors import ParameterError
 from solver.model import Model
+from solver.paths import ParameterPath
 from solver.row import Row
 
 __all__ = ["boundary_curves", "row_events"]
@@ -47,7 +48,7 @@ def row_events(row: Row, parameter: float) -> list[tuple[Event, np.ndarray]]:
 def boundary_curves(
     model: Model,
     x_axis: str,
-    p_axis: str,
+    p_axis: str | ParameterPath,
     x_range: tuple[float, float],
     p_range: tuple[float, float],
     starts: Iterable[tuple[Event, np.ndarray]],
@@ -60,9 +61,11 @@ def boundary_curves(
     Parameters
     ----------
     model : Model
-        Its own values of the two axes are not used.
-    x_axis, p_axis : str
-        Two names of `solver.condensation.AXES`.
+        Its own values of the two axes are not used; a path starts from it.
+    x_axis : str
+        One of `solver.condensation.AXES`.
+    p_axis : str or ParameterPath
+        Another one, or a path of models.
     x_range, p_range : (low, high)
         The plane.
     starts : iterable of (Event, (5,) array)
