@@ -7,9 +7,19 @@ import numpy as np
 from solver import ImpactState, label_parts
 from solver.boundaries.bands import Line
 
-__all__ = ["TRAITS", "contact_lost", "double_sided", "intervals", "jumping", "labels_with", "share_of", "unstable"]
+__all__ = ["RANKS", "TRAITS", "contact_lost", "double_sided", "intervals", "jumping", "labels_with", "share_of", "unstable"]
 
 _TOGETHER = {ImpactState.PERMANENT, ImpactState.MIRRORED_PERMANENT}
+
+#: Severity of the impact states, from harmless to severe.
+RANKS = {
+    ImpactState.PERMANENT: 0,
+    ImpactState.MIRRORED_PERMANENT: 0,
+    ImpactState.FREE: 1,
+    ImpactState.SINGLE_SIDED: 2,
+    ImpactState.MIRRORED_SINGLE_SIDED: 2,
+    ImpactState.DOUBLE_SIDED: 3,
+}
 
 
 def jumping(label: str) -> bool:

@@ -8,8 +8,8 @@ from pipeline.margins.lines import codes_along, divided, swept
 from pipeline.margins.options import Design, nominal_value, replaced
 from pipeline.plan import Plan
 from pipeline.sweep import model_at
-from pipeline.tables.classes import worst_impact
-from solver import ImpactState, domain_label
+from pipeline.traits import RANKS
+from solver import ImpactState, domain_label, label_parts
 from solver.boundaries import BoundaryCurve, RegionError, Regions, regions
 
 __all__ = ["Corner", "corners", "labels_within", "severity"]
@@ -42,10 +42,8 @@ def severity(label: str) -> tuple[int, int]:
     >>> sorted(["1/2", "2/0-1", "0/-", "1/0", "2/0-2"], key=severity)
     ['1/0', '2/0-1', '1/2', '2/0-2', '0/-']
     """
-    n, symbols = label.split("/")
-    if n == "0":
-        return len(ImpactState), 0
-    return worst_impact([int(state.symbol in symbols.split("-")) for state in ImpactState], 1), int(n)
+    n, states = label_parts(label)
+    return (max(RANKS[state] for state in states), n) if n else (len(ImpactState), 0)
 
 
 def corners(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] | None) -> list[Corner]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.tables.bands import BandAtResonance
 from pipeline.numerals import percent
-from pipeline.traits import share_of
+from pipeline.traits import RANKS, share_of
 from solver import ImpactState, label_parts
 
 __all__ = [
@@ -39,14 +39,6 @@ SETTLED = 0.01
 
 #: From harmless to severe; the place in this list ranks the states.
 IMPACTS = ("none", "out of contact", "single-sided", "double-sided")
-_RANK = {
-    ImpactState.PERMANENT: 0,
-    ImpactState.MIRRORED_PERMANENT: 0,
-    ImpactState.FREE: 1,
-    ImpactState.SINGLE_SIDED: 2,
-    ImpactState.MIRRORED_SINGLE_SIDED: 2,
-    ImpactState.DOUBLE_SIDED: 3,
-}
 
 
 RULES = {
@@ -109,8 +101,8 @@ def jump_trend(widths: Sequence[float]) -> str:
 
 def severest(shares: Mapping[str, float]) -> int:
     """Rank in `IMPACTS` of the severest state that counts, from the labels' shares of a line or a region."""
-    parts = {state: share_of(shares, lambda label, state=state: state in label_parts(label)[1]) for state in _RANK}
-    return max((_RANK[state] for state, share in parts.items() if share >= IMPACT_SHARE), default=0)
+    parts = {state: share_of(shares, lambda label, state=state: state in label_parts(label)[1]) for state in RANKS}
+    return max((RANKS[state] for state, share in parts.items() if share >= IMPACT_SHARE), default=0)
 
 
 def impact_class(ranks: Sequence[int], share: float) -> str:
@@ -203,7 +195,7 @@ def _impact(band: BandAtResonance) -> str:
 
 
 def _ranks_of(label: str) -> set[int]:
-    return {_RANK[state] for state in label_parts(label)[1]}
+    return {RANKS[state] for state in label_parts(label)[1]}
 
 
 def _resonance(band: BandAtResonance) -> str:
