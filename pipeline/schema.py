@@ -267,6 +267,13 @@ class Margins:
 
 
 @dataclass
+class Report:
+    """The reproduction report."""
+
+    run: bool = MISSING
+
+
+@dataclass
 class Configuration:
     """All of it."""
 
@@ -284,3 +291,4 @@ class Configuration:
     margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING
+    report: Report = MISSING
