@@ -27,7 +27,8 @@ keys people need
   gear.b=0.5 gear.alpha=0.3          any parameter of the gear that is not an axis of the plane
   gear.physical.torque='60 N*m'      any number of a gear in physical units, with its unit; then also
                                      plane.sweep.min='500 rpm' and figures.units=physical
-  plane.parameter.name=kappa         any scalar parameter as an axis, with plane.parameter.min, .max and .num
+  plane.parameter.name=kappa         any scalar parameter as an axis, with plane.parameter.min, .max and .num; rows also over
+                                     mesh_damping (xi_mesh and xi_translation together) or temperature
   plane.sweep.num=800                columns
   figures.curves=[0.1,0.5,1.0]       parameter values whose amplitude-frequency curves are drawn
   figures.window=[0.5,0.7,0.1,0.3]   a part of the plane, drawn in addition, as sharp as the whole: lowest and highest
@@ -36,7 +37,7 @@ keys people need
   basins.points=[[0.6,0.2]]          where basins are measured, column value and row value; also basins.starts
   jumps.values=[0.1,0.2]             rows along which attractors are followed; also jumps.rows
   margins.point=[0.9,0.1]            the design point, column value and row value; also margins.range=[0.8,1.0] and
-                                     margins.tolerances={f_e:0.02,b:0.1}
+                                     margins.tolerances={f_e:0.02,b:0.1}, with units where the gear has them
   store.name=mine                    name of the store and of its figures' folder
   store.overwrite=true               replace a store of another configuration
   solver.corrector=broyden           the study's corrector instead of Newton's

@@ -17,8 +17,9 @@ SCHEMA_VERSION = 3
 #: Stores from this version on can be read; rows are only written to stores of this program's own version.
 OLDEST_READ = 2
 
-#: The row parameter that moves several numbers of the gear.
-TEMPERATURE = "temperature"
+#: Row parameters that move several numbers of the gear.
+TEMPERATURE, MESH_DAMPING = "temperature", "mesh_damping"
+PATHS = (TEMPERATURE, MESH_DAMPING)
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
@@ -167,7 +168,7 @@ def plan(settings: Settings) -> Plan:
     roles = ("sweep", "parameter")
     axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS, scales) for role in roles}
     sweep, parameter = axes["sweep"], axes["parameter"]
-    thermal = _thermal(settings, sweep, physical) if parameter.name == TEMPERATURE else None
+    thermal = _thermal(settings, physical) if parameter.name == TEMPERATURE else None
     cells = sweep.num * parameter.num
     if cells > config.plane.max_cells:
         raise ConfigurationError(
@@ -238,23 +239,17 @@ def _gear(config) -> tuple[dict, dict | None]:
     return gear, json.loads(json.dumps(physical))
 
 
-def _thermal(settings: Settings, sweep: Axis, physical: dict | None) -> dict:
+def _thermal(settings: Settings, physical: dict | None) -> dict:
     """The laws of temperature, as plain data."""
     config, where = settings.config.gear.thermal, "plane.parameter.name = 'temperature' is not allowed"
     if physical is None:
         raise ConfigurationError(f"{where}: it needs a gear in physical units, such as gear=miter")
     if config is None:
         raise ConfigurationError(f"{where}: gear.thermal, the laws of temperature, has no value")
-    from pipeline.thermal import thermal_numbers, thermal_pair
+    from pipeline.thermal import thermal_numbers
     from solver import GearPair
 
-    numbers = json.loads(json.dumps(thermal_numbers(config, GearPair(**physical["gear"]))))
-    if sweep.name in (uses := thermal_pair(numbers).path.uses):
-        raise ConfigurationError(
-            f"plane.sweep.name = {sweep.name!r} is not allowed: over temperature it must be another parameter than "
-            f"{', '.join(uses)}, which follow from the temperature"
-        )
-    return numbers
+    return json.loads(json.dumps(thermal_numbers(config, GearPair(**physical["gear"]))))
 
 
 def _scales(physical: dict):
@@ -275,10 +270,6 @@ def _check_axis_keys(settings: Settings, names: set[str]) -> None:
 def _value(key: str, name: str, value, scales) -> float:
     """A number, or a text with a unit made dimensionless."""
     if isinstance(value, str):
-        if name == TEMPERATURE:
-            from pipeline.units import quantity
-
-            return quantity(key, value, "temperature difference")
         from pipeline.physical import place_of
 
         return place_of(key, name, value, scales)
@@ -289,12 +280,12 @@ def _value(key: str, name: str, value, scales) -> float:
 
 def _axis(role: str, axis, scalars, scales) -> Axis:
     name = axis.name.replace("gear.", "").replace("variation.", "variation_")
-    if name == TEMPERATURE and role == "sweep":
+    if name in PATHS and role == "sweep":
         raise ConfigurationError(
-            f"plane.sweep.name = {axis.name!r} is not allowed: temperature changes several numbers at once, "
+            f"plane.sweep.name = {axis.name!r} is not allowed: {name} changes several numbers at once, "
             "so that it can be plane.parameter.name only"
         )
-    allowed = ("omega", *scalars, *([TEMPERATURE] if role == "parameter" else []))
+    allowed = ("omega", *scalars, *(PATHS if role == "parameter" else ()))
     if name not in allowed:
         raise ConfigurationError(
             f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
@@ -318,9 +309,15 @@ def _axis(role: str, axis, scalars, scales) -> Axis:
 
 def _check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
-    from pipeline.sweep import balance_of, continuation_of, model_at, seeds_of
+    from pipeline.sweep import balance_of, continuation_of, model_at, row_axis, seeds_of
     from solver import ParameterError
 
+    axis = row_axis(plan)
+    if not isinstance(axis, str) and plan.sweep.name in axis.uses:
+        raise ConfigurationError(
+            f"plane.sweep.name = {plan.sweep.name!r} is not allowed: over {axis} it must be another parameter than "
+            f"{', '.join(axis.uses)}, which follow from the {axis}"
+        )
     try:
         balance_of(plan.solver)
         continuation_of(plan.solver)
@@ -364,12 +361,15 @@ def warnings(plan: Plan) -> list[str]:
     if lowest < 0.0:
         lines.append(f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical")
     model = corners[0]
-    ratios = [xi / model.xi_mesh for xi in model.xi_translation] if model.xi_mesh > 0.0 else []
-    if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=bool(ratios))):
-        shown = ", ".join(f"{ratio:g}" for ratio in sorted(set(ratios)))
+    ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
+    if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
+        shown, wanted = (", ".join(f"{value:g}" for value in dict.fromkeys(values)) for values in (ratios, model.kappa))
+        axes = (plan.sweep, plan.parameter)
+        moved = [f" at {axis.name} = {axis.low:g}" for axis in axes if axis.name in ("xi_mesh", "xi_translation", "kappa")]
+        hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in (axis.name for axis in axes) else ""
         lines.append(
-            f"gear.xi_translation/gear.xi_mesh = {shown} differs from gear.kappa = {model.kappa[0]:g}: "
-            "one mesh force would make them equal"
+            f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "
+            f"one mesh force would make them equal{hint}"
         )
     if plan.physical is not None:
         from pipeline.physical import cycle_note

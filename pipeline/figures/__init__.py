@@ -66,12 +66,14 @@ def draw(
         return _draw(store_path, folder, curves, formats, dpi, window, stability, units, only)
 
 
-def draw_design(store_path: Path, folder: Path, answer, formats: list[str], dpi: int) -> list[Path]:
+def draw_design(
+    store_path: Path, folder: Path, answer, formats: list[str], dpi: int, units: str = "dimensionless"
+) -> list[Path]:
     """Draw a design point with its margins on the map of its plane, as `margins` in all formats.
 
     Parameters
     ----------
-    store_path, folder, formats, dpi
+    store_path, folder, formats, dpi, units
         As for `draw`.
     answer : pipeline.margins.Answer
     """
@@ -83,7 +85,7 @@ def draw_design(store_path: Path, folder: Path, answer, formats: list[str], dpi:
         from pipeline.figures.output import write_figure
         from pipeline.figures.stored import read_stored
 
-        plane = read_stored(store_path)
+        plane = read_stored(store_path, physical=units == "physical")
         with style.context(_STYLE, after_reset=True):
             return write_figure(draw_margins(plane, answer), plane, folder, "margins", formats, dpi)
 

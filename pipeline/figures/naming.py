@@ -17,6 +17,7 @@ _SYMBOLS = {
     "f_pv": "f_{pv}",
     "kappa": r"\kappa_g",
     "xi_mesh": r"\xi_h",
+    "mesh_damping": r"\xi_h",
     "xi_translation": r"\xi_{hg}",
     "xi_support": r"\xi_j",
     "k_support": "k_j",
