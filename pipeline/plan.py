@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
-__all__ = ["Axis", "Block", "Plan", "numbers_digest", "plan", "plan_of", "warnings"]
+__all__ = ["Axis", "Block", "Plan", "check_numbers", "numbers_digest", "plan", "plan_of", "warnings"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 3
@@ -210,7 +210,7 @@ def plan(settings: Settings) -> Plan:
         physical,
         thermal,
     )
-    _check_numbers(result)
+    check_numbers(result)
     return result
 
 
@@ -307,7 +307,7 @@ def _axis(role: str, axis, scalars, scales) -> Axis:
     return Axis(name, low, high, int(axis.num))
 
 
-def _check_numbers(plan: Plan) -> None:
+def check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
     from pipeline.sweep import balance_of, continuation_of, model_at, row_axis, seeds_of
     from solver import ParameterError

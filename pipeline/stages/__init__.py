@@ -1,7 +1,6 @@
 """The stages of a run, in their order: what each needs, checks and does. Checks come first and write nothing."""
 
 import os
-from contextlib import nullcontext
 from pathlib import Path
 
 from pipeline import store
@@ -65,10 +64,12 @@ def _check_folder(key: str, folder: Path) -> None:
 
 def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
-    writes = any(stage.writes and job.asks(stage.name) for stage in PLANE_STAGES)
-    held = holding(job.store_path, job.settings.config.store.wait, reporter.line) if writes else nullcontext()
-    with held:
+    if not any(stage.writes and job.asks(stage.name) for stage in PLANE_STAGES):
         return _run(PLANE_STAGES, job, workforce, reporter)
+    with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
+        store.remove_left_overs(job.store_path)
+        # What was checked before a wait may have become another store.
+        return _run(PLANE_STAGES, prepare(job.settings) if waited else job, workforce, reporter)
 
 
 def run_shared_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:

@@ -13,6 +13,7 @@ from pipeline.plan import Block, warnings
 from pipeline.progress import Reporter, RowProgress
 from pipeline.stages.job import Job, open_log
 from pipeline.stages.stage import Stage
+from pipeline.store.removal import remove
 from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
@@ -47,14 +48,13 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         return 0
     if present:
         store.refuse_to_write_older(path)
-        store.remove_left_overs(path)
     where = workforce.start()
     open_log(job, reporter)
     if present:
         # They belong to the rows as they were.
         groups.remove_added(path)
     else:
-        shutil.rmtree(path, ignore_errors=True)
+        remove(path)
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""

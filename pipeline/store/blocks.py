@@ -3,6 +3,7 @@
 import numpy as np
 import zarr
 
+from pipeline.errors import StoreError
 from pipeline.plan import Block, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.codecs import every_chunk
@@ -41,10 +42,12 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
             _fill_raster(values, i, row)
             _fill_branches(values, i, row, plan.sweep.name)
             values["status"][i] = COMPLETE
-    # A block that is written again is not complete until it is whole again.
+    if root.attrs["configuration_hash"] != plan.digest:
+        # A task of a run that is no more, on a scheduler that goes on.
+        raise StoreError(f"{path} is no longer the store that these rows are of")
     with every_chunk():
-        if np.any(root["status"][block.start : block.stop] != PENDING):
-            root["status"][block.start : block.stop] = PENDING
+        # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
+        root["status"][block.start : block.stop] = PENDING
         for name, value in values.items():
             root[name][block.start : block.stop] = value
 

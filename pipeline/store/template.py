@@ -1,7 +1,6 @@
 """Writing the template of a store: all metadata, no rows."""
 
 import json
-import shutil
 import warnings
 from datetime import UTC, datetime
 from importlib import metadata
@@ -13,8 +12,10 @@ from pipeline.plan import SCHEMA_VERSION, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.attributes import axis_attributes
 from pipeline.store.codecs import COMPRESSORS
+from pipeline.store.removal import remove
+from pipeline.store.seal import sealed
 
-__all__ = ["consolidate", "create", "create_again"]
+__all__ = ["consolidate", "create", "create_again", "sizes_of"]
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "numcodecs", "xarray", "dask", "distributed")
 
@@ -32,7 +33,7 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     configuration : str
         The resolved configuration in YAML.
     """
-    create_again(path, plan, {
+    create_again(path, plan, sealed({
         "Conventions": "CF-1.11",
         "title": f"Solution domain {name}: {' x '.join(axis.name for axis in (plan.sweep, plan.parameter))}",
         "bevelmap_schema": SCHEMA_VERSION,
@@ -41,14 +42,14 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
         "configuration_hash": plan.digest,
         "versions": _versions(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    })  # fmt: skip
+    }))  # fmt: skip
 
 
 def create_again(path: Path, plan: Plan, attributes: dict) -> None:
     """Write the template with the attributes that a store of this plan has already; see `create`."""
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.template")
-    shutil.rmtree(draft, ignore_errors=True)
+    remove(draft)
     row, column = plan.parameter, plan.sweep
     root = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     # A branch point's position is a coordinate; as a plain variable it would be hidden by the plane's axis of that name.
@@ -60,11 +61,7 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
             place, data=axis.values, chunks=(axis.num,), dimension_names=[axis.name], compressors=COMPRESSORS,
             attributes=axis_attributes(axis.name),
         )  # fmt: skip
-    sizes = {
-        row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,
-        "branch_number": plan.max_branches, "end": 2,
-        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
-    }  # fmt: skip
+    sizes = sizes_of(plan)
     for array, spec in arrays_of(plan).items():
         shape = tuple(sizes[dim] for dim in spec["dims"])
         root.create_array(
@@ -73,6 +70,16 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
         )  # fmt: skip
     consolidate(draft)
     draft.rename(path)
+
+
+def sizes_of(plan: Plan) -> dict[str, int]:
+    """Size of every dimension of the plane's own arrays."""
+    row, column = plan.parameter, plan.sweep
+    return {
+        row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,
+        "branch_number": plan.max_branches, "end": 2,
+        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
+    }  # fmt: skip
 
 
 def consolidate(path: Path) -> None:
