@@ -59,7 +59,7 @@ class Steps:
         Distance of the corrected from the predicted point in scaled unknowns, and angle between the tangents (rad); nan
         where the corrector did not converge.
     points : (m,) int array
-        How many points the curve had after the step.
+        How many points the curve had after the step; where there was no room for its last ones, all that there are.
     places : (m, n + 1) array
         y = (u, p): the new point of an accepted step, the place that was refused otherwise.
     """
@@ -124,7 +124,8 @@ class DiaryContinuation(Continuation):
             problem, np.array(start, dtype=float), np.array(heading, dtype=float), curve,
             Steps(
                 diary[:, arclength.OUTCOME].astype(int), diary[:, arclength.STEP], diary[:, arclength.ITERATIONS].astype(int),
-                diary[:, arclength.STRAY], diary[:, arclength.TURN], diary[:, arclength.POINTS].astype(int),
+                diary[:, arclength.STRAY], diary[:, arclength.TURN],
+                np.minimum(diary[:, arclength.POINTS].astype(int), len(curve.points)),
                 diary[:, arclength.PLACE :],
             ),
         ))  # fmt: skip

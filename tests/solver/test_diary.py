@@ -84,12 +84,15 @@ def test_every_reason_has_a_sentence_and_most_are_met():
 
 
 def test_a_diary_that_is_full_is_made_larger():
-    # More steps are refused than points fit.
-    diary = DiaryContinuation(first_step=1e3, largest_step=1e3, max_points=4, parameter_step=1.0)
-    problem_of = DiaryContinuation()
-    sweep_row(published(), "omega", GRID, continuation=problem_of)
-    first = problem_of.traces[0]
-    curve = diary.trace(first.problem, first.start, GRID[0], GRID[-1], 1)
+    finder = DiaryContinuation()
+    sweep_row(published(), "omega", GRID, continuation=finder)
+    first = finder.traces[0]
+    start = first.curve.points[np.argmax(first.curve.event == Event.FOLD) + 3]
+    # So sharp a bend refuses more steps than points fit.
+    diary = DiaryContinuation(first_step=0.2, largest_angle=1e-4, max_points=4)
+    curve = diary.trace(first.problem, start, GRID[0], GRID[-1], 1)
     (trace,) = diary.traces
-    assert curve.ends[1] is EndReason.ITERATION_LIMIT and trace.steps.outcome.size > 4
-    assert trace.steps.outcome.size == curve.refused + 3
+    assert curve.ends[1] is EndReason.ITERATION_LIMIT and curve.refused > 4
+    steps = trace.steps
+    assert steps.outcome.size == curve.refused + 4 and steps.points[-1] == len(curve.points) == 4
+    np.testing.assert_array_equal(steps.places[steps.outcome == Outcome.ACCEPTED][:-1], curve.points[1:])
