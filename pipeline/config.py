@@ -35,11 +35,14 @@ class Settings:
         As the user typed them.
     choices : dict
         Which file each group took, e.g. {"gear": "published"}.
+    config_dir : str or None
+        The folder of the user's own files.
     """
 
     config: Configuration
     overrides: tuple[str, ...]
     choices: dict[str, str]
+    config_dir: str | None = None
 
     @property
     def store_name(self) -> str:
@@ -156,7 +159,7 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
     except (HydraException, OmegaConfBaseException) as error:
         raise ConfigurationError(_one_line(error)) from None
     groups = {key: str(value) for key, value in choices.items() if not key.startswith("hydra/")}
-    settings = Settings(config, tuple(overrides), groups)
+    settings = Settings(config, tuple(overrides), groups, config_dir)
     if not _NAME.fullmatch(settings.store_name):
         raise ConfigurationError(
             f"store.name = {settings.store_name!r} is not allowed: "

@@ -274,6 +274,13 @@ class Margins:
 
 
 @dataclass
+class Report:
+    """The reproduction report."""
+
+    run: bool = MISSING
+
+
+@dataclass
 class Configuration:
     """All of it."""
 
@@ -292,3 +299,4 @@ class Configuration:
     figures: Figures = MISSING
     check: Check = MISSING
     debug: Debug = MISSING
+    report: Report = MISSING

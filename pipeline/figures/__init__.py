@@ -1,7 +1,7 @@
 """Figures drawn from a stored plane; nothing is solved again."""
 
 import gc
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -22,6 +22,7 @@ def draw(
     window: list[float] | None = None,
     stability: str = "static",
     units: str = "dimensionless",
+    only: Sequence[str] | None = None,
 ) -> list[Path]:
     """Draw the map, the amplitude-frequency curves and the backbone of a stored plane, and a part of the map if asked.
 
@@ -42,9 +43,10 @@ def draw(
         A part of the plane, [x low, x high, p low, p high], drawn in addition as map-window.
     stability : str
         Which motions the labels count: "static" (det J > 0, what is dynamically unstable is hatched) or "dynamic".
-
     units : str
         Of the axes: "dimensionless", or "physical" with the dimensionless value on the opposite side.
+    only : sequence of str, optional
+        Names of the figures that are drawn; all there are unless given.
 
     Returns
     -------
@@ -61,7 +63,7 @@ def draw(
     check_options(read_plan(store_path), curves, formats, dpi, window, stability, units)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
-        return _draw(store_path, folder, curves, formats, dpi, window, stability, units)
+        return _draw(store_path, folder, curves, formats, dpi, window, stability, units, only)
 
 
 def draw_design(store_path: Path, folder: Path, answer, formats: list[str], dpi: int) -> list[Path]:
@@ -101,7 +103,7 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(store_path, folder, curves, formats, dpi, window, stability, units) -> list[Path]:
+def _draw(store_path, folder, curves, formats, dpi, window, stability, units, only) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from matplotlib import style
 
@@ -112,20 +114,23 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability, units) ->
     from pipeline.figures.stored import read_stored
 
     plane = read_stored(store_path, stability == "dynamic", units == "physical")
+    drawers = {"map": lambda: draw_map(plane)}
+    if window is not None:
+        drawers["map-window"] = lambda: draw_window(plane, window)
+    drawers["curves"] = lambda: draw_curves(plane, curves)
+    if (store_path / "verification").exists():
+        # What it needs of the solver are many kernels, and most planes have not been verified.
+        from pipeline.figures.verification import draw_verification, verification_of
+
+        verified = verification_of(store_path)
+        if verified is not None:
+            drawers["verification"] = lambda: draw_verification(plane, verified)
+    if has_backbone(plane):
+        drawers["backbone"] = lambda: draw_backbone(plane)
     paths = []
     # A user's own matplotlibrc must not change our figures.
     with style.context(_STYLE, after_reset=True):
-        paths += write_figure(draw_map(plane), plane, folder, "map", formats, dpi)
-        if window is not None:
-            paths += write_figure(draw_window(plane, window), plane, folder, "map-window", formats, dpi)
-        paths += write_figure(draw_curves(plane, curves), plane, folder, "curves", formats, dpi)
-        if (store_path / "verification").exists():
-            # What it needs of the solver are many kernels, and most planes have not been verified.
-            from pipeline.figures.verification import draw_verification, verification_of
-
-            verified = verification_of(store_path)
-            if verified is not None:
-                paths += write_figure(draw_verification(plane, verified), plane, folder, "verification", formats, dpi)
-        if has_backbone(plane):
-            paths += write_figure(draw_backbone(plane), plane, folder, "backbone", formats, dpi)
+        for name, drawn in drawers.items():
+            if only is None or name in only:
+                paths += write_figure(drawn(), plane, folder, name, formats, dpi)
     return paths

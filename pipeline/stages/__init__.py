@@ -10,16 +10,21 @@ from pipeline.config import Settings
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan import plan
 from pipeline.progress import Reporter
-from pipeline.stages import basins, boundaries, check, debug, figures, jumps, listing, margins, sweep, tables, verify
+from pipeline.stages import (
+    basins, boundaries, check, debug, figures, jumps, listing, margins, report, sweep, tables, verify,
+)  # fmt: skip
 from pipeline.stages.job import Job, sweep_command
 from pipeline.store.lock import holding
 
 __all__ = ["PLANE_STAGES", "SHARED_STAGES", "Job", "prepare", "run_plane_stages", "run_shared_stages"]
 
 #: What concerns one plane alone, and reads its plan from the store unless it is swept in the same run.
-PLANE_STAGES = (sweep.STAGE, boundaries.STAGE, verify.STAGE, basins.STAGE, jumps.STAGE, margins.STAGE, figures.STAGE, check.STAGE, debug.STAGE)
+PLANE_STAGES = (
+    sweep.STAGE, boundaries.STAGE, verify.STAGE, basins.STAGE, jumps.STAGE, margins.STAGE, figures.STAGE, check.STAGE,
+    debug.STAGE,
+)  # fmt: skip
 #: What needs several planes.
-SHARED_STAGES = (tables.STAGE, listing.STAGE)
+SHARED_STAGES = (tables.STAGE, report.STAGE, listing.STAGE)
 
 
 def prepare(settings: Settings) -> Job:
