@@ -1,6 +1,6 @@
 """From a configuration to stored planes, and from these to figures and tables."""
 
-__all__ = ["scales_of", "thresholds"]
+__all__ = ["open_plane", "scales_of", "thresholds"]
 
 
 def __getattr__(name: str):
@@ -9,6 +9,10 @@ def __getattr__(name: str):
         from pipeline.regions import thresholds
 
         return thresholds
+    if name == "open_plane":
+        from pipeline.opened import open_plane
+
+        return open_plane
     if name == "scales_of":
         from pipeline.physical import scales_of
 

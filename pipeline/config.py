@@ -155,6 +155,9 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
         if missing:
             raise ConfigurationError(f"{min(missing)} has no value")
         config = OmegaConf.to_object(typed)
+        if config.debug.row is not None:
+            # Looking at one row is then all that is done.
+            config.stages = ["debug"]
     except (HydraException, OmegaConfBaseException) as error:
         raise ConfigurationError(_one_line(error)) from None
     groups = {key: str(value) for key, value in choices.items() if not key.startswith("hydra/")}

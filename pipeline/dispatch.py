@@ -5,7 +5,7 @@ that the third one of the same row gives up on that row alone and the rest of it
 """
 
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pipeline.cluster import Task, WorkerLost, Workforce
@@ -26,6 +26,7 @@ def dispatch(
     blocks: Sequence[Block],
     every_column: Mapping[Block, frozenset[int]],
     workforce: Workforce,
+    note: Callable[[str], None] = lambda text: None,
 ) -> Iterator[tuple[Block, Receipt | Exception]]:
     """Compute blocks of a store on workers.
 
@@ -38,6 +39,8 @@ def dispatch(
     every_column : mapping
         Block -> rows of it in which every column is looked at; none where a block is missing.
     workforce : Workforce
+    note : callable, optional
+        Is given a sentence about every batch.
 
     Yields
     ------
@@ -62,6 +65,7 @@ def dispatch(
     for task, result in workforce.serve(sweep_blocks, take):
         given = [block for block, _ in task.arguments[2]]
         if isinstance(result, Outcome):
+            note(result.sentence)
             for receipt in result.receipts:
                 batches.learn(receipt)
                 yield receipt.block, receipt

@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
-__all__ = ["Axis", "Block", "Plan", "check_numbers", "numbers_digest", "plan", "plan_of", "warnings"]
+__all__ = ["Axis", "Block", "Plan", "check_numbers", "gear_of", "numbers_digest", "plan", "plan_of", "warnings"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 3
@@ -163,7 +163,7 @@ def plan(settings: Settings) -> Plan:
         raise ConfigurationError(
             f"plane.parameter.name = {config.plane.parameter.name!r} is not allowed: the sweep axis has that name already"
         )
-    gear, physical = _gear(config.gear)
+    gear, physical = gear_of(config.gear)
     scales = None if physical is None else _scales(physical)
     roles = ("sweep", "parameter")
     axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS, scales) for role in roles}
@@ -214,7 +214,7 @@ def plan(settings: Settings) -> Plan:
     return result
 
 
-def _gear(config) -> tuple[dict, dict | None]:
+def gear_of(config) -> tuple[dict, dict | None]:
     """Keyword arguments of the dimensionless model, and what it comes from where that is a gear in physical units."""
     values = asdict(config)
     del values["physical"], values["thermal"]

@@ -9,7 +9,7 @@ __all__ = ["Reporter", "RowProgress"]
 
 
 class Reporter:
-    """Prints lines and keeps them for the log of a run.
+    """Prints lines and keeps them for the log of a run; notes go into the log alone.
 
     Parameters
     ----------
@@ -30,6 +30,10 @@ class Reporter:
         """One line for the reader, with its time in the log."""
         print(text, file=self.stream, flush=True)
         self._write(text)
+
+    def note(self, text: str) -> None:
+        """One line for the log alone."""
+        self._write(f"info {text}")
 
     def error(self, text: str) -> None:
         """One line on standard error."""

@@ -257,6 +257,13 @@ class Check:
 
 
 @dataclass
+class Debug:
+    """Which row is computed again with a diary of its continuation."""
+
+    row: int | None = MISSING
+
+
+@dataclass
 class Margins:
     """A design point of the plane, its operating range and its tolerances; see `pipeline.margins.options`."""
 
@@ -291,4 +298,5 @@ class Configuration:
     margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING
+    debug: Debug = MISSING
     report: Report = MISSING

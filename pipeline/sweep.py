@@ -56,10 +56,22 @@ class Receipt:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a batch: a receipt per block that was stored, and where a row of the next block failed, if one did."""
+    """What came of a batch: a receipt per block that was stored, and the worker; whether a row of the next block raised."""
 
     receipts: tuple[Receipt, ...]
     worker: str | None
+    trouble: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """For the log."""
+        rows = ", ".join(f"{receipt.block.start}-{receipt.block.stop - 1}" for receipt in self.receipts) or "none"
+        points, failed = sum(r.points for r in self.receipts), sum(len(r.failures) for r in self.receipts)
+        return (
+            f"batch: {sum(receipt.rows for receipt in self.receipts)} rows ({rows}) in "
+            f"{sum(receipt.seconds for receipt in self.receipts):.2f} s on {self.worker or 'this process'}, "
+            f"{points} points, {failed} failed{', the next one raised' if self.trouble else ''}"
+        )
 
 
 class RowTrouble(RuntimeError):
@@ -226,8 +238,8 @@ def sweep_blocks(
         try:
             receipts.append(sweep_block(path, plan, block, every_column, limit))
         except RowTrouble:
-            return Outcome(tuple(receipts), _worker())
-    return Outcome(tuple(receipts), None)
+            return Outcome(tuple(receipts), _worker(), trouble=True)
+    return Outcome(tuple(receipts), _worker())
 
 
 def _worker() -> str | None:

@@ -20,6 +20,10 @@ FIRST, LARGEST, SMALLEST, ANGLE, DISTANCE, PARAMETER, GROWTH, CEILING = range(8)
 RANGE_LEFT, CLOSED, AMPLITUDE_CEILING, STEP_TOO_SMALL, ITERATION_LIMIT = range(1, 6)
 FOLD, BRANCH_POINT = 1, 6
 
+# What became of a step, as numbered by `Outcome`, and the columns of its row in a diary; the place tried follows them.
+ACCEPTED, NOT_CORRECTED, TURNED, STRAYED, FLIPPED, HIDES_A_PAIR, NOT_LOCATED = range(7)
+OUTCOME, STEP, ITERATIONS, STRAY, TURN, POINTS, PLACE = range(7)
+
 # The cubic through two points is not the curve. Where it comes closer to a pair of events than this share of its nearer
 # end, the step is refused, until the ends themselves show whether there is one.
 _CLEARANCE = 0.5
@@ -236,21 +240,44 @@ def _limited(setup, settings, point, step):
     return min(step, settings[PARAMETER] / speed) if speed > 0.0 else step
 
 
+@kernel(_I(SETUP, ARRAY, _F, _F, _F, _F, types.boolean, _F, ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
+def _judged(setup, settings, step, error, angle, arc, flips, least, here, there, low, high):
+    """Whether a corrected step may be taken, before anything is located on it."""
+    if angle > settings[ANGLE]:
+        return TURNED
+    if error > settings[DISTANCE] * step:
+        return STRAYED
+    if flips and step > _BRANCH_POINT_STEP:
+        return FLIPPED
+    if step > least and _hides_a_pair(setup, here, there, arc, low, high):
+        return HIDES_A_PAIR
+    return ACCEPTED
+
+
+@kernel(types.void(MATRIX, _I, _I, _F, _I, _F, _F, _I, ARRAY), inner=True)
+def _note(diary, attempt, outcome, step, iterations, error, angle, count, y):
+    """Write one step into the diary, as long as there is room."""
+    if attempt < diary.shape[0]:
+        diary[attempt, OUTCOME], diary[attempt, STEP], diary[attempt, ITERATIONS] = outcome, step, iterations
+        diary[attempt, STRAY], diary[attempt, TURN], diary[attempt, POINTS] = error, angle, count
+        diary[attempt, PLACE:] = y
+
+
 @kernel(
     types.UniTuple(_I, 3)(
         CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY,
-        MATRIX, MATRIX, ARRAY, FLAGS, FLAGS,
+        MATRIX, MATRIX, ARRAY, FLAGS, FLAGS, MATRIX,
     )
 )  # fmt: skip
 def trace(
     corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, start, heading, settings,
-    low, high, points, tangents, arclength, stable, events,
+    low, high, points, tangents, arclength, stable, events, diary,
 ):  # fmt: skip
     """Follow the curve from `start` (n + 1,) to the side that `heading` (n + 1,) points to until it ends.
 
     It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free; at once if
     `start` lies on its border and the curve heads out. Fills points and tangents (capacity, n + 1), arclength, stable
-    and events (capacity,).
+    and events (capacity,), and a row of `diary` (any number, PLACE + n + 1) for every step that was tried.
 
     Returns
     -------
@@ -280,7 +307,7 @@ def trace(
     for j in range(n + 1):
         if (here[j] == low[j] and here[n + 1 + j] < 0.0) or (here[j] == high[j] and here[n + 1 + j] > 0.0):
             return 1, RANGE_LEFT, 0
-    count, refused, travelled = 1, 0, 0.0
+    count, refused, attempts, travelled = 1, 0, 0, 0.0
     step, least = settings[FIRST], 100.0 * settings[SMALLEST]
 
     while True:
@@ -292,27 +319,21 @@ def trace(
             guess[j] = here[j] + step * tangent[j] * scale[j]
             there[j] = guess[j]
         iterations = land(setup, there, tangent)
-        if iterations < 0:
-            refused += 1
-            step *= 0.5
-            continue
-
-        error, chord = scaled_distance(there, guess, scale), scaled_distance(there, here, scale)
-        angle = math.acos(min(max(dot(tangent, tangent_there), -1.0), 1.0))
-        arc = chord * (1.0 + angle * angle / 24.0)
-        flips = here[-1] * there[-1] < 0.0
-        if (
-            angle > settings[ANGLE]
-            or error > settings[DISTANCE] * step
-            or (flips and step > _BRANCH_POINT_STEP)
-            or (step > least and _hides_a_pair(setup, here, there, arc, low, high))
-        ):
-            refused += 1
-            step *= 0.5
-            continue
-        reason, end = _find_end(setup, here, there, arc, settings[CEILING], low, high, home, count > 3, last)
-        located = _find_events(setup, here, there, arc, least, found, fractions, kinds) if reason >= 0 else -1
-        if located < 0:
+        outcome, error, angle, arc, flips = NOT_CORRECTED, math.nan, math.nan, 0.0, False
+        if iterations >= 0:
+            error, chord = scaled_distance(there, guess, scale), scaled_distance(there, here, scale)
+            angle = math.acos(min(max(dot(tangent, tangent_there), -1.0), 1.0))
+            arc = chord * (1.0 + angle * angle / 24.0)
+            flips = here[-1] * there[-1] < 0.0
+            outcome = _judged(setup, settings, step, error, angle, arc, flips, least, here, there, low, high)
+        reason, end, located = 0, 2.0, 0
+        if outcome == ACCEPTED:
+            reason, end = _find_end(setup, here, there, arc, settings[CEILING], low, high, home, count > 3, last)
+            located = _find_events(setup, here, there, arc, least, found, fractions, kinds) if reason >= 0 else -1
+            outcome = ACCEPTED if located >= 0 else NOT_LOCATED
+        attempts += 1
+        if outcome != ACCEPTED:
+            _note(diary, attempts - 1, outcome, step, iterations, error, angle, count, there[: n + 1])
             refused += 1
             step *= 0.5
             continue
@@ -329,6 +350,7 @@ def trace(
         event = BRANCH_POINT if flips else 0
         room = room and _record(setup, final, event, travelled, count, points, tangents, arclength, stable, events)
         count += 1
+        _note(diary, attempts - 1, ACCEPTED, step, iterations, error, angle, count, final[: n + 1])
         if not room:
             return min(count, points.shape[0]), ITERATION_LIMIT, refused
         if reason > 0:

@@ -184,6 +184,10 @@ class Continuation:
         Curve
             `ends[0]` is RANGE_LEFT, as if the start lay on the border; the caller knows better where it does not.
         """
+        return self._trace(problem, start, low, high, heading, np.empty((0, arclength.PLACE + problem.unknowns + 1)))
+
+    def _trace(self, problem: Problem, start: np.ndarray, low, high, heading, diary: np.ndarray) -> Curve:
+        """As `trace`; notes what became of every step in a row of `diary`, as many as it has."""
         n, room = problem.unknowns, self.max_points
         low, high, along = _box(low, n, -np.inf), _box(high, n, np.inf), _box(heading, n, 0.0)
         points, tangents = np.empty((room, n + 1)), np.empty((room, n + 1))
@@ -196,7 +200,7 @@ class Continuation:
             self.corrector.kernel, self.corrector.tolerance, self.corrector.max_iterations, problem.balance,
             problem.monitor, problem.theta, problem.direction, problem.scale, problem.monitors,
             np.array(start, dtype=float), along, settings, low, high,
-            points, tangents, length, stable, event,
+            points, tangents, length, stable, event, diary,
         )  # fmt: skip
         reason = EndReason(reason)
         return Curve(

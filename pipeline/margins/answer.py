@@ -23,7 +23,7 @@ from pipeline.plan import Plan
 from pipeline.regions import stored_curves
 from solver import domain_label
 
-__all__ = ["SAFE", "Answer", "answer"]
+__all__ = ["SAFE", "Answer", "answer", "line_through"]
 
 #: One motion, whose teeth never part.
 SAFE = "1/0"
@@ -88,8 +88,8 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
         raise StoreError(f"{path} has no boundaries: run stages=[boundaries] first")
     boundaries = boundaries_of(stored.curves)
     first_order = plan.solver["balance"] == "describing_function"
-    row = _line(boundaries, plan, design, P, first_order)
-    column = _line(boundaries, plan, design, X, first_order)
+    row = line_through(boundaries, plan, design, P, first_order)
+    column = line_through(boundaries, plan, design, X, first_order)
     label = domain_label(row.within(design.x, design.x)[0].code)
     margins = margins_of_axis(row, column, plan, design)
     if design.low < design.high:
@@ -112,7 +112,7 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     return Answer(plan, design, label, row, tuple(margins), box, boxed, tuple(found), tuple([*said, *notes]))
 
 
-def _line(boundaries: Boundaries, plan: Plan, design: Design, held: int, labelled: bool) -> Line:
+def line_through(boundaries: Boundaries, plan: Plan, design: Design, held: int, labelled: bool) -> Line:
     """The line through the point along which the other axis than `held` (3: x, 4: p) changes."""
     axis, value = (plan.parameter, design.x) if held == X else (plan.sweep, design.p)
     ends = axis.low, axis.high

@@ -9,16 +9,21 @@ from pipeline.config import Settings
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan import plan
 from pipeline.progress import Reporter
-from pipeline.stages import basins, boundaries, check, figures, jumps, margins, report, sweep, tables, verify
+from pipeline.stages import (
+    basins, boundaries, check, debug, figures, jumps, listing, margins, report, sweep, tables, verify,
+)  # fmt: skip
 from pipeline.stages.job import Job, sweep_command
 from pipeline.store.lock import holding
 
 __all__ = ["PLANE_STAGES", "SHARED_STAGES", "Job", "prepare", "run_plane_stages", "run_shared_stages"]
 
 #: What concerns one plane alone, and reads its plan from the store unless it is swept in the same run.
-PLANE_STAGES = (sweep.STAGE, boundaries.STAGE, verify.STAGE, basins.STAGE, jumps.STAGE, margins.STAGE, figures.STAGE, check.STAGE)
+PLANE_STAGES = (
+    sweep.STAGE, boundaries.STAGE, verify.STAGE, basins.STAGE, jumps.STAGE, margins.STAGE, figures.STAGE, check.STAGE,
+    debug.STAGE,
+)  # fmt: skip
 #: What needs several planes.
-SHARED_STAGES = (tables.STAGE, report.STAGE)
+SHARED_STAGES = (tables.STAGE, report.STAGE, listing.STAGE)
 
 
 def prepare(settings: Settings) -> Job:
@@ -43,6 +48,9 @@ def prepare(settings: Settings) -> Job:
     if any(stage.on_workers for stage in asked):
         check_cluster(config.cluster)
     if job.asks(sweep.STAGE.name):
+        job = Job(settings, plan(settings))
+    elif job.asks(debug.STAGE.name) and not job.store_path.exists():
+        # A row can be looked at before there is a store.
         job = Job(settings, plan(settings))
     elif any(stage.needs_plan and stage in PLANE_STAGES for stage in asked):
         if not job.store_path.exists():

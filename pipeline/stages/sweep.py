@@ -77,7 +77,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     """
     path, rows, ready = job.store_path, sum(block.stop - block.start for block in blocks), perf_counter()
     forget_tries(path)
-    lost, points = _run_blocks(job, blocks, {}, workforce, reporter)
+    lost, points = _run_blocks(job, blocks, {}, workforce, reporter, RowProgress(reporter, rows))
     if not lost:
         lost += _certify_neighbours(job, workforce, reporter)
     seconds = perf_counter() - ready
@@ -108,20 +108,19 @@ def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> l
         rows = np.union1d(due, store.certified_rows(job.store_path))
         chosen = {block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks}
         blocks = [block for block in job.plan.blocks if np.any((due >= block.start) & (due < block.stop))]
-        lost, _ = _run_blocks(job, blocks, chosen, workforce, None)
+        lost, _ = _run_blocks(job, blocks, chosen, workforce, reporter, RowProgress(None, 0))
     count = store.certified_rows(job.store_path).size - before
     reporter.line(f"sweep: {count} rows next to births and deaths of folds enumerated at every column")
     return lost
 
 
-def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, reporter: Reporter | None):
-    """Run the blocks, with a bar if a reporter is given; why blocks were lost, and the number of branch points."""
+def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, reporter: Reporter, progress: RowProgress):
+    """Run the blocks, with a line per batch in the log; why blocks were lost, and the number of branch points."""
     from pipeline.dispatch import dispatch
 
     lost, points = [], 0
-    rows = sum(block.stop - block.start for block in blocks)
-    with RowProgress(reporter, rows) as progress:
-        for block, result in dispatch(job.store_path, job.plan, blocks, every_column, workforce):
+    with progress:
+        for block, result in dispatch(job.store_path, job.plan, blocks, every_column, workforce, reporter.note):
             count = block.stop - block.start
             if isinstance(result, BaseException):
                 lost.append(f"rows {block.start}-{block.stop - 1} were not stored: {type(result).__name__}: {result}")

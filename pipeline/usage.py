@@ -1,0 +1,101 @@
+"""What `--help` says. Groups, choices and stages are read from their files, so that a new one appears by itself."""
+
+import re
+import textwrap
+from pathlib import Path
+
+from pipeline.config import conf_folder
+
+__all__ = ["stages", "usage"]
+
+_WIDTH = 100
+_INDENT = 22
+_GROUPS = ("plane", "gear", "quality", "solver", "cluster")
+
+_HEAD = """\
+usage: python -m pipeline [-m] [--config-dir DIR] [GROUP=CHOICE ...] [KEY=VALUE ...]
+
+How many steady motions a bevel gear pair with backlash has, over a whole plane of two parameters:
+computed row by row, stored, drawn as a map. Without arguments: plane=omega_fe, about a minute.
+
+examples
+  python -m pipeline plane=omega_b quality=draft                          a first map, quick
+  python -m pipeline plane=omega_fe gear=antiphase gear.b=0.8 store.name=mine    another gear
+  python -m pipeline stages=[list]                                        what there is so far
+
+overrides that people need (every key of conf/config.yaml is one: docs/options.md)
+  gear.b=0.5                        any parameter of the gear that is no axis of the plane
+  plane.parameter.name=kappa        any scalar as an axis; also plane.parameter.min, .max, .num
+  plane.sweep.num=800               columns of the plane; plane.parameter.num are its rows
+  stages=[sweep,boundaries,figures] what to do, of the list below; this is the default
+  figures.window=[0.5,0.7,0.1,0.3]  a part of the plane, drawn in addition, as sharp as the whole
+  margins.point=[0.9,0.1]           a design point for stages=[margins]: column value, row value
+  store.name=mine                   name of the store and of its figures' folder
+  store.overwrite=true              replace a store that was made with other numbers
+  cluster.workers=4                 worker processes on this machine
+  output.root=results               where everything is written (default outputs)
+
+"""
+
+_TAIL = """
+options
+  -m, --multirun            every combination of comma-separated values, on one cluster:
+                            -m plane=omega_b,omega_fe
+  --config-dir DIR          a folder with your own gear/, plane/, ... files, listed here too
+  --cfg                     print the resolved configuration and do nothing
+  --shell-completion SHELL  print completion for bash, zsh or fish: eval "$(... bash)"
+  -h, --help                this text
+
+exit status
+  0  all well
+  1  rows, boundaries or integrations failed, or disk or scheduler did: a line says what
+  2  the input is not allowed; nothing was written
+"""
+
+
+def usage(config_dir: str | None = None) -> str:
+    """The text, within 100 columns; with the choices of a user's own folder where one is given."""
+    folders = [conf_folder(), *([Path(config_dir)] if config_dir else [])]
+    usual = dict(re.findall(r"^  - (\w+): (\w+)$", (folders[0] / "config.yaml").read_text(encoding="utf-8"), re.MULTILINE))
+    lines = ["groups and their choices (* unless told otherwise)"]
+    for group in _GROUPS:
+        lines.append(f"  {group}")
+        for file in sorted(file for folder in folders for file in (folder / group).glob("*.yaml")):
+            mark = "*" if usual.get(group) == file.stem else " "
+            lines.append(_entry(f"  {mark} {file.stem}", _comment(file)))
+    lines += ["", "stages"]
+    lines += [_entry(f"    {name}", text) for name, text in stages()]
+    return _HEAD + "\n".join(lines) + "\n" + _TAIL
+
+
+def _entry(name: str, text: str) -> str:
+    """A name and what it is, on one line."""
+    return f"{name:<{_INDENT}} {textwrap.shorten(text, _WIDTH - max(_INDENT, len(name)) - 1, placeholder=' ...')}".rstrip()
+
+
+def _comment(file: Path) -> str:
+    """The first sentence of the comment that a file begins with."""
+    words = []
+    for line in file.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            break
+        words.append(line.lstrip("# "))
+    return _first_sentence(" ".join(words))
+
+
+def _first_sentence(text: str) -> str:
+    return re.split(r"(?<=\.)\s", text, maxsplit=1)[0].removesuffix(".")
+
+
+def stages() -> list[tuple[str, str]]:
+    """Name and purpose of every stage, in the order of a run, from the first lines of their files."""
+    found = {}
+    for file in sorted((Path(__file__).parent / "stages").glob("*.py")):
+        with file.open(encoding="utf-8") as lines:
+            match = re.match(r'"""The stage (\w+): (.*?)(?:"""|$)', next(lines, ""))
+        if match:
+            found[match[1]] = _first_sentence(match[2])
+    # The order stands where people read it.
+    (order,) = re.findall(r"^# What to do, in this order: (.*)\.$", (conf_folder() / "config.yaml").read_text(), re.MULTILINE)
+    rank = {name: i for i, name in enumerate(order.split(", "))}
+    return sorted(found.items(), key=lambda item: rank.get(item[0], len(rank)))
