@@ -29,7 +29,7 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
     specs = arrays_of(plan)
     values = {}
     for name, spec in specs.items():
-        shape = root[name].shape[1:]
+        shape = root[name].shape[len(plan.row_axes) :]
         if spec["dtype"] == "str":
             values[name] = np.full(count, "", dtype=object)
         else:
@@ -43,10 +43,11 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
             values["status"][i] = COMPLETE
     # A block that is written again is not complete until it is whole again.
     with every_chunk():
-        if np.any(root["status"][block.start : block.stop] != PENDING):
-            root["status"][block.start : block.stop] = PENDING
+        place = plan.place(block)
+        if np.any(root["status"][place] != PENDING):
+            root["status"][place] = PENDING
         for name, value in values.items():
-            root[name][block.start : block.stop] = value
+            root[name][place] = value
 
 
 def _fill_raster(values: dict, i: int, row: Row) -> None:

@@ -85,7 +85,7 @@ def mend(path: Path, damage: list[Damage]) -> None:
     damage : list of Damage
         As `find_damage` gave it.
     """
-    with _template(path) as (_, template):
+    with _template(path) as (plan, template):
         own = [item for item in damage if item.group is None]
         for item in own:
             source = template / item.file
@@ -101,7 +101,7 @@ def mend(path: Path, damage: list[Damage]) -> None:
         consolidate(path)
         status = zarr.open_group(path, mode="r+")["status"]
         for block in {item.block for item in own if item.block is not None}:
-            status[block.start : block.stop] = PENDING
+            status[plan.place(block)] = PENDING
 
 
 @contextlib.contextmanager
@@ -149,12 +149,12 @@ class _Chunks:
         """The chunks of an array whose metadata is `document`."""
         return cls(folder, tuple(document["shape"]), tuple(document["chunk_grid"]["configuration"]["chunk_shape"]))
 
-    def files(self, first: int = 0, stop: int | None = None) -> list[Path]:
-        """Files of the chunks that rows first ... stop - 1 touch."""
-        counts = [-(-size // chunk) for size, chunk in zip(self.shape, self.chunks, strict=True)]
-        last = counts[0] if stop is None else -(-stop // self.chunks[0])
-        along = range(first // self.chunks[0], last)
-        return [self.folder.joinpath("c", *map(str, place)) for place in product(along, *map(range, counts[1:]))]
+    def files(self, *place: int | slice) -> list[Path]:
+        """Files of the chunks that a place along the first axes touches; of all chunks unless told."""
+        ends = [(at.start, at.stop) if isinstance(at, slice) else (at, at + 1) for at in place]
+        ends += [(0, size) for size in self.shape[len(place) :]]
+        along = (range(low // chunk, -(-high // chunk)) for (low, high), chunk in zip(ends, self.chunks, strict=True))
+        return [self.folder.joinpath("c", *map(str, numbers)) for numbers in product(*along)]
 
 
 def _fault(file: Path) -> str | None:
@@ -184,11 +184,12 @@ def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
             if (fault := _fault(file)) is not None:
                 yield Damage(str(file.relative_to(path)), fault)
     for block in plan.blocks:
-        files = [file for name in sorted(rowwise) for file in arrays[name].files(block.start, block.stop)]
-        (status,) = arrays["status"].files(block.start, block.stop)
+        place = plan.place(block)
+        files = [file for name in sorted(rowwise) for file in arrays[name].files(*place)]
+        (status,) = arrays["status"].files(*place)
         # Where the status itself is damaged, the block may have been stored.
         pending = not status.exists() and not any(file.exists() for file in files) or (
-            _fault(status) is None and _all_pending(status, template, block)
+            _fault(status) is None and _all_pending(status, path, template, place)
         )  # fmt: skip
         for file in files:
             fault = _fault(file)
@@ -196,12 +197,12 @@ def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
                 yield Damage(str(file.relative_to(path)), fault, block)
 
 
-def _all_pending(status: Path, template: Path, block: Block) -> bool:
+def _all_pending(status: Path, path: Path, template: Path, place: tuple) -> bool:
     """Whether a sound chunk of `status` says that none of its rows is stored; read with the template's metadata."""
-    place = template / "status" / "c" / status.name
-    place.parent.mkdir(exist_ok=True)
-    shutil.copyfile(status, place)
-    return bool(np.all(zarr.open_array(template / "status", mode="r")[block.start : block.stop] == PENDING))
+    copy = template / status.relative_to(path)
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(status, copy)
+    return bool(np.all(zarr.open_array(template / "status", mode="r")[place] == PENDING))
 
 
 def _added(path: Path) -> list[str]:
