@@ -194,6 +194,11 @@ def _one_line(error: Exception) -> str:
             key = key or str(detail.key)
             if key.startswith("gear.physical.") and key in _keys():
                 return f"{key} is not allowed here: this gear is dimensionless; gear=miter is one in physical units"
+            if key.startswith("plane.parameter2.") and key in _keys():
+                return (
+                    f"{key} is not allowed here: this plane has no third axis; plane=omega_b_fe has one, and "
+                    "plane.parameter2={name:f_e,min:0,max:0.5,num:11} makes one"
+                )
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
         if "is not a ListConfig, list or tuple" in said:

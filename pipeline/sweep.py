@@ -212,7 +212,7 @@ def sweep_block(
                 continue
             try:
                 with tries.attempt(index):
-                    rows.append(_sweep(plan, float(plan.parameter.values[index]), balance, continuation, seeds))
+                    rows.append(_sweep(*plan.row(index), balance, continuation, seeds))
             except RowError as error:
                 # Foreseen, and the same on every worker.
                 rows.append(str(error))

@@ -45,7 +45,7 @@ from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
 from pipeline.store import FAILED
 
-__all__ = ["draw_map", "draw_window", "fill", "with_main_panel"]
+__all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel"]
 
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
@@ -131,11 +131,11 @@ def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entr
     shown = np.unique(np.concatenate([np.unique(panel.code) for panel in panels]))
     lines = {kind for panel in panels for kind in panel.lines}
     marks = {kind for panel in panels for kind in panel.marks}
-    modes = np.any([_modes_within(plane, panel) for panel in panels], axis=0)
+    modes = np.any([modes_within(plane, panel) for panel in panels], axis=0)
     return legend_entries(plane, [int(code) for code in shown if code], lines, marks, modes, shares)
 
 
-def _modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
+def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
     """Which of the two natural frequencies a panel shows, (2,) bool."""
     if not plane.over_frequency:
         return np.zeros(2, dtype=bool)

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline import store
 from pipeline.config import Settings
+from pipeline.layers import Layer
 from pipeline.plan import Plan
 from pipeline.progress import Reporter
 
@@ -17,10 +18,11 @@ __all__ = ["Job", "note_unfinished", "open_log", "say_failures", "sweep_command"
 
 @dataclass(frozen=True)
 class Job:
-    """A checked configuration with the plan of its plane (None where no stage needs one)."""
+    """A checked configuration with the plan of its plane (None where no stage needs one), which may be a volume's layer."""
 
     settings: Settings
     plan: Plan | None
+    layer: Layer | None = None
 
     @property
     def store_path(self) -> Path:

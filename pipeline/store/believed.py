@@ -2,7 +2,7 @@
 
 import math
 
-from pipeline.plan import Axis, Plan, check_numbers, plan_of
+from pipeline.plan import PATHS, Axis, Plan, check_numbers, plan_of
 from solver import SCALAR_PARAMETERS
 
 __all__ = ["believed"]
@@ -21,11 +21,11 @@ def believed(numbers: dict) -> Plan:
         If no plan of this program has such numbers.
     """
     plan = plan_of(numbers)
-    axes = (plan.sweep, plan.parameter)
-    for axis in axes:
+    for axis in plan.axes:
         _check_axis(axis)
-    if plan.sweep.name == plan.parameter.name or math.prod(axis.num for axis in axes) > _MOST_CELLS:
-        raise ValueError(f"{plan.sweep.name} x {plan.parameter.name} of {plan.sweep.num} x {plan.parameter.num} values")
+    names, sizes = ([getattr(axis, key) for axis in plan.axes] for key in ("name", "num"))
+    if len(set(names)) < len(names) or math.prod(sizes) > _MOST_CELLS:
+        raise ValueError(f"{' x '.join(names)} of {' x '.join(map(str, sizes))} values")
     for name, (low, high) in _ROOM.items():
         value = getattr(plan, name)
         if type(value) is not int or not low <= value <= high:
@@ -38,7 +38,7 @@ def believed(numbers: dict) -> Plan:
 
 
 def _check_axis(axis: Axis) -> None:
-    if axis.name not in ("omega", "temperature", *SCALAR_PARAMETERS):
+    if axis.name not in ("omega", *PATHS, *SCALAR_PARAMETERS):
         raise ValueError(f"an axis {str(axis.name)[:40]!r}")
     if type(axis.num) is not int or not 2 <= axis.num <= _MOST_CELLS:
         raise ValueError(f"{str(axis.num)[:40]} values of {axis.name}")

@@ -30,7 +30,7 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
     specs = arrays_of(plan)
     values = {}
     for name, spec in specs.items():
-        shape = root[name].shape[1:]
+        shape = root[name].shape[len(plan.row_axes) :]
         if spec["dtype"] == "str":
             values[name] = np.full(count, "", dtype=object)
         else:
@@ -47,9 +47,10 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
         raise StoreError(f"{path} is no longer the store that these rows are of")
     with every_chunk():
         # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
-        root["status"][block.start : block.stop] = PENDING
+        place = plan.place(block)
+        root["status"][place] = PENDING
         for name, value in values.items():
-            root[name][block.start : block.stop] = value
+            root[name][place] = value
 
 
 def _fill_raster(values: dict, i: int, row: Row) -> None:

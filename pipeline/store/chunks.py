@@ -21,9 +21,10 @@ class Chunks:
         """The chunks of an array whose metadata is `document`."""
         return cls(folder, tuple(document["shape"]), tuple(document["chunk_grid"]["configuration"]["chunk_shape"]))
 
-    def files(self, first: int = 0, stop: int | None = None) -> Iterator[Path]:
-        """Files of the chunks that rows first ... stop - 1 touch."""
-        counts = [-(-size // chunk) if size else 0 for size, chunk in zip(self.shape, self.chunks, strict=True)]
-        last = counts[0] if stop is None else -(-stop // self.chunks[0])
-        for place in product(range(first // self.chunks[0], last), *map(range, counts[1:])):
-            yield self.folder.joinpath("c", *map(str, place))
+    def files(self, *place: int | slice) -> Iterator[Path]:
+        """Files of the chunks that a place along the first axes touches; of all chunks unless told."""
+        ends = [(at.start, at.stop) if isinstance(at, slice) else (at, at + 1) for at in place]
+        ends += [(0, size) for size in self.shape[len(place) :]]
+        along = (range(low // chunk, -(-high // chunk)) for (low, high), chunk in zip(ends, self.chunks, strict=True))
+        for numbers in product(*along):
+            yield self.folder.joinpath("c", *map(str, numbers))

@@ -87,7 +87,7 @@ def mend(path: Path, damage: list[Damage]) -> None:
     damage : list of Damage
         As `find_damage` gave it.
     """
-    with _template(path) as (_, template):
+    with _template(path) as (plan, template):
         own = [item for item in damage if item.group is None]
         for item in own:
             source = template / item.file
@@ -103,7 +103,7 @@ def mend(path: Path, damage: list[Damage]) -> None:
         consolidate(path)
         status = zarr.open_group(path, mode="r+")["status"]
         for block in {item.block for item in own if item.block is not None}:
-            status[block.start : block.stop] = PENDING
+            status[plan.place(block)] = PENDING
 
 
 @contextlib.contextmanager
@@ -160,11 +160,12 @@ def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
             if (fault := _fault(file)) is not None:
                 yield Damage(str(file.relative_to(path)), fault)
     for block in plan.blocks:
-        files = [file for name in sorted(rowwise) for file in arrays[name].files(block.start, block.stop)]
-        (status,) = arrays["status"].files(block.start, block.stop)
+        place = plan.place(block)
+        files = [file for name in sorted(rowwise) for file in arrays[name].files(*place)]
+        (status,) = arrays["status"].files(*place)
         # It is written first and last: where it is damaged, or gone and others are there, the block may have been stored.
         pending = not any(file.exists() for file in files) or (
-            _fault(status) is None and _all_pending(status, template, block)
+            _fault(status) is None and _all_pending(status, path, template, place)
         )  # fmt: skip
         for file in files:
             fault = _fault(file)
@@ -172,12 +173,12 @@ def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
                 yield Damage(str(file.relative_to(path)), fault, block)
 
 
-def _all_pending(status: Path, template: Path, block: Block) -> bool:
+def _all_pending(status: Path, path: Path, template: Path, place: tuple) -> bool:
     """Whether a sound chunk of `status` says that none of its rows is stored; read with the template's metadata."""
-    place = template / "status" / "c" / status.name
-    place.parent.mkdir(exist_ok=True)
-    shutil.copyfile(status, place)
-    return bool(np.all(zarr.open_array(template / "status", mode="r")[block.start : block.stop] == PENDING))
+    copy = template / status.relative_to(path)
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(status, copy)
+    return bool(np.all(zarr.open_array(template / "status", mode="r")[place] == PENDING))
 
 
 def _added(path: Path) -> list[str]:

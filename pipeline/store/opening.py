@@ -62,7 +62,7 @@ def look_over(path: Path, plan: Plan, version: int) -> None:
         raise damaged(path, f"{file} {fault}")
     listed = listed_in(path)
     dims = sizes_of(plan)
-    expected = {axis.name: ((axis.num,), "float64") for axis in (plan.parameter, plan.sweep)}
+    expected = {axis.name: ((axis.num,), "float64") for axis in plan.axes}
     for name, spec in arrays_of(plan).items():
         expected[name] = tuple(dims[dim] for dim in spec["dims"]), {"str": "string"}.get(spec["dtype"], spec["dtype"])
     for name, (shape, kind) in expected.items():
@@ -214,9 +214,10 @@ def _check_files(path: Path, plan: Plan, listed: dict, files: set[str]) -> None:
     if status is None:
         raise damaged(path, "status cannot be read")
     for block in plan.blocks:
-        if np.all(status[block.start : block.stop] == PENDING):
+        place = plan.place(block)
+        if np.all(status[place] == PENDING):
             continue
         for name in rowwise:
-            for file in arrays[name].files(block.start, block.stop):
+            for file in arrays[name].files(*place):
                 if str(file) not in files:
                     raise damaged(path, f"{file} is missing (rows {block.start}-{block.stop - 1})")

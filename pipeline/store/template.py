@@ -35,7 +35,7 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     """
     create_again(path, plan, sealed({
         "Conventions": "CF-1.11",
-        "title": f"Solution domain {name}: {' x '.join(axis.name for axis in (plan.sweep, plan.parameter))}",
+        "title": f"Solution domain {name}: {' x '.join(axis.name for axis in plan.axes)}",
         "bevelmap_schema": SCHEMA_VERSION,
         "configuration": configuration,
         "numbers": json.dumps(plan.numbers, sort_keys=True),
@@ -50,22 +50,24 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.template")
     remove(draft)
-    row, column = plan.parameter, plan.sweep
+    column = plan.sweep
     root = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     # A branch point's position is a coordinate; as a plain variable it would be hidden by the plane's axis of that name.
     # What the root says is kept twice: without it, nobody could tell what a damaged store holds.
     root.create_group("branches", attributes={"coordinates": column.name, "plane": attributes})
-    for place in (row.name, column.name, f"branches/{row.name}"):
-        axis = column if place == column.name else row
+    places = {axis.name: axis for axis in plan.axes} | {f"branches/{axis.name}": axis for axis in plan.row_axes}
+    for place, axis in places.items():
         root.create_array(
             place, data=axis.values, chunks=(axis.num,), dimension_names=[axis.name], compressors=COMPRESSORS,
             attributes=axis_attributes(axis.name),
         )  # fmt: skip
     sizes = sizes_of(plan)
+    # A chunk holds rows of one layer.
+    along_rows = (1,) * (len(plan.row_axes) - 1) + (plan.rows_per_block,)
     for array, spec in arrays_of(plan).items():
         shape = tuple(sizes[dim] for dim in spec["dims"])
         root.create_array(
-            array, shape=shape, chunks=(plan.rows_per_block, *shape[1:]), dtype=spec["dtype"],
+            array, shape=shape, chunks=(*along_rows, *shape[len(along_rows) :]), dtype=spec["dtype"],
             compressors=COMPRESSORS, fill_value=spec["fill"], dimension_names=list(spec["dims"]), attributes=spec["attributes"],
         )  # fmt: skip
     consolidate(draft)
@@ -74,9 +76,8 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
 
 def sizes_of(plan: Plan) -> dict[str, int]:
     """Size of every dimension of the plane's own arrays."""
-    row, column = plan.parameter, plan.sweep
     return {
-        row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,
+        **{axis.name: axis.num for axis in plan.axes}, "solution": plan.max_solutions, "point": plan.max_points,
         "branch_number": plan.max_branches, "end": 2,
         "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
     }  # fmt: skip
