@@ -51,9 +51,9 @@ def _with_physical(record: dict, scales: Scales | None) -> dict:
 
 
 def _shown(name: str, value: float, scales: Scales | None) -> str:
-    """A value or a distance to six digits, with the unit of the gear where it has one: "0.9 (2650 rpm)"."""
+    """A value or a distance to six digits with its unit, and in that of the gear where it has one: "0.9 (2650 rpm)"."""
     if scales is None or name not in scales:
-        return f"{value:.6g}"
+        return f"{value:.6g}" if _unit(name) == "1" else f"{value:.6g} {_unit(name)}"
     return f"{value:.6g} ({value * scales[name].shown:.5g} {scales[name].unit})"
 
 

@@ -171,7 +171,7 @@ def test_answers_in_both_units(stores):
                 assert float(record[f"physical_{key}"]) == pytest.approx(float(record[key]) * size, rel=1e-8)
     assert seen > 8
     for text in (markdown(found, "plane"), "\n".join(lines(found))):
-        assert f"omega = 1 ({rpm:.5g} rpm), temperature = 4" in text and " µm)" in text
+        assert f"omega = 1 ({rpm:.5g} rpm), temperature = 4 K" in text and " µm)" in text
 
 
 def test_the_figure_follows_the_units(stores, tmp_path, capsys):
