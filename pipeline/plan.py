@@ -363,9 +363,10 @@ def warnings(plan: Plan) -> list[str]:
     model = corners[0]
     ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
     if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
-        shown, wanted = (", ".join(f"{value:g}" for value in dict.fromkeys(values)) for values in (ratios, model.kappa))
+        shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
         axes = (plan.sweep, plan.parameter)
-        moved = [f" at {axis.name} = {axis.low:g}" for axis in axes if axis.name in ("xi_mesh", "xi_translation", "kappa")]
+        parts = ("xi_mesh", "xi_translation", "kappa")
+        moved = [f" at {axis.name} = {axis.low:g}" for axis in axes if axis.name in parts]
         hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in (axis.name for axis in axes) else ""
         lines.append(
             f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "

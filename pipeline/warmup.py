@@ -57,7 +57,7 @@ def compile_beside() -> subprocess.Popen | None:
 
 
 def compile_all() -> None:
-    """Compile the kernels of every module of the solver, with the helper beside; nothing is done to those in the cache."""
+    """Compile the kernels of every module of the solver, with the helper beside; those in the cache stay as they are."""
     import pkgutil
 
     helper = compile_beside()

@@ -156,8 +156,8 @@ def lines(answer: Answer) -> list[str]:
     found = [f"  label at {sweep} = {x}, {parameter} = {p}: {answer.label or 'not known'}"]
     if design.low < design.high and answer.label:
         parts = answer.row.within(design.low, design.high)
-        told = ", ".join(f"{domain_label(one.code)} {_shown(sweep, one.low, scales)} ... {_shown(sweep, one.high, scales)}"
-                         for one in parts)  # fmt: skip
+        ends = [[_shown(sweep, end, scales) for end in (one.low, one.high)] for one in parts]
+        told = ", ".join(f"{domain_label(one.code)} {' ... '.join(end)}" for one, end in zip(parts, ends, strict=True))
         found.append(f"  labels of the range: {told}")
     table = [[name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
              for name, _, of, direction, distance, kind, at, beyond in
