@@ -22,15 +22,20 @@ import solver.stability.scan, solver.boundaries.bifurcation_curves, solver.bound
 
 
 def is_cold() -> bool:
-    """Whether there is a cache for kernels and none has been compiled yet; imports nothing of the solver's."""
+    """Whether there is a cache for kernels and none of this checkout's has been compiled yet; imports no kernel."""
+    from numba.core.caching import _CacheLocator
+
     folder = _solver_folder()
     if folder is None:
         return False
     module = importlib.util.spec_from_file_location("_kernel_cache", folder / "compiled.py")
     compiled = importlib.util.module_from_spec(module)
     module.loader.exec_module(compiled)
-    cache = compiled.cache_folder(folder / "arclength.py")
-    return cache is not None and not any(Path(cache).rglob("*.nbi"))
+    source = folder / "arclength.py"
+    cache = compiled.cache_folder(source)
+    # Numba keeps checkouts apart by their paths: what another one has compiled is not found by this one.
+    own = _CacheLocator.get_suitable_cache_subpath(str(source))
+    return cache is not None and not any((Path(cache) / own).glob("*.nbi"))
 
 
 def _solver_folder() -> Path | None:
@@ -52,7 +57,7 @@ def compile_beside() -> subprocess.Popen | None:
 
 
 def compile_all() -> None:
-    """Compile the kernels of every module of the solver, with the helper beside; nothing is done to those in the cache."""
+    """Compile the kernels of every module of the solver, with the helper beside; those in the cache stay as they are."""
     import pkgutil
 
     helper = compile_beside()

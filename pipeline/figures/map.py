@@ -47,6 +47,8 @@ from pipeline.store import FAILED
 
 __all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel"]
 
+#: Inches for the line of fixed parameters above the marks of windows, where physical values make it long.
+_HEAD = 0.14
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
 
@@ -113,7 +115,7 @@ def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, share
     entries = [*_entries(plane, panels, shares), *further]
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + below
-    height = bottom + tall + TOP + lift(plane)
+    height = bottom + tall + TOP + lift(plane) + (0.0 if plane.scales is None else _HEAD)
     figure = Figure((WIDTH, height))
     axes = figure.add_axes(shares_of((LEFT, bottom, PANEL - spare(plane), tall), height))
     fill(axes, panels[0], plane)

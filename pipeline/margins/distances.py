@@ -132,7 +132,8 @@ def across(plan: Plan, design: Design, axis: Axis) -> Plan:
     model = dataclasses.asdict(model_at(plan, design.p, design.x))
     gear = {key: value for key, value in model.items() if key not in (axis.name, plan.sweep.name)}
     omega = design.p if plan.parameter.name == "omega" else plan.omega
-    return dataclasses.replace(plan, gear=gear, parameter=axis, omega=None if axis.name == "omega" else omega, thermal=None)
+    omega = None if axis.name == "omega" else omega
+    return dataclasses.replace(plan, gear=gear, parameter=axis, omega=omega, thermal=None)
 
 
 def nearest_over_range(boundaries: Boundaries, plan: Plan, design: Design, value: float) -> list[Margin]:

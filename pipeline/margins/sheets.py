@@ -51,9 +51,9 @@ def _with_physical(record: dict, scales: Scales | None) -> dict:
 
 
 def _shown(name: str, value: float, scales: Scales | None) -> str:
-    """A value or a distance to six digits, with the unit of the gear where it has one: "0.9 (2650 rpm)"."""
+    """A value or a distance to six digits with its unit, and in that of the gear where it has one: "0.9 (2650 rpm)"."""
     if scales is None or name not in scales:
-        return f"{value:.6g}"
+        return f"{value:.6g}" if _unit(name) == "1" else f"{value:.6g} {_unit(name)}"
     return f"{value:.6g} ({value * scales[name].shown:.5g} {scales[name].unit})"
 
 
@@ -156,8 +156,8 @@ def lines(answer: Answer) -> list[str]:
     found = [f"  label at {sweep} = {x}, {parameter} = {p}: {answer.label or 'not known'}"]
     if design.low < design.high and answer.label:
         parts = answer.row.within(design.low, design.high)
-        told = ", ".join(f"{domain_label(one.code)} {_shown(sweep, one.low, scales)} ... {_shown(sweep, one.high, scales)}"
-                         for one in parts)  # fmt: skip
+        ends = [[_shown(sweep, end, scales) for end in (one.low, one.high)] for one in parts]
+        told = ", ".join(f"{domain_label(one.code)} {' ... '.join(end)}" for one, end in zip(parts, ends, strict=True))
         found.append(f"  labels of the range: {told}")
     table = [[name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
              for name, _, of, direction, distance, kind, at, beyond in

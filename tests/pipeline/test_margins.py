@@ -201,8 +201,8 @@ def check_box(plan, box, places=25):
 
 @pytest.mark.parametrize(
     ("name", "x", "p", "low", "high"),
-    [("omega_fe", 0.9, 0.3, 0.9, 0.9), ("omega_fe", 1.6, 0.1, 1.5, 1.7), ("omega_fe", 1.7, 0.3, 1.7, 1.7),
-     ("omega_b", 0.5, 0.6, 0.45, 0.55)],
+    [pytest.param("omega_fe", 0.9, 0.3, 0.9, 0.9, marks=pytest.mark.slow), ("omega_fe", 1.6, 0.1, 1.5, 1.7),
+     pytest.param("omega_fe", 1.7, 0.3, 1.7, 1.7, marks=pytest.mark.slow), ("omega_b", 0.5, 0.6, 0.45, 0.55)],
 )  # fmt: skip
 def test_the_largest_safe_box(stores, name, x, p, low, high):
     _, plan = stores[name]
@@ -246,7 +246,7 @@ def test_boxes_between_straight_boundaries(ends):
     inner = (points > [left + 1e-7, low + 1e-7]) & (points < [right - 1e-7, high - 1e-7])
     assert not np.any(inner.all(axis=1))
     assert box.area == pytest.approx((right - left) * (high - low), rel=1e-12)
-    grid = np.linspace(0.0, 0.5, 21)
+    grid = np.linspace(0.0, 0.5, 13)
     for down in grid:
         rows = points[(points[:, 1] > 0.5 - down) & (points[:, 1] <= 0.5)]
         for up in grid:
@@ -264,7 +264,7 @@ def test_boxes_between_straight_boundaries(ends):
      pytest.param("omega_b", (0.61, 0.8, 0.56, 0.66), 0.15, {}, marks=pytest.mark.slow),
      ("omega_fe", (0.75, 0.1, 0.7, 0.8), 0.02, {"b": 0.2}),
      ("omega_b", (0.61, 0.6, 0.61, 0.61), 0.2, {"f_pm": 0.1}),
-     ("omega_b", (0.61, 0.6, 0.57, 0.65), 0.0, {"f_pm": 0.1})],
+     pytest.param("omega_b", (0.61, 0.6, 0.57, 0.65), 0.0, {"f_pm": 0.1}, marks=pytest.mark.slow)],
 )  # fmt: skip
 def test_labels_within_tolerances(stores, name, where, tolerance, further):
     """Every label of a dense grid, and no other; with every end of further tolerances."""
@@ -276,7 +276,7 @@ def test_labels_within_tolerances(stores, name, where, tolerance, further):
     across = np.linspace(low, high, 1 if low == high else 400 if tolerance else 8000)
     for corner in found.corners:
         seen = set()
-        rows = 1 if tolerance == 0.0 else 1500 if low == high else 60 if len(further) == 1 else 150
+        rows = 1 if tolerance == 0.0 else 600 if low == high else 60 if len(further) == 1 else 150
         for level in np.linspace(p - tolerance, p + tolerance, rows):
             changes = {plan.parameter.name: level, **corner.values}
             seen |= set(enumerated(plan, "omega", across, x, p, **changes))
@@ -291,7 +291,7 @@ def test_severity():
 
 
 def test_answers_do_not_depend_on_the_raster(stores, tmp_path):
-    fine = traced_store(tmp_path / "fine.zarr", "plane=omega_b", columns=400, rows=9)
+    fine = traced_store(tmp_path / "fine.zarr", "plane=omega_b", columns=160, rows=9)
     design = (0.85, 0.6, 0.8, 0.95, 0.1, {"alpha": 0.05})
     for one, other in zip(*(csv.reader(tidy(ask(made, *design)).splitlines()) for made in (stores["omega_b"], fine))):
         for a, b in zip(one, other, strict=True):
@@ -301,7 +301,7 @@ def test_answers_do_not_depend_on_the_raster(stores, tmp_path):
                 assert a == b
 
 
-@settings(max_examples=5)
+@settings(max_examples=3)
 @given(st.floats(0.45, 1.9), st.floats(0.01, 0.45))
 def test_any_point(stores, x, p):
     _, plan = stores["omega_fe"]
@@ -363,15 +363,14 @@ def test_designs_as_users_write_them(stores):
 def test_the_stage(stores, tmp_path, capsys):
     """Files, the same bytes again, the figure's own, and nothing written where the input is not allowed."""
     path, _ = stores["omega_fe"]
-    words = ["plane=omega_fe", f"store.root={path.parent}", "store.name=omega_fe", "stages=[margins]", "figures.dpi=60",
+    words = ["plane=omega_fe", f"store.root={path.parent}", "store.name=omega_fe", "stages=[margins]", "figures.dpi=60", "figures.formats=[png]",
              "margins.point=[0.9,0.1]", "margins.range=[0.8,1.0]", "margins.tolerances={f_e: 0.02}"]  # fmt: skip
     for folder in ("one", "two"):
         assert main([*words, f"output.root={tmp_path / folder}"]) == 0
     said = capsys.readouterr().out
     assert "label at omega = 0.9, f_e = 0.1: 1/0" in said and "worst label within the tolerances: 1/0" in said
     names = {str(file.relative_to(tmp_path / "one")) for file in (tmp_path / "one").rglob("*") if file.is_file()}
-    assert names == {"margins/omega_fe.md", "margins/omega_fe.csv", "figures/omega_fe/margins.png",
-                     "figures/omega_fe/margins.pdf"}  # fmt: skip
+    assert names == {"margins/omega_fe.md", "margins/omega_fe.csv", "figures/omega_fe/margins.png"}
     for name in names:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
     assert main([*words, "margins.point=[3,0.1]", f"output.root={tmp_path / 'none'}"]) == 2
