@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 READY := $(VENV)/.ready
 
-.PHONY: map test clean
+.PHONY: map test bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -15,6 +15,10 @@ map: $(READY)
 
 test: $(READY)
 	$(VENV)/bin/python -m pytest
+
+# QUICK=1 leaves out what takes long.
+bench: $(READY)
+	$(VENV)/bin/python -m benchmarks $(if $(QUICK),quick)
 
 clean:
 	rm -rf $(VENV)

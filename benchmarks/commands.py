@@ -30,16 +30,16 @@ def run(folder: Path, *arguments: str, **environment: str) -> float:
 
 def measure_commands(folder: Path, sizes: Sizes, baselines: Baselines) -> list[Measurement]:
     """Planes, starts and what a stored plane takes to look at, in a scratch folder."""
-    found, path = _starts(folder, sizes, baselines), folder / "nothing"
+    found = []
     for name, (columns, rows, repeats) in sizes.planes.items():
         size = (f"plane.sweep.num={columns}", f"plane.parameter.num={rows}", f"store.name={name}")
         values = tuple(run(folder, *size, "store.overwrite=true") for _ in range(repeats))
         what = f"{columns} x {rows}: sweep, boundaries and figures, shell to finish"
         found.append(Measurement(name, what, "s", values, baselines.of(columns, rows)))
-        path = folder / f"outputs/store/{name}.zarr"
     again = tuple(run(folder, *size, "stages=[sweep]") for _ in range(repeats))
     found.append(Measurement("resume", "the last of these again, finding its rows done", "s", again, baselines.of(columns, rows)))
-    return [*found, *_stored(path, folder, min(sizes.repeats, 3), baselines.of(columns, rows))]
+    found += _starts(folder, sizes, baselines)
+    return [*found, *_stored(folder / f"outputs/store/{name}.zarr", folder, min(sizes.repeats, 3), baselines.of(columns, rows))]
 
 
 def _starts(folder: Path, sizes: Sizes, baselines: Baselines) -> list[Measurement]:
@@ -49,8 +49,8 @@ def _starts(folder: Path, sizes: Sizes, baselines: Baselines) -> list[Measuremen
         cache = {"NUMBA_CACHE_DIR": str(folder / "kernels")}
         cold = (run(folder, *_SMALL, "store.name=cold", **cache),)
         found.append(Measurement("start_cold", "20 x 4, every kernel compiled", "s", cold, job))
-    run(folder, *_SMALL, "store.name=warm")
-    warm = tuple(run(folder, *_SMALL, "store.name=warm", "store.overwrite=true") for _ in range(min(sizes.repeats, 3)))
+    # Those of the planes have filled the usual cache.
+    warm = tuple(run(folder, *_SMALL, "store.name=warm", "store.overwrite=true") for _ in range(sizes.starts))
     return [*found, Measurement("start_warm", "20 x 4, kernels from the cache", "s", warm, job)]
 
 

@@ -20,6 +20,8 @@ class Sizes:
         Name of a plane's measurement -> columns, rows and repeats of the command.
     repeats : int
         Of everything in this process; baselines are measured once.
+    starts : int
+        Repeats of the smallest command.
     cold : bool
         Whether the kernels are compiled once from an empty cache.
     """
@@ -27,13 +29,14 @@ class Sizes:
     columns: int
     planes: dict[str, tuple[int, int, int]]
     repeats: int
+    starts: int
     cold: bool
 
 
-FULL = Sizes(400, {"plane_draft": (160, 60, 3), "plane_paper": (400, 200, 3)}, 15, True)
-QUICK = Sizes(100, {"plane_draft": (160, 60, 1)}, 5, False)
+FULL = Sizes(400, {"plane_draft": (160, 60, 3), "plane_paper": (400, 200, 3)}, 15, 3, True)
+QUICK = Sizes(200, {"plane_draft": (160, 60, 1)}, 5, 1, False)
 #: For tests.
-TINY = Sizes(20, {"plane_draft": (20, 4, 1)}, 2, False)
+TINY = Sizes(20, {"plane_draft": (20, 4, 1)}, 2, 1, False)
 
 
 @dataclass(frozen=True)
