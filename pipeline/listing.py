@@ -203,7 +203,7 @@ def _size(size: int) -> str:
     Examples
     --------
     >>> _size(900), _size(12_345_678)
-    ('900 B', '12 MB')
+    ('900 B', '12.3 MB')
     """
     for unit in ("B", "kB", "MB", "GB"):
         if size < 1000:
