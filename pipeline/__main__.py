@@ -18,7 +18,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _run(arguments, reporter)
     except ConfigurationError as error:
         reporter.error(str(error))
-        return 2
+        return error.status
     except OSError as error:
         reporter.error(f"{error}{_KEPT}")
         return 1
@@ -82,36 +82,43 @@ def _run_all(all_settings, reporter) -> int:
             jobs.append(prepare(settings))
         except ConfigurationError as error:
             reporter.error(str(error))
-            status = 2
+            status = max(status, error.status)
     if helper is not None:
         helper.wait()
     if not jobs:
         return status
     with Workforce(jobs[0].settings.config.cluster) as workforce:
         for job in jobs:
-            try:
-                status = max(status, run_plane_stages(job, workforce, reporter))
-            except ConfigurationError as error:
-                reporter.error(str(error))
-                status = 2
-            except OSError as error:
-                reporter.error(f"{error}{_KEPT}")
-                status = max(status, 1)
-            except (ValueError, KeyError, TypeError, RuntimeError) as error:
-                reporter.error(str(_of_damage(job, error)))
-                status = max(status, 1)
+            status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
         # Tables need several planes: once, after all of them.
-        return max(status, run_shared_stages(jobs[-1], workforce, reporter))
+        return max(status, _attempt(run_shared_stages, jobs[-1], workforce, reporter))
 
 
-def _of_damage(job, error: Exception) -> Exception:
-    """What to say where reading a damaged store is what went wrong; anything else is a defect of ours, and goes on up."""
+def _attempt(run, job, workforce, reporter) -> int:
+    """Exit status of some stages; whatever ends them is one line, so that the next plane has its turn."""
+    from pipeline.errors import ConfigurationError
+
+    try:
+        return run(job, workforce, reporter)
+    except ConfigurationError as error:
+        reporter.error(str(error))
+        return error.status
+    except Exception as error:  # where a store is damaged, anything may come of it; what is no damage goes on up
+        reporter.error(_explained(job, error))
+        return 1
+
+
+def _explained(job, error: Exception) -> str:
+    """What to say of an error: damage of a store, if there is any, or what the operating system said; others are ours."""
     from pipeline import store
 
-    found = store.damage_error(job.store_path)
-    if found is None:
-        raise error
-    return found
+    # Stages that need several planes read all stores of the folder.
+    for path in [job.store_path, *sorted(set(job.store_path.parent.glob("*.zarr")) - {job.store_path})]:
+        if path.exists() and (found := store.damage_error(path, error)) is not None:
+            return str(found)
+    if isinstance(error, OSError):
+        return f"{error}{_KEPT}"
+    raise error
 
 
 if __name__ == "__main__":

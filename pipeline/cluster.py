@@ -121,9 +121,7 @@ class Workforce:
         if self.config.kind == "none":
             return "tasks run in this process"
         if self._client is None:
-            # Losing a connection while closing is not worth a page of log.
-            for name in ("distributed", "distributed.nanny", "distributed.worker", "distributed.comm"):
-                logging.getLogger(name).setLevel(logging.CRITICAL)
+            _silence()
             if self.config.kind == "local":
                 self._start_local()
             else:
@@ -235,14 +233,20 @@ class Workforce:
 
     def _refill(self, function, take, running: dict, finished) -> bool:
         """Submit tasks until workers have enough to do; whether anything is under way."""
-        most = _AHEAD * max(self.size, 1)
-        while len(running) < most and (task := take()) is not None:
-            others = [address for address in self._addresses() if address != task.avoid] if task.avoid else []
-            where = {"workers": others, "allow_other_workers": True} if others else {}
-            future = self._client.submit(function, *task.arguments, pure=False, retries=0, **where)
-            running[future] = task
-            finished.add(future)
+        try:
+            most = _AHEAD * max(self.size, 1)
+            while len(running) < most and (task := take()) is not None:
+                others = [address for address in self._addresses() if address != task.avoid] if task.avoid else []
+                where = {"workers": others, "allow_other_workers": True} if others else {}
+                future = self._client.submit(function, *task.arguments, pure=False, retries=0, **where)
+                running[future] = task
+                finished.add(future)
+        except OSError:
+            raise self._gone() from None
         return bool(running)
+
+    def _gone(self) -> ConnectionError:
+        return ConnectionError(f"the scheduler at {self._client.scheduler.address} is gone")
 
     def _outcome(self, future) -> object:
         """The result of a future, or what went wrong."""
@@ -250,13 +254,14 @@ class Workforce:
 
         try:
             error = future.exception()
+            result = future.result() if error is None else error
         except CancelledError as cancelled:
-            error = cancelled
-        if isinstance(error, CancelledError):
-            raise ConnectionError(f"the scheduler at {self._client.scheduler.address} is gone") from None
-        if isinstance(error, KilledWorker):
+            result = cancelled
+        if isinstance(result, CancelledError):
+            raise self._gone()
+        if isinstance(result, KilledWorker):
             return WorkerLost("its worker was lost: the process was ended from outside, as happens when memory runs out")
-        return future.result() if error is None else error
+        return result
 
     @property
     def size(self) -> int:
@@ -277,6 +282,15 @@ class Workforce:
             if part is not None:
                 part.close()
         self._client = self._cluster = None
+
+
+def _silence() -> None:
+    """Keep dask's log off the terminal: of a worker or a scheduler that is lost, what the user needs to know is said here."""
+    import distributed  # noqa: F401  (it gives its loggers their levels when it is imported)
+
+    for name in ["distributed", *logging.root.manager.loggerDict]:
+        if name.split(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 @contextlib.contextmanager

@@ -16,12 +16,13 @@ from omegaconf.errors import (
     OmegaConfBaseException,
 )
 
+from pipeline.config_files import check_files
 from pipeline.errors import ConfigurationError
 from pipeline.schema import Configuration
 
 __all__ = ["Settings", "compose", "conf_folder", "expand"]
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]*")
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,119}")
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,7 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
         folder = Path(config_dir)
         if not folder.is_dir():
             raise ConfigurationError(f"--config-dir = {config_dir!r} is not allowed: it must be an existing folder")
+        check_files(folder)
         extra = [f"hydra.searchpath=['file://{folder.resolve()}']"]
     for override in overrides:
         if override.lstrip("+~").startswith("hydra"):
@@ -163,7 +165,7 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
     if not _NAME.fullmatch(settings.store_name):
         raise ConfigurationError(
             f"store.name = {settings.store_name!r} is not allowed: "
-            "it must be a plain name of letters, digits and _ . + = -, without a folder"
+            "it must be a plain name of at most 120 letters, digits and _ . + = -, without a folder"
         )
     return settings
 
@@ -192,6 +194,11 @@ def _one_line(error: Exception) -> str:
             key = key or str(detail.key)
             if key.startswith("gear.physical.") and key in _keys():
                 return f"{key} is not allowed here: this gear is dimensionless; gear=miter is one in physical units"
+            if key.startswith("plane.parameter2.") and key in _keys():
+                return (
+                    f"{key} is not allowed here: this plane has no third axis; plane=omega_b_fe has one, and "
+                    "plane.parameter2={name:f_e,min:0,max:0.5,num:11} makes one"
+                )
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
         if "is not a ListConfig, list or tuple" in said:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pipeline.cluster import Task, WorkerLost, Workforce
+from pipeline.errors import StoreError
 from pipeline.plan import Block, Plan
 from pipeline.store.tries import MOST_TRIES
 from pipeline.sweep import Outcome, Receipt, sweep_blocks
@@ -49,7 +50,7 @@ def dispatch(
     Raises
     ------
     OSError
-        If the scheduler goes away.
+        If the scheduler goes away, or a block cannot be written: the next one could not either.
     """
     batches = _Batches(blocks, workforce)
     limit = None if workforce.config.kind == "none" else workforce.config.row_seconds
@@ -73,6 +74,8 @@ def dispatch(
         elif isinstance(result, WorkerLost):
             for block in batches.again(given, None):
                 yield block, result
+        elif isinstance(result, OSError | StoreError):
+            raise result
         else:
             for block in given:
                 yield block, result

@@ -1,11 +1,20 @@
-"""What a user can get wrong, as exceptions with a one-line message."""
+"""What a user can get wrong and what can be wrong with a store, as exceptions with a one-line message."""
 
-__all__ = ["ConfigurationError", "StoreError"]
+__all__ = ["ConfigurationError", "DamagedError", "StoreError"]
 
 
 class ConfigurationError(Exception):
-    """The configuration is not allowed; the message names the key, its value and what is allowed. Exit status 2."""
+    """The configuration is not allowed; the message names the key, its value and what is allowed."""
+
+    #: Exit status of a run that ends with it.
+    status = 2
 
 
 class StoreError(ConfigurationError):
-    """A store cannot be used as asked; the message names it and the way on. Exit status 2."""
+    """A store cannot be used as asked; the message names it and the way on."""
+
+
+class DamagedError(StoreError):
+    """Files of a store are damaged; the message names the first one and the way on."""
+
+    status = 1

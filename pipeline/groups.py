@@ -5,7 +5,6 @@ a run killed at any moment leaves either the group or nothing. A sweep that comp
 """
 
 import json
-import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +14,7 @@ import zarr
 
 from pipeline import store
 from pipeline.store.codecs import COMPRESSORS, every_chunk
+from pipeline.store.removal import remove
 
 __all__ = ["Variable", "open_group", "remove_added", "remove_group", "write_group"]
 
@@ -37,7 +37,7 @@ class Variable:
 def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str, Variable]) -> None:
     """Put a group into the store at `path`, in place of what was there."""
     draft = _beside(path, name, "draft")
-    shutil.rmtree(draft, ignore_errors=True)
+    remove(draft)
     group = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     for key, variable in variables.items():
         text = variable.dtype == "str"
@@ -57,11 +57,11 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
 def remove_group(path: Path, name: str) -> None:
     """Take a group away, if there is one or the metadata still lists one that a killed run has taken away."""
     old = _beside(path, name, "old")
-    shutil.rmtree(old, ignore_errors=True)
+    remove(old)
     if (path / name).exists():
         (path / name).rename(old)
         store.consolidate(path)
-        shutil.rmtree(old)
+        remove(old)
     elif name in zarr.open_group(path, mode="r"):
         store.consolidate(path)
 

@@ -94,8 +94,7 @@ def _described(path: Path, attributes: dict) -> Entry:
     status = _status(path, plan)
     if version < SCHEMA_VERSION:
         status += f" (schema {version}: read only)"
-    rows, columns_ = plan.shape
-    plane = f"{plan.sweep.name} {columns_} x {plan.parameter.name} {rows}"
+    plane = " x ".join(f"{axis.name} {axis.num}" for axis in plan.axes)
     return _entry(path, attributes, status, plane, _gear(plan))
 
 
@@ -113,7 +112,7 @@ def _status(path: Path, plan: Plan) -> str:
     try:
         json.loads((path / _METADATA).read_text(encoding="utf-8"))["attributes"]["numbers"]
         array = zarr.open_array(path / "status", mode="r")
-        if array.shape != (plan.parameter.num,):
+        if array.shape != tuple(axis.num for axis in plan.row_axes):
             return damaged
         states = array[:]
     except (OSError, ValueError, KeyError, TypeError, RuntimeError):
@@ -150,7 +149,7 @@ def _plain(value):
 
 def _gear(plan: Plan) -> str:
     """The nearest gear that comes with the program, and what differs from it."""
-    axes = {plan.sweep.name, plan.parameter.name}
+    axes = {axis.name for axis in plan.axes}
     stored = {key: _plain(value) for key, value in plan.gear.items()}
     differences = {
         name: [key for key in stored if key not in axes and stored[key] != known.get(key)]

@@ -82,7 +82,8 @@ def _wrong(path: str, why: str) -> ConfigurationError:
 def _read(path: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Header, and line number and entries of every line that is not empty."""
     try:
-        if Path(path).stat().st_size > _MOST_BYTES:
+        # A pipe or a device has no size, and no end.
+        if Path(path).stat().st_size > _MOST_BYTES or Path(path).is_fifo() or Path(path).is_char_device():
             raise _wrong(path, f"it must be a file of at most {_MOST_BYTES / 1e6:g} MB")
         text = Path(path).read_text(encoding="utf-8-sig")
         lines = csv.reader(text.splitlines(), strict=True)

@@ -41,12 +41,15 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPla
     Raises
     ------
     StoreError
-        If there is no such store, or this program cannot read it.
+        If there is no such store, it is a volume, or this program cannot read it.
     """
     path = Path(name)
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = Path(root) / f"{name}.zarr"
-    return OpenPlane(path, read_plan(path), xr.open_datatree(path, engine="zarr"))
+    plan = read_plan(path)
+    if plan.parameter2 is not None:
+        raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which can be opened")
+    return OpenPlane(path, plan, xr.open_datatree(path, engine="zarr"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +108,7 @@ class OpenPlane:
     tree: xr.DataTree
 
     def __repr__(self) -> str:
-        rows, columns = self.plan.shape
-        sizes = f"{self.plan.sweep.name} {columns} x {self.plan.parameter.name} {rows}"
+        sizes = " x ".join(f"{axis.name} {axis.num}" for axis in self.plan.axes)
         return f"OpenPlane({self.path.stem!r}: {sizes}; {', '.join(sorted(self.tree.children))})"
 
     @property

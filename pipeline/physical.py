@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 from pipeline.errors import ConfigurationError
 from pipeline.mesh_cycle import read_mesh_cycle
-from pipeline.plan import Plan
+from pipeline.plan import TEMPERATURE, Plan
 from pipeline.schema import PhysicalGear
 from pipeline.units import quantities, quantity, speed
 from solver import Blank, GearPair, ParameterError, Scales
@@ -15,13 +15,14 @@ __all__ = ["AXIS_KEYS", "cycle_note", "describe", "gear_of", "place_of", "scales
 _PREFIX = "gear.physical."
 #: Axis of a plane -> the key whose value it replaces.
 AXIS_KEYS = {
+    "mesh_damping": "mesh_damping_ratio",
     "f_pm": "torque", "f_pv": "torque_fluctuation", "k_support": "support_stiffness", "xi_support": "support_damping",
 }  # fmt: skip
 _BLANK = ("large_diameter", "small_diameter", "width", "bore")
 #: Kind of the physical value of a parameter that may be an axis.
 _KINDS = {
     "b": "length", "f_e": "length", "alpha": "stiffness", "f_pm": "torque", "f_pv": "torque", "xi_mesh": "damping",
-    "xi_support": "damping", "k_support": "stiffness",
+    "mesh_damping": "damping", "xi_support": "damping", "k_support": "stiffness",
 }  # fmt: skip
 
 
@@ -73,6 +74,9 @@ def place_of(key: str, name: str, value: str, scales: Scales | None) -> float:
     if scales is None:
         why = "units need a gear in physical units, such as gear=miter"
         raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number; {why}")
+    if name == TEMPERATURE:
+        # In K as it is.
+        return quantity(key, value, "temperature difference")
     if name == "omega":
         return scales.dimensionless(*speed(key, value))
     if name not in _KINDS:

@@ -1,25 +1,30 @@
-"""What a run will compute: the two axes, the gear of every row, and the blocks of rows that are chunks and tasks."""
+"""What a run will compute: the axes, the gear of every row, and the blocks of rows that are chunks and tasks."""
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+import math
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
-__all__ = ["Axis", "Block", "Plan", "gear_of", "numbers_digest", "plan", "plan_of", "warnings"]
+__all__ = ["ROLES", "Axis", "Block", "Plan", "check_numbers", "gear_of", "numbers_digest", "outer_planes", "plan", "plan_of"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 3
 #: Stores from this version on can be read; rows are only written to stores of this program's own version.
 OLDEST_READ = 2
 
-#: The row parameter that moves several numbers of the gear.
-TEMPERATURE = "temperature"
+#: Row parameters that move several numbers of the gear.
+TEMPERATURE, MESH_DAMPING = "temperature", "mesh_damping"
+PATHS = (TEMPERATURE, MESH_DAMPING)
 
+#: The axes of a plane as `conf/plane` names them; the last one makes it a volume.
+ROLES = ("sweep", "parameter", "parameter2")
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
 
@@ -41,7 +46,8 @@ class Axis:
 
 @dataclass(frozen=True)
 class Block:
-    """Rows start ... stop - 1: one chunk of the store and one task."""
+    """Rows start ... stop - 1: one chunk of the store and one task. Rows of a volume are numbered through, layer by layer;
+    a block belongs to one layer."""
 
     start: int
     stop: int
@@ -49,7 +55,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Plan:
-    """A plane to be computed, independent of files and executors.
+    """A plane, or a volume of planes, to be computed, independent of files and executors.
 
     Parameters
     ----------
@@ -67,6 +73,8 @@ class Plan:
         A gear in SI units, `pipeline.physical.describe`; None where it is dimensionless.
     thermal : dict or None
         Laws of temperature in SI units, where that is the row parameter; see `pipeline.thermal`.
+    parameter2 : Axis or None
+        From layer to layer of a volume; None for a plane.
     """
 
     gear: dict
@@ -79,12 +87,13 @@ class Plan:
     max_points: int
     physical: dict | None = None
     thermal: dict | None = None
+    parameter2: Axis | None = None
 
     @property
     def numbers(self) -> dict:
         """Everything that changes numbers, as plain data; what they mean in physical units included, where they do."""
         numbers = json.loads(json.dumps(asdict(self)))
-        for name in ("physical", "thermal"):
+        for name in ("physical", "thermal", "parameter2"):
             if numbers[name] is None:
                 del numbers[name]
         return numbers
@@ -95,9 +104,43 @@ class Plan:
         return numbers_digest(self.numbers)
 
     @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
-        return self.parameter.num, self.sweep.num
+    def row_axes(self) -> tuple[Axis, ...]:
+        """The axes that rows are numbered along, the slowest first."""
+        return (self.parameter,) if self.parameter2 is None else (self.parameter2, self.parameter)
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """All axes, as people name them: the columns' first."""
+        return (self.sweep, *reversed(self.row_axes))
+
+    @property
+    def rows(self) -> int:
+        """Number of rows, all layers together."""
+        return math.prod(axis.num for axis in self.row_axes)
+
+    def layer(self, index: int) -> "Plan":
+        """The plane that one layer of a volume is."""
+        name, value = self.parameter2.name, float(self.parameter2.values[index])
+        if name == "omega":
+            return replace(self, omega=value, parameter2=None)
+        return replace(self, gear={**self.gear, name: value}, parameter2=None)
+
+    def row(self, number: int) -> tuple["Plan", float]:
+        """The plane that a row belongs to, and its value there of the row parameter."""
+        layer, place = divmod(number, self.parameter.num)
+        return self if self.parameter2 is None else self.layer(layer), float(self.parameter.values[place])
+
+    def row_text(self, number: int) -> str:
+        """Which row that is, for messages."""
+        places = np.unravel_index(number, [axis.num for axis in self.row_axes])
+        values = ", ".join(f"{axis.name} = {axis.values[i]:.6g}" for axis, i in zip(self.row_axes, places, strict=True))
+        return f"row {number} ({values})"
+
+    def place(self, block: Block) -> tuple[int | slice, ...]:
+        """Where a block is in arrays along `row_axes`."""
+        layer, start = divmod(block.start, self.parameter.num)
+        rows = slice(start, start + block.stop - block.start)
+        return (rows,) if self.parameter2 is None else (layer, rows)
 
     @property
     def motion_size(self) -> int:
@@ -107,24 +150,27 @@ class Plan:
 
     @property
     def rows_per_block(self) -> int:
-        """Rows of a chunk: about 1 MB of the largest array, and at least sixteen blocks a plane; no more is needed to
+        """Rows of a chunk: about 1 MB of the largest array, and at least sixteen blocks in all; no more is needed to
         keep workers busy, and the number of workers may not matter."""
         row_bytes = 8 * max(self.motion_size, 1) * max(self.sweep.num * self.max_solutions, self.max_points)
-        return max(1, min(_BLOCK_BYTES // row_bytes, -(-self.parameter.num // _BLOCKS_AT_LEAST)))
+        return max(1, min(_BLOCK_BYTES // row_bytes, -(-self.rows // _BLOCKS_AT_LEAST), self.parameter.num))
 
     @property
     def blocks(self) -> list[Block]:
         """All blocks in order."""
-        size = self.rows_per_block
-        return [Block(i, min(i + size, self.parameter.num)) for i in range(0, self.parameter.num, size)]
+        size, layer = self.rows_per_block, self.parameter.num
+        return [
+            Block(first + i, first + min(i + size, layer))
+            for first in range(0, self.rows, layer)
+            for i in range(0, layer, size)
+        ]
 
     @property
     def bytes(self) -> int:
         """Upper bound of the store's size, uncompressed."""
-        rows, columns = self.shape
         extra = 8 * self.motion_size
         solution = 35 + (16 + extra if extra else 0)
-        return rows * (columns * (solution * self.max_solutions + 8) + (53 + extra) * self.max_points)
+        return self.rows * (self.sweep.num * (solution * self.max_solutions + 8) + (53 + extra) * self.max_points)
 
 
 def numbers_digest(numbers: dict) -> str:
@@ -135,7 +181,7 @@ def numbers_digest(numbers: dict) -> str:
 
 def plan_of(numbers: dict) -> Plan:
     """The plan that `Plan.numbers` came from; a store keeps it, so that every stage but the sweep needs no configuration."""
-    axes = {role: Axis(**numbers[role]) for role in ("sweep", "parameter")}
+    axes = {role: Axis(**numbers[role]) for role in ROLES if role in numbers}
     return Plan(**{**numbers, **axes})
 
 
@@ -158,23 +204,11 @@ def plan(settings: Settings) -> Plan:
     from solver import SCALAR_PARAMETERS
 
     config = settings.config
-    if config.plane.sweep.name == config.plane.parameter.name:
-        raise ConfigurationError(
-            f"plane.parameter.name = {config.plane.parameter.name!r} is not allowed: the sweep axis has that name already"
-        )
     gear, physical = gear_of(config.gear)
     scales = None if physical is None else _scales(physical)
-    roles = ("sweep", "parameter")
-    axes = {role: _axis(role, getattr(config.plane, role), SCALAR_PARAMETERS, scales) for role in roles}
-    sweep, parameter = axes["sweep"], axes["parameter"]
-    thermal = _thermal(settings, sweep, physical) if parameter.name == TEMPERATURE else None
-    cells = sweep.num * parameter.num
-    if cells > config.plane.max_cells:
-        raise ConfigurationError(
-            f"plane.sweep.num x plane.parameter.num = {cells} is not allowed: "
-            f"it must be at most plane.max_cells = {config.plane.max_cells:g}"
-        )
-    names = {sweep.name, parameter.name}
+    axes = _axes(config.plane, SCALAR_PARAMETERS, scales)
+    thermal = _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None
+    names = {axis.name for axis in axes.values()}
     omega = config.plane.omega
     if omega is not None:
         omega = _value("plane.omega", "omega", omega, scales)
@@ -198,19 +232,36 @@ def plan(settings: Settings) -> Plan:
             raise ConfigurationError(f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number")
     # What an axis replaces does not belong to the configuration.
     result = Plan(
-        {key: value for key, value in gear.items() if key not in names},
-        sweep,
-        parameter,
-        omega,
-        asdict(config.solver),
-        config.store.max_solutions,
-        config.store.max_branches,
-        config.store.max_points,
-        physical,
-        thermal,
+        gear={key: value for key, value in gear.items() if key not in names},
+        **axes,
+        omega=omega,
+        solver=asdict(config.solver),
+        max_solutions=config.store.max_solutions,
+        max_branches=config.store.max_branches,
+        max_points=config.store.max_points,
+        physical=physical,
+        thermal=thermal,
     )
-    _check_numbers(result)
+    check_numbers(result)
     return result
+
+
+def _axes(config, scalars, scales) -> dict[str, Axis]:
+    """The axes by role."""
+    given = {role: getattr(config, role) for role in ROLES if getattr(config, role) is not None}
+    axes, taken = {}, {}
+    for role, axis in given.items():
+        axes[role] = _axis(role, axis, scalars, scales)
+        other = taken.setdefault(axes[role].name, role)
+        if other != role:
+            raise ConfigurationError(f"plane.{role}.name = {axis.name!r} is not allowed: plane.{other}.name is that already")
+    cells = math.prod(axis.num for axis in axes.values())
+    if cells > config.max_cells:
+        raise ConfigurationError(
+            f"{' x '.join(f'plane.{role}.num' for role in axes)} = {cells} is not allowed: "
+            f"it must be at most plane.max_cells = {config.max_cells:g}"
+        )
+    return axes
 
 
 def gear_of(config) -> tuple[dict, dict | None]:
@@ -238,23 +289,17 @@ def gear_of(config) -> tuple[dict, dict | None]:
     return gear, json.loads(json.dumps(physical))
 
 
-def _thermal(settings: Settings, sweep: Axis, physical: dict | None) -> dict:
+def _thermal(settings: Settings, physical: dict | None) -> dict:
     """The laws of temperature, as plain data."""
     config, where = settings.config.gear.thermal, "plane.parameter.name = 'temperature' is not allowed"
     if physical is None:
         raise ConfigurationError(f"{where}: it needs a gear in physical units, such as gear=miter")
     if config is None:
         raise ConfigurationError(f"{where}: gear.thermal, the laws of temperature, has no value")
-    from pipeline.thermal import thermal_numbers, thermal_pair
+    from pipeline.thermal import thermal_numbers
     from solver import GearPair
 
-    numbers = json.loads(json.dumps(thermal_numbers(config, GearPair(**physical["gear"]))))
-    if sweep.name in (uses := thermal_pair(numbers).path.uses):
-        raise ConfigurationError(
-            f"plane.sweep.name = {sweep.name!r} is not allowed: over temperature it must be another parameter than "
-            f"{', '.join(uses)}, which follow from the temperature"
-        )
-    return numbers
+    return json.loads(json.dumps(thermal_numbers(config, GearPair(**physical["gear"]))))
 
 
 def _scales(physical: dict):
@@ -275,10 +320,6 @@ def _check_axis_keys(settings: Settings, names: set[str]) -> None:
 def _value(key: str, name: str, value, scales) -> float:
     """A number, or a text with a unit made dimensionless."""
     if isinstance(value, str):
-        if name == TEMPERATURE:
-            from pipeline.units import quantity
-
-            return quantity(key, value, "temperature difference")
         from pipeline.physical import place_of
 
         return place_of(key, name, value, scales)
@@ -289,12 +330,12 @@ def _value(key: str, name: str, value, scales) -> float:
 
 def _axis(role: str, axis, scalars, scales) -> Axis:
     name = axis.name.replace("gear.", "").replace("variation.", "variation_")
-    if name == TEMPERATURE and role == "sweep":
+    if name in PATHS and role != "parameter":
         raise ConfigurationError(
-            f"plane.sweep.name = {axis.name!r} is not allowed: temperature changes several numbers at once, "
+            f"plane.{role}.name = {axis.name!r} is not allowed: {name} changes several numbers at once, "
             "so that it can be plane.parameter.name only"
         )
-    allowed = ("omega", *scalars, *([TEMPERATURE] if role == "parameter" else []))
+    allowed = ("omega", *scalars, *(PATHS if role == "parameter" else ()))
     if name not in allowed:
         raise ConfigurationError(
             f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
@@ -316,11 +357,22 @@ def _axis(role: str, axis, scalars, scales) -> Axis:
     return Axis(name, low, high, int(axis.num))
 
 
-def _check_numbers(plan: Plan) -> None:
+def outer_planes(plan: Plan) -> list[Plan]:
+    """The plane itself; the first and the last layer of a volume."""
+    return [plan] if plan.parameter2 is None else [plan.layer(0), plan.layer(-1)]
+
+
+def check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
-    from pipeline.sweep import balance_of, continuation_of, model_at, seeds_of
+    from pipeline.sweep import balance_of, continuation_of, model_at, row_axis, seeds_of
     from solver import ParameterError
 
+    axis = row_axis(plan)
+    if not isinstance(axis, str) and plan.sweep.name in axis.uses:
+        raise ConfigurationError(
+            f"plane.sweep.name = {plan.sweep.name!r} is not allowed: over {axis} it must be another parameter than "
+            f"{', '.join(axis.uses)}, which follow from the {axis}"
+        )
     try:
         balance_of(plan.solver)
         continuation_of(plan.solver)
@@ -331,10 +383,10 @@ def _check_numbers(plan: Plan) -> None:
     if plan.thermal is not None:
         # Gears may jam between temperatures at which they do not.
         rows += plan.parameter.values[1:-1].tolist()
-    for row in rows:
-        for column in (plan.sweep.low, plan.sweep.high):
+    for plane in outer_planes(plan):
+        for row, column in product(rows, (plan.sweep.low, plan.sweep.high)):
             try:
-                model_at(plan, row, column)
+                model_at(plane, row, column)
             except ParameterError as error:
                 key = _key_of(error, plan)
                 message = str(error).replace(error.name, key, 1)
@@ -344,35 +396,7 @@ def _check_numbers(plan: Plan) -> None:
 def _key_of(error, plan: Plan) -> str:
     """The key that a model's parameter has its value from; between the ends of an axis, the axis itself."""
     name = error.name.split("[")[0]
-    for role, axis in (("sweep", plan.sweep), ("parameter", plan.parameter)):
+    for role, axis in zip(ROLES, plan.axes, strict=False):
         if name == axis.name:
             return {axis.low: f"plane.{role}.min", axis.high: f"plane.{role}.max"}.get(error.value, name)
     return f"gear.{error.name.replace('variation_', 'variation.')}"
-
-
-def warnings(plan: Plan) -> list[str]:
-    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics."""
-    from pipeline.sweep import model_at
-
-    lines = []
-    corners = [
-        model_at(plan, row, column)
-        for row in (plan.parameter.low, plan.parameter.high)
-        for column in (plan.sweep.low, plan.sweep.high)
-    ]
-    lowest = min(model.lowest_stiffness() for model in corners)
-    if lowest < 0.0:
-        lines.append(f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical")
-    model = corners[0]
-    ratios = [xi / model.xi_mesh for xi in model.xi_translation] if model.xi_mesh > 0.0 else []
-    if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=bool(ratios))):
-        shown = ", ".join(f"{ratio:g}" for ratio in sorted(set(ratios)))
-        lines.append(
-            f"gear.xi_translation/gear.xi_mesh = {shown} differs from gear.kappa = {model.kappa[0]:g}: "
-            "one mesh force would make them equal"
-        )
-    if plan.physical is not None:
-        from pipeline.physical import cycle_note
-
-        lines += cycle_note(plan)
-    return lines

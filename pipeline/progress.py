@@ -41,9 +41,15 @@ class Reporter:
         self._write(f"error: {text}")
 
     def _write(self, text: str) -> None:
-        if self.log is not None:
+        if self.log is None:
+            return
+        try:
             with self.log.open("a", encoding="utf-8") as file:
                 file.write(f"{datetime.now(UTC).isoformat(timespec='milliseconds')} {text}\n")
+        except OSError as error:
+            # What is wrong with the disk is for the stage to say, if it is the worse for it.
+            self.log = None
+            print(f"note: the log cannot be written any more: {error}", file=sys.stderr, flush=True)
 
 
 class RowProgress:

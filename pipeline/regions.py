@@ -100,6 +100,8 @@ def stored_regions(path: Path) -> Regions:
         If the boundaries do not divide the plane.
     """
     plan = read_plan(path)
+    if plan.parameter2 is not None:
+        raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which has regions")
     return regions(
         *frame_of(plan), stored_curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
     )  # fmt: skip

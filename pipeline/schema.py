@@ -132,10 +132,12 @@ class Axis:
 
 @dataclass
 class Plane:
-    """Two axes, and the frequency where it is neither of them."""
+    """Two axes, a third one for a volume, and the frequency where it is none of them."""
 
     sweep: Axis = MISSING
     parameter: Axis = MISSING
+    parameter2: Axis | None = MISSING
+    layer: float | None = MISSING
     omega: Any = MISSING
     max_cells: float = MISSING
 

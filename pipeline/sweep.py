@@ -25,6 +25,7 @@ from solver import (
     RowError,
     sweep_row,
 )
+from solver.mesh_damping import MESH_DAMPING
 from solver.paths import ParameterPath, place_on
 
 __all__ = [
@@ -118,15 +119,18 @@ def seeds_of(settings: dict, every_column: bool = False):
 
 def model_at(plan: Plan, row: float, column: float) -> Model:
     """The gear at one point of the plane; omega, if it is an axis, is not the gear's."""
-    start = _start(plan, row, column)
-    # At the reference the gear is its own model: even that c is geometric stays, which enumeration encloses a little
-    # wider than the number.
-    return start if plan.thermal is None or row == 0.0 else place_on(row_axis(plan), row, start)[0]
+    start, axis = _start(plan, row, column), row_axis(plan)
+    # At the reference temperature the gear is its own model: even that c is geometric stays, which enumeration encloses a
+    # little wider than the number.
+    at_reference = plan.thermal is not None and row == 0.0
+    return start if isinstance(axis, str) or at_reference else place_on(axis, row, start)[0]
 
 
 def row_axis(plan: Plan) -> str | ParameterPath:
-    """The row parameter as the solver takes it: a name, or the path along which temperature moves the gear."""
-    return plan.parameter.name if plan.thermal is None else thermal_pair(plan.thermal).path
+    """The row parameter as the solver takes it: a name, or the path along which it moves several numbers of the gear."""
+    if plan.thermal is not None:
+        return thermal_pair(plan.thermal).path
+    return MESH_DAMPING if plan.parameter.name == MESH_DAMPING.name else plan.parameter.name
 
 
 def frame_of(plan: Plan) -> tuple:
@@ -138,7 +142,7 @@ def frame_of(plan: Plan) -> tuple:
 def _start(plan: Plan, row: float, column: float) -> Model:
     """The gear before the row parameter has moved it, where that is a path; at its place otherwise."""
     values = {plan.sweep.name: column}
-    if plan.thermal is None:
+    if isinstance(row_axis(plan), str):
         values[plan.parameter.name] = row
     values.pop("omega", None)
     return Model(**plan.gear, **values)
@@ -208,7 +212,7 @@ def sweep_block(
                 continue
             try:
                 with tries.attempt(index):
-                    rows.append(_sweep(plan, float(plan.parameter.values[index]), balance, continuation, seeds))
+                    rows.append(_sweep(*plan.row(index), balance, continuation, seeds))
             except RowError as error:
                 # Foreseen, and the same on every worker.
                 rows.append(str(error))

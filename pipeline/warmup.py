@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-__all__ = ["compile_beside"]
+__all__ = ["compile_all", "compile_beside", "is_cold"]
 
 # The packages' own imports would compile everything in the same order; as bare folders they let one module be chosen.
 _HELPER = """
@@ -21,6 +21,23 @@ import solver.stability.scan, solver.boundaries.bifurcation_curves, solver.bound
 """
 
 
+def is_cold() -> bool:
+    """Whether there is a cache for kernels and none has been compiled yet; imports nothing of the solver's."""
+    folder = _solver_folder()
+    if folder is None:
+        return False
+    module = importlib.util.spec_from_file_location("_kernel_cache", folder / "compiled.py")
+    compiled = importlib.util.module_from_spec(module)
+    module.loader.exec_module(compiled)
+    cache = compiled.cache_folder(folder / "arclength.py")
+    return cache is not None and not any(Path(cache).rglob("*.nbi"))
+
+
+def _solver_folder() -> Path | None:
+    spec = importlib.util.find_spec("solver")
+    return None if spec is None else Path(spec.origin).parent
+
+
 def compile_beside() -> subprocess.Popen | None:
     """Start the helper if no kernel has been compiled yet; call before anything imports the solver.
 
@@ -29,14 +46,19 @@ def compile_beside() -> subprocess.Popen | None:
     subprocess.Popen or None
         The helper, None where the cache is warm or the solver imported already.
     """
-    spec = importlib.util.find_spec("solver")
-    if "solver" in sys.modules or spec is None:
+    if "solver" in sys.modules or not is_cold():
         return None
-    folder = Path(spec.origin).parent
-    module = importlib.util.spec_from_file_location("_kernel_cache", folder / "compiled.py")
-    compiled = importlib.util.module_from_spec(module)
-    module.loader.exec_module(compiled)
-    cache = compiled.cache_folder(folder / "arclength.py")
-    if cache is None or any(Path(cache).rglob("*.nbi")):
-        return None
-    return subprocess.Popen([sys.executable, "-c", _HELPER, str(folder)], stdout=subprocess.DEVNULL)
+    return subprocess.Popen([sys.executable, "-c", _HELPER, str(_solver_folder())], stdout=subprocess.DEVNULL)
+
+
+def compile_all() -> None:
+    """Compile the kernels of every module of the solver, with the helper beside; nothing is done to those in the cache."""
+    import pkgutil
+
+    helper = compile_beside()
+    import solver
+
+    for module in pkgutil.walk_packages(solver.__path__, "solver."):
+        importlib.import_module(module.name)
+    if helper is not None:
+        helper.wait()

@@ -41,12 +41,16 @@ class ParameterPath:
         Parameters that it sets or that what it sets was derived from: none of them may be the other axis.
     knots : tuple of float
         Values at which `changes` is not smooth.
+    shifts : tuple of str
+        Of `uses`, parameters to which it adds what does not depend on their own value, and from which nothing else was
+        derived.
     """
 
     name: str
     changes: Callable[[Model, float], dict] = field(repr=False)
     uses: tuple[str, ...]
     knots: tuple[float, ...] = ()
+    shifts: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.name

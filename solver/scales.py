@@ -65,6 +65,7 @@ class Scales:
         unit, length, stiffness = gear.frequency_unit, gear.length_unit, gear.mesh_stiffness
         drive, load = gear.torques if gear.torque != 0.0 else gear.mean_radii
         support = gear.mass[0] * unit
+        damping = Scale(2.0 * gear.equivalent_mass * unit, "mesh damping", "N·s/m", 1.0)
         return {
             "omega": Scale(unit / gear.teeth[0], "pinion speed", "rpm", math.pi / 30.0),
             "mesh_frequency": Scale(unit / (2.0 * math.pi), "mesh frequency", "Hz", 1.0),
@@ -74,7 +75,8 @@ class Scales:
             "alpha": Scale(stiffness, "mesh stiffness amplitude", "N/µm", 1e6),
             "f_pm": Scale(drive / gear.load(drive, load), "driving torque", "N·m", 1.0),
             "f_pv": Scale(1.0 / gear.load(1.0, 0.0), "driving torque amplitude", "N·m", 1.0),
-            "xi_mesh": Scale(2.0 * gear.equivalent_mass * unit, "mesh damping", "N·s/m", 1.0),
+            "xi_mesh": damping,
+            "mesh_damping": damping,
             "xi_support": Scale(2.0 * support, "support damping of the pinion", "N·s/m", 1.0),
             "k_support": Scale(support * unit, "support stiffness of the pinion", "N/µm", 1e6),
         }

@@ -68,7 +68,7 @@ class ThermalPair:
     @property
     def path(self) -> ParameterPath:
         """The axis `temperature`."""
-        return ParameterPath("temperature", self.changes, _USES, self._knots)
+        return ParameterPath("temperature", self.changes, _USES, self._knots, ("b",))
 
     def temperatures(self, difference: float) -> Temperatures:
         """The temperatures at one difference between gears and housing."""

@@ -1,23 +1,45 @@
-"""Parameter sets and reference digits that many tests use."""
+"""Parameter sets and reference digits that many tests use.
 
+The solver is imported by what needs it: the process that hands tests out should not compile its kernels.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 import yaml
 from hypothesis import settings
 
-from solver import Model
-
 # The same examples in every run: a test that fails once fails again, and no folder of examples is left behind.
 settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)
 settings.load_profile("bevelmap")
+
+if TYPE_CHECKING:
+    from solver import Model
+
+_ROOT = Path(__file__).parents[1]
+
+
+def pytest_configure(config):
+    """Compile all kernels once before several test processes would each compile them."""
+    controls = getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput")
+    if controls and not config.option.collectonly:
+        code = "from pipeline.warmup import compile_all, is_cold; is_cold() and compile_all()"
+        subprocess.run([sys.executable, "-c", code], cwd=_ROOT, check=True)
+
 
 REFERENCE = Path(__file__).parent / "reference"
 
 
 def published(**changes) -> Model:
     """The default parameter set, written out here so that conf/ is checked against it."""
+    from solver import Model
+
     values = dict(
         b=1.0, alpha=0.2, f_e=0.2, f_pm=0.5, kappa=0.5, xi_mesh=0.05, xi_translation=0.0125, xi_support=0.01,
         k_support=1.0, pitch_cone_angle=45.0, pressure_angle=20.0, translation_coupling=0.3173,

@@ -53,25 +53,30 @@ def draw(
     list of Path
         map, map-window, curves, verification and backbone, each in all formats. The verification is drawn where the
         store has one. The backbone is left out where the plane's rows do not run over the mesh frequency, or without
-        mean load.
+        mean load. Of a volume, layers: the maps of up to nine layers.
 
     Raises
     ------
     ConfigurationError
         If the options are not allowed for this plane, or there is no store of ours.
     """
-    check_options(read_plan(store_path), curves, formats, dpi, window, stability, units)
+    plan = read_plan(store_path)
+    check_options(plan, curves, formats, dpi, window, stability, units)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
+        if plan.parameter2 is not None:
+            return _draw_layers(store_path, folder, formats, dpi, stability == "dynamic")
         return _draw(store_path, folder, curves, formats, dpi, window, stability, units, only)
 
 
-def draw_design(store_path: Path, folder: Path, answer, formats: list[str], dpi: int) -> list[Path]:
+def draw_design(
+    store_path: Path, folder: Path, answer, formats: list[str], dpi: int, units: str = "dimensionless"
+) -> list[Path]:
     """Draw a design point with its margins on the map of its plane, as `margins` in all formats.
 
     Parameters
     ----------
-    store_path, folder, formats, dpi
+    store_path, folder, formats, dpi, units
         As for `draw`.
     answer : pipeline.margins.Answer
     """
@@ -83,7 +88,7 @@ def draw_design(store_path: Path, folder: Path, answer, formats: list[str], dpi:
         from pipeline.figures.output import write_figure
         from pipeline.figures.stored import read_stored
 
-        plane = read_stored(store_path)
+        plane = read_stored(store_path, physical=units == "physical")
         with style.context(_STYLE, after_reset=True):
             return write_figure(draw_margins(plane, answer), plane, folder, "margins", formats, dpi)
 
@@ -134,3 +139,15 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability, units, on
             if only is None or name in only:
                 paths += write_figure(drawn(), plane, folder, name, formats, dpi)
     return paths
+
+
+def _draw_layers(store_path, folder, formats, dpi, dynamic) -> list[Path]:
+    from matplotlib import style
+
+    from pipeline.figures.output import write_figure
+    from pipeline.figures.volume import draw_volume, read_layers
+
+    layers = read_layers(store_path, dynamic)
+    (first, *_) = layers.values()
+    with style.context(_STYLE, after_reset=True):
+        return write_figure(draw_volume(store_path, layers), first, folder, "layers", formats, dpi)

@@ -40,17 +40,15 @@ from pipeline.figures.map_legend import (
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import label_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
-from pipeline.figures.physical_axes import LIFT, show_units, titled
+from pipeline.figures.physical_axes import lift, show_units, spare, titled
 from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
 from pipeline.store import FAILED
 
-__all__ = ["draw_map", "draw_window", "fill", "with_main_panel"]
+__all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel"]
 
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
-#: Inches that an axis at the right of a panel takes.
-_ASIDE = 0.42
 
 
 def draw_map(plane: StoredPlane) -> Figure:
@@ -69,12 +67,12 @@ def draw_map(plane: StoredPlane) -> Figure:
     sweep = plane.plan.sweep
     zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
     whole = panel_of(plane)
-    below = ZOOM_HEIGHT + BETWEEN + _lift(plane) if zooms else 0.0
+    below = ZOOM_HEIGHT + BETWEEN + lift(plane) if zooms else 0.0
     figure, main, labels = with_main_panel(plane, [whole, *zooms], below, True)
     height = figure.get_figheight()
     if zooms:
         titled(main, plane, "(a)")
-    for i, (panel, place) in enumerate(zip(zooms, zoom_places(len(zooms), _spare(plane)), strict=True)):
+    for i, (panel, place) in enumerate(zip(zooms, zoom_places(len(zooms), spare(plane)), strict=True)):
         axes = figure.add_axes(shares_of(place, height), sharey=main)
         fill(axes, panel, plane)
         titled(axes, plane, f"({'bc'[i]})")
@@ -83,7 +81,7 @@ def draw_map(plane: StoredPlane) -> Figure:
         axes.locator_params(axis="x", nbins=6)
         names = (plane.plan.sweep.name, plane.plan.parameter.name)
         show_units(axes, plane, *names, sides="bt" + "l" * (i == 0) + "r" * (i == len(zooms) - 1))
-        mark_window(main, panel.x, "bc"[i], _lift(plane) / (main.get_position().height * height))
+        mark_window(main, panel.x, "bc"[i], lift(plane) / (main.get_position().height * height))
     return figure
 
 
@@ -115,9 +113,9 @@ def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, share
     entries = [*_entries(plane, panels, shares), *further]
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + below
-    height = bottom + tall + TOP + _lift(plane)
+    height = bottom + tall + TOP + lift(plane)
     figure = Figure((WIDTH, height))
-    axes = figure.add_axes(shares_of((LEFT, bottom, PANEL - _spare(plane), tall), height))
+    axes = figure.add_axes(shares_of((LEFT, bottom, PANEL - spare(plane), tall), height))
     fill(axes, panels[0], plane)
     fixed = fixed_parameters(plane.plan, plane.scales)
     figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed, ha="right", va="top", fontsize=8)
@@ -129,25 +127,15 @@ def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, share
     return figure, axes, labels
 
 
-def _lift(plane: StoredPlane) -> float:
-    """Inches for an axis above a panel."""
-    return 0.0 if plane.scales is None else LIFT
-
-
-def _spare(plane: StoredPlane) -> float:
-    """Inches for an axis at the right of a panel."""
-    return 0.0 if plane.scales is None or plane.plan.parameter.name not in plane.scales else _ASIDE
-
-
 def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entry]:
     shown = np.unique(np.concatenate([np.unique(panel.code) for panel in panels]))
     lines = {kind for panel in panels for kind in panel.lines}
     marks = {kind for panel in panels for kind in panel.marks}
-    modes = np.any([_modes_within(plane, panel) for panel in panels], axis=0)
+    modes = np.any([modes_within(plane, panel) for panel in panels], axis=0)
     return legend_entries(plane, [int(code) for code in shown if code], lines, marks, modes, shares)
 
 
-def _modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
+def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
     """Which of the two natural frequencies a panel shows, (2,) bool."""
     if not plane.over_frequency:
         return np.zeros(2, dtype=bool)

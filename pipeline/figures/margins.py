@@ -9,6 +9,7 @@ from pipeline.figures.layout import BETWEEN, ZOOM_HEIGHT, mark_window, shares_of
 from pipeline.figures.map import fill, with_main_panel
 from pipeline.figures.map_legend import Entry
 from pipeline.figures.panels import panel_of
+from pipeline.figures.physical_axes import lift, show_units, spare, titled
 from pipeline.figures.stored import StoredPlane
 
 __all__ = ["draw_margins"]
@@ -47,17 +48,19 @@ def draw_margins(plane: StoredPlane, answer) -> Figure:
     """
     window = _window(plane, answer, _hits(answer)) or _window(plane, answer, [])
     panels = [panel_of(plane)] + ([panel_of(plane, *window)] if window else [])
-    below = ZOOM_HEIGHT + BETWEEN if window else 0.0
+    below = ZOOM_HEIGHT + BETWEEN + lift(plane) if window else 0.0
     figure, main, labels = with_main_panel(plane, panels, below, False, _entries(answer))
     _mark(main, answer)
     if window:
-        main.set_title("(a)")
-        axes = figure.add_axes(shares_of(zoom_places(1)[0], figure.get_figheight()))
+        height = figure.get_figheight()
+        titled(main, plane, "(a)")
+        axes = figure.add_axes(shares_of(zoom_places(1, spare(plane))[0], height))
         fill(axes, panels[1], plane)
-        axes.set_title("(b)")
+        titled(axes, plane, "(b)")
         axes.set(xlabel=labels[0], ylabel=labels[1], xlim=window[0], ylim=window[1])
         _mark(axes, answer)
-        mark_window(main, window[0], "b")
+        show_units(axes, plane, plane.plan.sweep.name, plane.plan.parameter.name)
+        mark_window(main, window[0], "b", lift(plane) / (main.get_position().height * height))
     return figure
 
 

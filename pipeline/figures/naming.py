@@ -17,6 +17,7 @@ _SYMBOLS = {
     "f_pv": "f_{pv}",
     "kappa": r"\kappa_g",
     "xi_mesh": r"\xi_h",
+    "mesh_damping": r"\xi_h",
     "xi_translation": r"\xi_{hg}",
     "xi_support": r"\xi_j",
     "k_support": "k_j",
@@ -62,10 +63,10 @@ def value_text(name: str, value: float, scales: Scales | None = None) -> str:
 def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:
     """The parameters that a reader asks for first, as far as the plane holds them fixed; over temperature, those of the
     reference."""
-    model = frame_of(plan)[0]
+    model = frame_of(plan if plan.parameter2 is None else plan.layer(0))[0]
     values = {"omega": plan.omega, "b": model.b, "alpha": model.alpha, "f_e": model.f_e, "f_pm": model.f_pm}
     if model.f_pv:
         values["f_pv"] = model.f_pv
-    axes = {plan.parameter.name, plan.sweep.name}
+    axes = {axis.name for axis in plan.axes}
     shown = ",  ".join(value_text(k, v, scales) for k, v in values.items() if k not in axes and v is not None)
     return shown if plan.thermal is None else f"at {value_text(TEMPERATURE, 0.0)}:  {shown}"

@@ -43,6 +43,13 @@ def check_options(
         One line that names the key, its value and what is allowed.
     """
     row = plan.parameter
+    if plan.parameter2 is not None:
+        for key, value, usual in (("curves", curves, None), ("window", window, None), ("units", units, UNITS[0])):
+            if value != usual:
+                raise ConfigurationError(
+                    f"figures.{key} = {value} is not allowed for a volume: with plane.layer=VALUE, a value of "
+                    f"{plan.parameter2.name}, it is drawn of the plane of that layer"
+                )
     if curves is not None and not curves:
         raise ConfigurationError("figures.curves = [] is not allowed: it must be null or hold at least one value")
     for value in curves or []:

@@ -5,11 +5,23 @@ from matplotlib.axes import Axes
 from pipeline.figures.naming import symbol
 from pipeline.figures.stored import StoredPlane
 
-__all__ = ["LIFT", "show_bar_units", "show_units", "titled"]
+__all__ = ["LIFT", "lift", "show_bar_units", "show_units", "spare", "titled"]
 
 #: Inches that an axis above a panel takes, and points.
 LIFT = 0.36
 _LIFT_POINTS = 72.0 * LIFT
+#: Inches that an axis at the right of a panel takes.
+_ASIDE = 0.42
+
+
+def lift(plane: StoredPlane) -> float:
+    """Inches for an axis above the panels of a map."""
+    return LIFT if plane.scales is not None and plane.plan.sweep.name in plane.scales else 0.0
+
+
+def spare(plane: StoredPlane) -> float:
+    """Inches for an axis at the right of the panels of a map."""
+    return _ASIDE if plane.scales is not None and plane.plan.parameter.name in plane.scales else 0.0
 
 
 def titled(axes: Axes, plane: StoredPlane, text: str, below_axis: bool = False) -> None:

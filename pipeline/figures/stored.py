@@ -110,8 +110,9 @@ class StoredPlane:
         return pieces_of_row(points, backlash)
 
 
-def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:
-    """Read a store, labels by static or by dynamic stability, with scales if it is to be shown in physical units.
+def read_stored(path: Path, dynamic: bool = False, physical: bool = False, layer: int | None = None) -> StoredPlane:
+    """Read a store, or of a volume one layer, labels by static or by dynamic stability, with scales if it is to be shown in
+    physical units.
 
     Raises StoreError as `pipeline.store.read_plan` does.
     """
@@ -119,6 +120,9 @@ def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> St
     # Plain arrays are wanted at once: dask would only cost time.
     plane = xr.open_zarr(path, chunks=None)
     branches = xr.open_zarr(path, group="branches", chunks=None)
+    if layer is not None:
+        plane, branches = (part.isel({plan.parameter2.name: layer}) for part in (plane, branches))
+        plan = plan.layer(layer)
     n_points = branches["n_points"].values
     used = slice(int(n_points.max(initial=0)))
     points = {name: branches[name][:, used].values for name in _POINT_ARRAYS}

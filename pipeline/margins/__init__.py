@@ -36,7 +36,7 @@ def run(job, reporter) -> int:
     folder = settings.output_root / "margins"
     sheets = write_sheets(found, folder, name)
     drawn = settings.output_root / "figures" / name
-    paths = figures.draw_design(path, drawn, found, options.formats, options.dpi)
+    paths = figures.draw_design(path, drawn, found, options.formats, options.dpi, options.units)
     for there, files in ((folder, sheets), (drawn, paths)):
         reporter.line(f"margins: {', '.join(file.name for file in files)} in {there.resolve()}")
     reporter.line(f"margins: {len(found.margins)} distances, {len(found.corners)} sets of tolerances "

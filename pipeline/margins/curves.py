@@ -8,13 +8,17 @@ import numpy as np
 
 from pipeline.boundaries.arcs import Arcs
 from pipeline.boundaries.events import GRAZINGS_AND_FOLDS
-from pipeline.boundaries.tracing import first_order_curves
+from pipeline.boundaries.tracing import first_order_curves, to_store
 from pipeline.margins.lines import swept
 from pipeline.plan import Axis, Plan
+from pipeline.sweep import row_axis
 from solver import Event
 from solver.boundaries import BoundaryCurve
 
-__all__ = ["Boundaries", "boundaries_of", "traced"]
+__all__ = ["Boundaries", "boundaries_of", "crossed", "part_of", "traced"]
+
+#: Rows between which boundaries of a column are sought that cannot be swept itself.
+_ROWS = 9
 
 #: x and p among the components of a boundary's points.
 X, P = 3, 4
@@ -73,6 +77,12 @@ def boundaries_of(curves) -> Boundaries:
     return Boundaries(arcs, kinds[flags])
 
 
+def part_of(plan: Plan, x: tuple[float, float], p: tuple[float, float], rows: int = 2) -> Plan:
+    """A part of a plane with so many rows and columns."""
+    sweep, parameter = Axis(plan.sweep.name, *x, rows), Axis(plan.parameter.name, *p, rows)
+    return dataclasses.replace(plan, sweep=sweep, parameter=parameter)
+
+
 def traced(
     plan: Plan, x: tuple[float, float], p: tuple[float, float], rows: int
 ) -> tuple[Plan, tuple[BoundaryCurve, ...]]:
@@ -84,7 +94,7 @@ def traced(
         Its gear and axes; how many rows and columns it has does not matter.
     x, p : (low, high)
     rows : int
-        Rows and columns that are swept, both borders among them.
+        Rows and columns that are swept, both borders among them; where the row parameter is a path, rows alone.
 
     Returns
     -------
@@ -92,15 +102,24 @@ def traced(
         Of the part.
     tuple of BoundaryCurve
     """
-    window = dataclasses.replace(
-        plan, sweep=Axis(plan.sweep.name, *x, rows), parameter=Axis(plan.parameter.name, *p, rows)
-    )  # fmt: skip
-    starts = []
+    window, starts = part_of(plan, x, p, rows), []
     for value in window.parameter.values:
         points, kinds = swept(window, window.sweep.name, x, x[0], float(value))
         starts += [(Event(int(kind)), np.append(point, value)) for kind, point in zip(kinds, points, strict=True)]
-    for value in window.sweep.values:
+    # Nothing is swept along a path: its columns add nothing.
+    for value in window.sweep.values if isinstance(row_axis(plan), str) else ():
         points, kinds = swept(window, window.parameter.name, p, float(value), p[0])
         along = np.column_stack([points[:, :3], np.full(len(points), value), points[:, 3]])
         starts += [(Event(int(kind)), point) for kind, point in zip(kinds, along, strict=True)]
     return window, first_order_curves(window, starts)
+
+
+def crossed(
+    plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where one of the plane's axes meets boundaries on its way through a place, and their kinds."""
+    if axis == plan.sweep.name or isinstance(row_axis(plan), str):
+        points, kinds = swept(plan, axis, ends, x, p)
+        return points[:, 3], kinds
+    _, curves = traced(plan, (plan.sweep.low, plan.sweep.high), ends, _ROWS)
+    return boundaries_of([to_store(curve) for curve in curves]).along(X, x)

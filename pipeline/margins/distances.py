@@ -10,6 +10,7 @@ from pipeline.margins.curves import P, X, Boundaries, boundaries_of, traced
 from pipeline.margins.lines import Line, codes_along, divided, swept
 from pipeline.margins.options import Design, nominal_value
 from pipeline.plan import Axis, Plan
+from pipeline.sweep import model_at
 from solver import Event
 
 __all__ = ["Margin", "across", "further_axis", "margins_of_axis", "margins_of_further", "nearest_over_range"]
@@ -128,13 +129,10 @@ def margins_of_further(plan: Plan, design: Design, name: str) -> list[Margin]:
 
 def across(plan: Plan, design: Design, axis: Axis) -> Plan:
     """The plane of the swept axis and of a parameter that is no axis, the row parameter being that of the point."""
-    gear = {key: value for key, value in plan.gear.items() if key != axis.name}
-    omega = None if axis.name == "omega" else plan.omega
-    if plan.parameter.name == "omega":
-        omega = design.p
-    else:
-        gear[plan.parameter.name] = design.p
-    return dataclasses.replace(plan, gear=gear, parameter=axis, omega=omega)
+    model = dataclasses.asdict(model_at(plan, design.p, design.x))
+    gear = {key: value for key, value in model.items() if key not in (axis.name, plan.sweep.name)}
+    omega = design.p if plan.parameter.name == "omega" else plan.omega
+    return dataclasses.replace(plan, gear=gear, parameter=axis, omega=None if axis.name == "omega" else omega, thermal=None)
 
 
 def nearest_over_range(boundaries: Boundaries, plan: Plan, design: Design, value: float) -> list[Margin]:

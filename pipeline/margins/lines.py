@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.plan import Plan
-from pipeline.sweep import continuation_of, model_at, seeds_of
+from pipeline.sweep import continuation_of, frame_of, model_at, seeds_of
 from solver import Event, sweep_row
 from solver.boundaries import row_events
 from solver.boundaries.labelling import row_codes
@@ -69,11 +69,16 @@ def codes_along(
 
     The code is 0 where the solutions are not proven to be all.
     """
-    other, value = (plan.parameter, p) if axis == plan.sweep.name else (plan.sweep, x)
-    omega = None if "omega" in (axis, other.name) else _frequency(plan, x, p)
-    plane = Plane(model_at(plan, p, x), axis, other.name, ends, (other.low, other.high), omega)
     ceiling = float(plan.solver["amplitude_max"])
-    return lambda places: row_codes(plane, value, np.asarray(places, dtype=float), ceiling)
+    if axis in (plan.sweep.name, plan.parameter.name):
+        omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
+        plane = Plane(*frame_of(plan), omega)
+        if axis == plan.sweep.name:
+            return lambda places: row_codes(plane, p, np.asarray(places, dtype=float), ceiling)
+        return lambda places: np.concatenate([row_codes(plane, float(p), np.array([x]), ceiling) for p in places])
+    omega = None if "omega" in (axis, plan.sweep.name) else _frequency(plan, x, p)
+    plane = Plane(model_at(plan, p, x), axis, plan.sweep.name, ends, (plan.sweep.low, plan.sweep.high), omega)
+    return lambda places: row_codes(plane, x, np.asarray(places, dtype=float), ceiling)
 
 
 def _frequency(plan: Plan, x: float, p: float) -> float:

@@ -5,10 +5,11 @@ import math
 from dataclasses import dataclass, field
 
 from pipeline.errors import ConfigurationError
+from pipeline.physical import place_of, scales_of
 from pipeline.plan import Axis, Plan
 from pipeline.schema import Margins
-from pipeline.sweep import model_at
-from solver import SCALAR_PARAMETERS, ParameterError
+from pipeline.sweep import model_at, row_axis
+from solver import SCALAR_PARAMETERS, ParameterError, Scales
 
 __all__ = ["Design", "design_of", "nominal_value", "replaced"]
 
@@ -52,23 +53,24 @@ def design_of(options: Margins, plan: Plan) -> Design:
     ConfigurationError
         One line that names the key, its value and what is allowed.
     """
-    axes = (plan.sweep, plan.parameter)
-    x, p = _point(options.point, axes)
-    low, high = _range(options.range, plan.sweep, x)
+    axes, scales = (plan.sweep, plan.parameter), scales_of(plan)
+    x, p = _point(options.point, axes, scales)
+    low, high = _range(options.range, plan.sweep, x, scales)
     tolerances = options.tolerances or {}
     if not isinstance(tolerances, dict):
         raise _refused("tolerances", tolerances, "numbers by name, such as {f_e: 0.02}")
     allowed = "a number, at least 0"
-    read = {name: _number(f"tolerances.{name}", size, name, allowed) for name, size in tolerances.items()}
+    names = dict.fromkeys(("omega", *SCALAR_PARAMETERS, plan.parameter.name))
+    for name in tolerances:
+        if name not in names:
+            raise ConfigurationError(f"margins.tolerances.{name} is not allowed: it must be one of {', '.join(names)}")
+    read = {name: _number(f"tolerances.{name}", size, name, allowed, scales) for name, size in tolerances.items()}
     for name, size in read.items():
         if size < 0.0:
-            raise _refused(f"tolerances.{name}", size, "a number, at least 0")
-        if name not in ("omega", *SCALAR_PARAMETERS):
-            names = ", ".join(("omega", *SCALAR_PARAMETERS))
-            raise ConfigurationError(f"margins.tolerances.{name} is not allowed: it must be one of {names}")
-        value = {plan.sweep.name: x, plan.parameter.name: p}.get(name)
-        if value is None:
-            _check_further(name, size, plan, x, p)
+            raise _refused(f"tolerances.{name}", tolerances[name], "a number, at least 0")
+        if name not in (plan.sweep.name, plan.parameter.name):
+            row = float(read.get(plan.parameter.name, 0.0))
+            _check_further(name, size, tolerances[name], plan, x, (p - row, p, p + row))
     spread, tolerance = read.pop(plan.sweep.name, 0.0), read.pop(plan.parameter.name, 0.0)
     for axis, value, size in ((plan.sweep, x, spread), (plan.parameter, p, tolerance)):
         if not axis.low <= value - size <= value + size <= axis.high:
@@ -83,52 +85,66 @@ def design_of(options: Margins, plan: Plan) -> Design:
     return Design(x, p, min(low, x - spread), max(high, x + spread), tolerance, read, float(options.reach))
 
 
-def _point(given, axes: tuple[Axis, Axis]) -> tuple[float, float]:
+def _point(given, axes: tuple[Axis, Axis], scales: Scales | None) -> tuple[float, float]:
     names = [axis.name for axis in axes]
     allowed = f"[{', '.join(names)}] within " + ", ".join(f"{a.name} = {a.low:g} ... {a.high:g}" for a in axes)
     if isinstance(given, dict) and sorted(given) == sorted(names):
         given = [given[name] for name in names]
     if not isinstance(given, list) or len(given) != 2:
         raise _refused("point", given, allowed)
-    point = [_number("point", value, name, allowed) for name, value in zip(names, given, strict=True)]
+    point = [_number("point", value, name, allowed, scales) for name, value in zip(names, given, strict=True)]
     if not all(axis.low <= value <= axis.high for axis, value in zip(axes, point, strict=True)):
         raise _refused("point", given, allowed)
     return point[0], point[1]
 
 
-def _range(given, axis: Axis, x: float) -> tuple[float, float]:
+def _range(given, axis: Axis, x: float, scales: Scales | None) -> tuple[float, float]:
     if given is None:
         return x, x
     allowed = f"null or [{axis.name} low, {axis.name} high] around {x:g} within {axis.low:g} ... {axis.high:g}"
     if not isinstance(given, list) or len(given) != 2:
         raise _refused("range", given, allowed)
-    low, high = (_number("range", value, axis.name, allowed) for value in given)
+    low, high = (_number("range", value, axis.name, allowed, scales) for value in given)
     if not axis.low <= low <= x <= high <= axis.high:
         raise _refused("range", given, allowed)
     return low, high
 
 
-def _number(key: str, given, name: str, allowed: str) -> float:
-    """A value of parameter `name` as the user wrote it: the one place where values of designs are read."""
+def _number(key: str, given, name: str, allowed: str, scales: Scales | None) -> float:
+    """A value of parameter `name` as the user wrote it, with or without a unit: the one place where they are read."""
+    if isinstance(given, str) and scales is not None:
+        return place_of(f"margins.{key}", name, given, scales)
     if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
         raise _refused(key, given, allowed)
     return float(given)
 
 
-def _check_further(name: str, size: float, plan: Plan, x: float, p: float) -> None:
-    """Raise unless a parameter that is no axis has one value, and may have those at the ends of its tolerance."""
+def _check_further(name: str, size: float, given, plan: Plan, x: float, rows: tuple[float, float, float]) -> None:
+    """Raise unless a parameter that is no axis has one value in the middle row, and may have those at the ends of its
+    tolerance in all three."""
+    key, p = f"tolerances.{name}", rows[1]
     try:
         value = nominal_value(plan, x, p, name)
     except ValueError:
-        raise _refused(f"tolerances.{name}", size, "left out: this gear has several values of it") from None
+        raise _refused(key, given, "left out: this gear has several values of it") from None
+    if name in _moved(plan) and name not in row_axis(plan).shifts:
+        raise _refused(key, given, f"left out: {name} varies with {plan.parameter.name}, its tolerance with it")
     for end in (value - size, value + size):
         try:
             if name == "omega" and not end > 0.0:
                 raise ParameterError(name, end, "a finite number above 0")
-            replaced(plan, {name: end}, x, p)
+            changed = replaced(plan, {name: end}, x, p)
+            for row in rows:
+                model_at(changed, row, x)
         except ParameterError as error:
-            allowed = f"so small that {name} = {value:g} +- it stays {error.allowed}"
-            raise _refused(f"tolerances.{name}", size, allowed) from None
+            stays = f"it leaves {error.name} =" if error.name == plan.parameter.name else "it stays"
+            raise _refused(key, given, f"so small that {name} = {value:g} +- {stays} {error.allowed}") from None
+
+
+def _moved(plan: Plan) -> tuple[str, ...]:
+    """Parameters that are no axis and that the row parameter moves."""
+    axis = row_axis(plan)
+    return () if isinstance(axis, str) else axis.uses
 
 
 def nominal_value(plan: Plan, x: float, p: float, name: str) -> float:
@@ -142,8 +158,12 @@ def nominal_value(plan: Plan, x: float, p: float, name: str) -> float:
 
 
 def replaced(plan: Plan, values: dict[str, float], x: float, p: float) -> Plan:
-    """The same plane with parameters that are no axis changed; raises ParameterError if (x, p) does not allow it."""
+    """The same plane with parameters that are no axis changed to values that they have at (x, p); raises ParameterError
+    if (x, p) does not allow it."""
     gear = {**plan.gear, **{name: value for name, value in values.items() if name != "omega"}}
+    for name in values.keys() & set(_moved(plan)):
+        # The reference is moved by as much.
+        gear[name] = plan.gear[name] + (values[name] - nominal_value(plan, x, p, name))
     changed = dataclasses.replace(plan, gear=gear, omega=values.get("omega", plan.omega))
     model_at(changed, p, x)
     return changed

@@ -6,8 +6,9 @@ import io
 from pipeline.margins.answer import SAFE, Answer
 from pipeline.margins.distances import Margin
 from pipeline.margins.worst import severity
+from pipeline.physical import scales_of
 from pipeline.store import axis_attributes
-from solver import Event, domain_label
+from solver import Event, Scales, domain_label
 
 __all__ = ["lines", "markdown", "tidy"]
 
@@ -20,10 +21,12 @@ KINDS = {
     Event.MAX_AT_BACK: "grazing, back flanks begin to part",
     Event.NONE: "amplitude ceiling",
 }
+#: What CSV gives in physical units besides, where the gear has them.
+_MEASURED = ("value", "low", "high", "distance")
 _MARGIN_HEADINGS = ("parameter", "unit", "of", "direction", "distance", "boundary")
 _FIELDS = (
     "item", "parameter", "unit", "of", "direction", "value", "low", "high", "distance", "boundary", "at", "label",
-    "labels", "share",
+    "labels", "share", "physical_unit", *(f"physical_{name}" for name in _MEASURED),
 )  # fmt: skip
 
 
@@ -32,8 +35,26 @@ def tidy(answer: Answer) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, fieldnames=_FIELDS, restval="", lineterminator="\n")
     writer.writeheader()
-    writer.writerows({key: _exact(value) for key, value in record.items()} for record in _records(answer))
+    scales = scales_of(answer.plan)
+    records = (_with_physical(record, scales) for record in _records(answer))
+    writer.writerows({key: _exact(value) for key, value in record.items()} for record in records)
     return text.getvalue()
+
+
+def _with_physical(record: dict, scales: Scales | None) -> dict:
+    """A record of CSV with its numbers in the unit of the gear as well."""
+    name = record.get("parameter")
+    if scales is None or name not in scales:
+        return record
+    measured = {f"physical_{key}": record[key] * scales[name].shown for key in _MEASURED if key in record}
+    return {**record, "physical_unit": scales[name].unit, **measured}
+
+
+def _shown(name: str, value: float, scales: Scales | None) -> str:
+    """A value or a distance to six digits, with the unit of the gear where it has one: "0.9 (2650 rpm)"."""
+    if scales is None or name not in scales:
+        return f"{value:.6g}"
+    return f"{value:.6g} ({value * scales[name].shown:.5g} {scales[name].unit})"
 
 
 def _exact(value) -> str:
@@ -82,29 +103,31 @@ def _worst(answer: Answer) -> str:
 def markdown(answer: Answer, name: str) -> str:
     """The answers for a reader, numbers to six digits."""
     design, sweep, parameter = answer.design, answer.plan.sweep.name, answer.plan.parameter.name
-    parts = [f"# Margins of {sweep} = {design.x:.6g}, {parameter} = {design.p:.6g} in {name}"]
+    scales = scales_of(answer.plan)
+    x, p = _shown(sweep, design.x, scales), _shown(parameter, design.p, scales)
+    parts = [f"# Margins of {sweep} = {x}, {parameter} = {p} in {name}"]
     if answer.label:
         parts.append(f"Label at the design point: **{answer.label}**.")
     if design.low < design.high:
-        rows = [[f"{one.low:.6g}", f"{one.high:.6g}", domain_label(one.code) or "-"]
+        rows = [[_shown(sweep, one.low, scales), _shown(sweep, one.high, scales), domain_label(one.code) or "-"]
                 for one in answer.row.within(design.low, design.high)]  # fmt: skip
-        parts += [f"## Labels of the operating range, at {parameter} = {design.p:.6g}",
+        parts += [f"## Labels of the operating range, at {parameter} = {p}",
                   _pipes([f"{sweep} from", "to", "label"], rows)]  # fmt: skip
-    rows = [_margin_cells(margin) for margin in answer.margins]
+    rows = [_margin_cells(margin, sweep, scales) for margin in answer.margins]
     parts += ["## Distance to the nearest change of label",
               _pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]  # fmt: skip
     if answer.box is not None:
         sides = ((sweep, answer.box.x), (parameter, answer.box.p))
-        rows = [[name, f"{low:.6g}", f"{high:.6g}"] for name, (low, high) in sides]
+        rows = [[name, _shown(name, low, scales), _shown(name, high, scales)] for name, (low, high) in sides]
         title = f"Largest safe box: all {SAFE}" if answer.label else "Largest box free of boundaries"
         title += f", {100.0 * answer.box.area:.4g} % of the plane"
         parts += [f"## {title}", _pipes(["parameter", "from", "to"], rows)]
     if answer.corners:
-        rows = [[", ".join(f"{key} = {value:.6g}" for key, value in one.values.items()) or "nominal",
+        rows = [[", ".join(f"{key} = {_shown(key, value, scales)}" for key, value in one.values.items()) or "nominal",
                  ", ".join(one.labels)]
                 for one in answer.corners]  # fmt: skip
-        where = f"{sweep} = {design.low:.6g} ... {design.high:.6g}, "
-        where += f"{parameter} = {design.p:.6g} ± {design.tolerance:.6g}"
+        where = f"{sweep} = {_shown(sweep, design.low, scales)} ... {_shown(sweep, design.high, scales)}, "
+        where += f"{parameter} = {p} ± {_shown(parameter, design.tolerance, scales)}"
         parts += [f"## Labels over {where}, the worst first", _pipes(["further parameters", "labels"], rows),
                   f"Worst label within the tolerances: **{_worst(answer)}**."]  # fmt: skip
     if answer.notes:
@@ -112,12 +135,13 @@ def markdown(answer: Answer, name: str) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _margin_cells(margin: Margin) -> list[str]:
+def _margin_cells(margin: Margin, sweep: str, scales: Scales | None) -> list[str]:
     cells = [margin.name, _unit(margin.name), _of(margin), "up" if margin.upward else "down"]
     if margin.place is None:
-        return [*cells, f"none {'up' if margin.upward else 'down'} to {margin.limit:.6g}", "", "", ""]
+        return [*cells, f"none {'up' if margin.upward else 'down'} to {_shown(margin.name, margin.limit, scales)}", "", "", ""]
     beyond = domain_label(margin.beyond) or "-"
-    return [*cells, f"{margin.distance:.6g}", KINDS[margin.kind], f"{margin.at:.6g}", beyond]
+    distance, at = _shown(margin.name, margin.distance, scales), _shown(sweep, margin.at, scales)
+    return [*cells, distance, KINDS[margin.kind], at, beyond]
 
 
 def _pipes(headings: list[str], rows: list[list[str]]) -> str:
@@ -127,21 +151,26 @@ def _pipes(headings: list[str], rows: list[list[str]]) -> str:
 def lines(answer: Answer) -> list[str]:
     """The answers as aligned lines for the terminal."""
     design, sweep, parameter = answer.design, answer.plan.sweep.name, answer.plan.parameter.name
-    found = [f"  label at {sweep} = {design.x:.6g}, {parameter} = {design.p:.6g}: {answer.label or 'not known'}"]
+    scales = scales_of(answer.plan)
+    x, p = _shown(sweep, design.x, scales), _shown(parameter, design.p, scales)
+    found = [f"  label at {sweep} = {x}, {parameter} = {p}: {answer.label or 'not known'}"]
     if design.low < design.high and answer.label:
         parts = answer.row.within(design.low, design.high)
-        told = ", ".join(f"{domain_label(one.code)} {one.low:.6g} ... {one.high:.6g}" for one in parts)
+        told = ", ".join(f"{domain_label(one.code)} {_shown(sweep, one.low, scales)} ... {_shown(sweep, one.high, scales)}"
+                         for one in parts)  # fmt: skip
         found.append(f"  labels of the range: {told}")
     table = [[name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
-             for name, _, of, direction, distance, kind, at, beyond in map(_margin_cells, answer.margins)]  # fmt: skip
+             for name, _, of, direction, distance, kind, at, beyond in
+             (_margin_cells(margin, sweep, scales) for margin in answer.margins)]  # fmt: skip
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for row in table:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
         found.append(f"  {'  '.join(cells).rstrip()}")
     if answer.box is not None:
-        (left, right), (low, high) = answer.box.x, answer.box.p
-        found.append(f"  largest {'safe box' if answer.label else 'box free of boundaries'}: {sweep} = {left:.6g} ... "
-                     f"{right:.6g}, {parameter} = {low:.6g} ... {high:.6g}")  # fmt: skip
+        left, right = (_shown(sweep, end, scales) for end in answer.box.x)
+        low, high = (_shown(parameter, end, scales) for end in answer.box.p)
+        found.append(f"  largest {'safe box' if answer.label else 'box free of boundaries'}: {sweep} = {left} ... "
+                     f"{right}, {parameter} = {low} ... {high}")  # fmt: skip
     if answer.corners:
         found.append(f"  worst label within the tolerances: {_worst(answer)}")
     return [*found, *(f"  note: {note}" for note in answer.notes)]

@@ -3,11 +3,11 @@
 import itertools
 from dataclasses import dataclass
 
-from pipeline.margins.curves import traced
-from pipeline.margins.lines import codes_along, divided, swept
+from pipeline.margins.curves import crossed, part_of, traced
+from pipeline.margins.lines import codes_along, divided
 from pipeline.margins.options import Design, nominal_value, replaced
 from pipeline.plan import Plan
-from pipeline.sweep import model_at
+from pipeline.sweep import frame_of
 from pipeline.traits import RANKS
 from solver import ImpactState, domain_label, label_parts
 from solver.boundaries import BoundaryCurve, RegionError, Regions, regions
@@ -86,8 +86,8 @@ def labels_within(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] 
         found = set(_regions(plan, x, p, curves).labels)
     elif x[0] < x[1] or p[0] < p[1]:
         name, ends = (plan.sweep.name, x) if x[0] < x[1] else (plan.parameter.name, p)
-        points, kinds = swept(plan, name, ends, design.x, design.p)
-        line = divided(points[:, 3], kinds, ends, codes_along(plan, name, ends, design.x, design.p))
+        places, kinds = crossed(plan, name, ends, design.x, design.p)
+        line = divided(places, kinds, ends, codes_along(plan, name, ends, design.x, design.p))
         found = {domain_label(stretch.code) for stretch in line.stretches}
     else:
         codes = codes_along(plan, plan.sweep.name, (plan.sweep.low, plan.sweep.high), design.x, design.p)
@@ -98,15 +98,13 @@ def labels_within(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] 
 def _regions(plan: Plan, x, p, curves: tuple[BoundaryCurve, ...] | None) -> Regions:
     """The regions of a part of a plane."""
     ceiling = float(plan.solver["amplitude_max"])
-    names = plan.sweep.name, plan.parameter.name
-    omega = None if "omega" in names else plan.omega
+    omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
     if curves is not None:
-        model = model_at(plan, plan.parameter.low, plan.sweep.low)
-        return regions(model, *names, x, p, curves, omega=omega, amplitude_max=ceiling)
+        return regions(*frame_of(part_of(plan, x, p)), curves, omega=omega, amplitude_max=ceiling)
     for rows in _ROWS:
         window, curves = traced(plan, x, p, rows)
         try:
-            return regions(model_at(window, p[0], x[0]), *names, x, p, curves, omega=omega, amplitude_max=ceiling)
+            return regions(*frame_of(window), curves, omega=omega, amplitude_max=ceiling)
         except RegionError:
             # A boundary that lies between the rows and columns is missing.
             if rows == _ROWS[-1]:

@@ -5,19 +5,21 @@ from collections.abc import Iterator, Sequence
 import xarray as xr
 
 from pipeline.agreement import AGREES
+from pipeline.errors import StoreError
 from pipeline.numerals import percent
-from pipeline.regions import label_occurrences
+from pipeline.regions import stored_regions
 from pipeline.report.document import Bullets, Document, Grid, Heading, Listing, Paragraph, Picture
 from pipeline.report.pictures import pictures_of
 from pipeline.report.reasons import reason_of
 from pipeline.report.sources import COMPARED, STUDY_PLANES, Source
 from pipeline.report.trust import dynamic_shares, verified_grid
-from pipeline.statements import Evaluated, Planes, evaluate_all
+from pipeline.statements import STATEMENTS, Evaluated, Planes, evaluate
 from pipeline.statements.quantities import RowFolds
 from pipeline.store import read_plan
 from pipeline.tables.article import ARTICLE_TABLES
 from pipeline.tables.sheets import Sheet, class_sheet, label_sheet, measured_sheet, notes, title
 from pipeline.tables.table import build_table
+from solver.boundaries import RegionError, Regions
 
 __all__ = ["document_of"]
 
@@ -40,14 +42,16 @@ def document_of(sources: Sequence[Source]) -> Document:
         None of them missing.
     """
     study = {source.plane: source for source in sources if source.gear == "published"}
-    found = evaluate_all({plane: source.path for plane, source in study.items()})
+    # Dividing a plane into regions takes seconds, and three sections need them.
+    planes = Planes({plane: source.path for plane, source in study.items()})
+    found = tuple(evaluate(statement, planes) for statement in STATEMENTS)
     blocks = [
         *_summary(found),
         *_numbers(found),
         *_failures(found),
-        *_tables(study),
+        *_tables(study, planes),
         *_maps(study),
-        *_gears(sources),
+        *_gears(sources, planes),
         *_trust(study),
         *_making(sources),
     ]
@@ -99,10 +103,10 @@ def _failures(found: Sequence[Evaluated]) -> Iterator:
     ))  # fmt: skip
 
 
-def _tables(study: dict[str, Source]) -> Iterator:
+def _tables(study: dict[str, Source], planes: Planes) -> Iterator:
     yield Heading("Tables 1 to 3")
     for article in ARTICLE_TABLES:
-        table = build_table(article, study[article.plane].path)
+        table = build_table(article, study[article.plane].path, _divided(study[article.plane], planes))
         yield Heading(f"Table {article.number}: {title(table)}", 3)
         for sheet in (measured_sheet(table), class_sheet(table), label_sheet(table)):
             yield _grid(sheet)
@@ -129,7 +133,7 @@ def _maps(study: dict[str, Source]) -> Iterator:
             yield Picture(f"{plane}-backbone", "Backbones, and the peaks of the rows: softening.", pictures["backbone"])
 
 
-def _gears(sources: Sequence[Source]) -> Iterator:
+def _gears(sources: Sequence[Source], planes: Planes) -> Iterator:
     yield Heading("What other readings of the model change")
     yield Paragraph(
         "In the published set the stiffness varies in the translation rows only, and direction and coupling are free numbers. "
@@ -138,9 +142,12 @@ def _gears(sources: Sequence[Source]) -> Iterator:
         f"part at all. All three over {COMPARED}:"
     )
     compared = [source for source in sources if source.plane == COMPARED]
-    occurrences = {source.gear: label_occurrences(source.path, [None])[0] for source in compared}
-    labels = sorted({label for found in occurrences.values() for label in found})
-    rows = [(f"share of {label}", *(_share(occurrences[source.gear], label) for source in compared)) for label in labels]
+    divided = [_divided(source, planes) for source in compared]
+    shares = [found.shares if found else {} for found in divided]
+    labels = sorted({label for found in shares for label in found})
+    rows = [(f"share of {label}", *(percent(found[label]) if label in found else "–" for found in shares)) for label in labels]
+    if not all(divided):
+        rows.append(("", *("" if found else "its boundaries do not divide the plane" for found in divided)))
     rows.append(("folds at the default parameters", *(_folds(source.gear) for source in compared)))
     yield Grid("Shares of the plane's area by label, from the boundary curves, and folds of the default row (Ω).",
                ("", *(source.gear for source in compared)), tuple(rows))  # fmt: skip
@@ -150,8 +157,12 @@ def _gears(sources: Sequence[Source]) -> Iterator:
             yield Picture(f"{COMPARED}-{source.gear}-map", f"Solution domains of the set {source.gear}.", picture)
 
 
-def _share(found: dict, label: str) -> str:
-    return percent(sum(one.share for one in found[label])) if label in found else "–"
+def _divided(source: Source, planes: Planes) -> Regions | None:
+    """The regions of a plane; None where its boundaries do not divide it."""
+    try:
+        return planes.whole(source.plane) if source.gear == "published" else stored_regions(source.path)
+    except (StoreError, RegionError):
+        return None
 
 
 def _folds(gear: str) -> str:

@@ -1,13 +1,14 @@
 """The stages of a run, in their order: what each needs, checks and does. Checks come first and write nothing."""
 
 import os
-from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 from pipeline import store
 from pipeline.cluster import Workforce, check_cluster
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError, StoreError
+from pipeline.layers import cut, layer_of, of_layer
 from pipeline.plan import plan
 from pipeline.progress import Reporter
 from pipeline.stages import (
@@ -48,18 +49,46 @@ def prepare(settings: Settings) -> Job:
     asked = [stage for stage in (*PLANE_STAGES, *SHARED_STAGES) if job.asks(stage.name)]
     if any(stage.on_workers for stage in asked):
         check_cluster(config.cluster)
+    layered = config.plane.layer is not None
     if job.asks(sweep.STAGE.name):
         job = Job(settings, plan(settings))
     elif job.asks(debug.STAGE.name) and not job.store_path.exists():
         # A row can be looked at before there is a store.
         job = Job(settings, plan(settings))
-    elif any(stage.needs_plan and stage in PLANE_STAGES for stage in asked):
+    elif any((stage.needs_plan or layered) and stage in PLANE_STAGES for stage in asked):
         if not job.store_path.exists():
             raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
         job = Job(settings, store.read_plan(job.store_path))
+    if job.plan is not None:
+        job = _of_layer(job) if layered else _of_volume(job, asked)
     for stage in asked:
-        stage.check(job)
+        if job.asks(stage.name):
+            stage.check(job)
     return job
+
+
+def _of_layer(job: Job) -> Job:
+    """The plane of one layer; what is stored under the names of the volume and of the plane must be these."""
+    layer = layer_of(job.settings, job.plan)
+    store.check(layer.volume, job.plan)
+    found = Job(of_layer(job.settings, job.plan, layer), job.plan.layer(layer.index), layer)
+    if not job.settings.config.store.overwrite:
+        store.check(found.store_path, found.plan)
+    return found
+
+
+def _of_volume(job: Job, asked) -> Job:
+    """Of a volume, only the stages that can have one; to ask for another is a mistake, unless nobody asked."""
+    kept = [stage.name for stage in asked if stage.of_volumes or stage in SHARED_STAGES]
+    if job.plan.parameter2 is None or len(kept) == len(asked):
+        return job
+    if job.settings.overridden("stages"):
+        (refused, *_) = [stage.name for stage in asked if stage.name not in kept]
+        raise ConfigurationError(
+            f"stages = {refused!r} is not allowed for a volume: with plane.layer=VALUE, a value of "
+            f"{job.plan.parameter2.name}, it is done in the plane of that layer"
+        )
+    return replace(job, settings=replace(job.settings, config=replace(job.settings.config, stages=kept)))
 
 
 def _check_folder(key: str, folder: Path) -> None:
@@ -73,10 +102,23 @@ def _check_folder(key: str, folder: Path) -> None:
 
 def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
-    writes = any(stage.writes and job.asks(stage.name) for stage in PLANE_STAGES)
-    held = holding(job.store_path, job.settings.config.store.wait, reporter.line) if writes else nullcontext()
-    with held:
+    if job.layer is None and not any(stage.writes and job.asks(stage.name) for stage in PLANE_STAGES):
         return _run(PLANE_STAGES, job, workforce, reporter)
+    with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
+        store.remove_left_overs(job.store_path)
+        # What was checked before a wait may have become another store.
+        job = prepare(job.settings) if waited else job
+        _cut(job, reporter)
+        return _run(PLANE_STAGES, job, workforce, reporter)
+
+
+def _cut(job: Job, reporter: Reporter) -> None:
+    """Take the layer out of its volume, where there is one and that has not been done."""
+    anew = job.settings.config.store.overwrite and job.asks(sweep.STAGE.name)
+    if job.layer is None or job.store_path.exists() or not job.layer.volume.exists() or anew:
+        return
+    cut(job.layer, job.store_path, job.plan, job.settings.store_name, job.settings.yaml())
+    reporter.line(f"layer: {job.settings.store_name} taken out of {job.layer.volume} into {job.store_path}")
 
 
 def run_shared_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:

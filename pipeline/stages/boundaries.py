@@ -2,9 +2,9 @@
 
 from time import perf_counter
 
-
 import numpy as np
 
+from pipeline import store
 from pipeline.cluster import Workforce
 from pipeline.progress import Reporter
 from pipeline.stages.job import Job, note_unfinished
@@ -22,6 +22,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     try:
         summary = boundaries.trace(path, plan)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        if store.damage_error(path, error) is not None:
+            raise
         reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
         return 1
     folder = job.settings.output_root / "boundaries"

@@ -51,4 +51,4 @@ def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return compute(Job(job.settings, plan), store.pending_blocks(job.store_path, plan), workforce, reporter)
 
 
-STAGE = Stage("check", _run, on_workers=True, writes=True, needs_plan=False)
+STAGE = Stage("check", _run, on_workers=True, writes=True, needs_plan=False, of_volumes=True)

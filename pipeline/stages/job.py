@@ -1,5 +1,6 @@
 """What a stage is given: a checked configuration and the plan of its plane; its log; and what stages say alike."""
 
+import itertools
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -8,6 +9,7 @@ import numpy as np
 
 from pipeline import store
 from pipeline.config import Settings
+from pipeline.layers import Layer
 from pipeline.plan import Plan
 from pipeline.progress import Reporter
 
@@ -16,10 +18,11 @@ __all__ = ["Job", "note_unfinished", "open_log", "say_failures", "sweep_command"
 
 @dataclass(frozen=True)
 class Job:
-    """A checked configuration with the plan of its plane (None where no stage needs one)."""
+    """A checked configuration with the plan of its plane (None where no stage needs one), which may be a volume's layer."""
 
     settings: Settings
     plan: Plan | None
+    layer: Layer | None = None
 
     @property
     def store_path(self) -> Path:
@@ -47,7 +50,10 @@ def sweep_command(settings: Settings, plane: str | None = None) -> str:
 def open_log(job: Job, reporter: Reporter) -> None:
     """Make the folder of this run with the configuration as resolved and as typed; the reporter logs into it."""
     stamp = datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
-    folder = job.settings.output_root / "runs" / job.settings.store_name / stamp
+    runs = job.settings.output_root / "runs" / job.settings.store_name
+    # A clock that was set back may show the time of an earlier run.
+    names = itertools.chain([stamp], (f"{stamp}-{number}" for number in itertools.count(2)))
+    folder = next(runs / name for name in names if not (runs / name).exists())
     folder.mkdir(parents=True)
     (folder / "config.yaml").write_text(job.settings.yaml(), encoding="utf-8")
     (folder / "overrides.txt").write_text("".join(f"{line}\n" for line in job.settings.overrides), encoding="utf-8")

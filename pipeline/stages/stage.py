@@ -32,6 +32,8 @@ class Stage:
         Whether it writes into the store, so that it must be alone there.
     needs_plan : bool
         Whether it is given the plan of the plane.
+    of_volumes : bool
+        Whether it works on a volume, and not on a plane alone.
     """
 
     name: str
@@ -40,3 +42,4 @@ class Stage:
     on_workers: bool = False
     writes: bool = False
     needs_plan: bool = True
+    of_volumes: bool = False

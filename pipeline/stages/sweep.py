@@ -9,10 +9,12 @@ import numpy as np
 from pipeline import groups, store
 from pipeline.cluster import Workforce
 from pipeline.errors import ConfigurationError
-from pipeline.plan import Block, warnings
+from pipeline.cautions import warnings
+from pipeline.plan import ROLES, Block
 from pipeline.progress import Reporter, RowProgress
 from pipeline.stages.job import Job, open_log
 from pipeline.stages.stage import Stage
+from pipeline.store.removal import remove
 from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
@@ -30,7 +32,8 @@ def _check_store(job: Job) -> None:
     free = shutil.disk_usage(place).free
     if job.plan.bytes > free:
         raise ConfigurationError(
-            f"plane.sweep.num x plane.parameter.num = {job.plan.sweep.num} x {job.plan.parameter.num} is not allowed: "
+            f"{' x '.join(f'plane.{role}.num' for role, _ in zip(ROLES, job.plan.axes))} = "
+            f"{' x '.join(str(axis.num) for axis in job.plan.axes)} is not allowed: "
             f"up to {job.plan.bytes / 1e9:.3g} GB do not fit into the {free / 1e9:.3g} GB free at {place}"
         )
 
@@ -43,18 +46,17 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     present = store.check(path, job.plan) if not settings.config.store.overwrite else False
     blocks = store.pending_blocks(path, job.plan) if present else job.plan.blocks
     if not blocks and not _neighbours(job).size:
-        reporter.line(f"sweep: all {job.plan.parameter.num} rows are in {path} already, nothing to do")
+        reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
     if present:
         store.refuse_to_write_older(path)
-        store.remove_left_overs(path)
     where = workforce.start()
     open_log(job, reporter)
     if present:
         # They belong to the rows as they were.
         groups.remove_added(path)
     else:
-        shutil.rmtree(path, ignore_errors=True)
+        remove(path)
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
@@ -83,7 +85,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     seconds = perf_counter() - ready
     failed = store.failures(path)
     for row, reason in failed[:10]:
-        reporter.line(f"  row {row} ({job.plan.parameter.name} = {job.plan.parameter.values[row]:.6g}) failed: {reason}")
+        reporter.line(f"  {job.plan.row_text(row)} failed: {reason}")
     if len(failed) > 10:
         reporter.line(f"  and {len(failed) - 10} more; `message` in the store has every reason")
     for text in lost:
@@ -131,4 +133,4 @@ def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, repo
     return lost, points
 
 
-STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True)
+STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True, of_volumes=True)

@@ -54,7 +54,7 @@ class Planes:
             raise StoreError(f"no store of {plane} is given")
         path = self.paths[plane]
         stored, wanted = read_plan(path), plan(compose([f"plane={plane}"]))
-        axes = [(one.sweep.name, one.parameter.name) for one in (stored, wanted)]
+        axes = [tuple(axis.name for axis in one.axes) for one in (stored, wanted)]
         if axes[0] != axes[1]:
             raise StoreError(f"{path} is a plane {' x '.join(axes[0])}, not {' x '.join(axes[1])}")
         if stored.gear != wanted.gear:

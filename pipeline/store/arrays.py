@@ -11,9 +11,9 @@ __all__ = ["arrays_of"]
 
 def arrays_of(plan: Plan) -> dict[str, dict]:
     """Every array that has rows: name -> dims, dtype, fill value and attributes. `status` comes last."""
-    row, column = plan.parameter.name, plan.sweep.name
+    row, column = tuple(axis.name for axis in plan.row_axes), plan.sweep.name
     labels = domain_labels(plan.max_solutions)
-    cell, solution, point = (row, column), (row, column, "solution"), (row, "point")
+    cell, solution, point = (*row, column), (*row, column, "solution"), (*row, "point")
     states = flags(ImpactState, [state.symbol for state in ImpactState])
 
     def spec(dims, dtype, fill, long_name, units="1", **attributes):
@@ -47,9 +47,9 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
         "open": spec(cell, "int8", 0, "1: solutions above the amplitude ceiling are not excluded", None,
                      flag_values=[0, 1], flag_meanings="closed open"),
         **({"certified": certified} if plan.solver["certify"] == "all" else {}),
-        "branches/n_folds": spec((row,), "int16", -1, "folds of the branches found without looking at the columns"),
-        "branches/n_gained": spec((row,), "int16", -1, "branches that only the columns brought; -1: not looked at"),
-        "branches/n_points": spec((row,), "int32", 0, "number of branch points"),
+        "branches/n_folds": spec(row, "int16", -1, "folds of the branches found without looking at the columns"),
+        "branches/n_gained": spec(row, "int16", -1, "branches that only the columns brought; -1: not looked at"),
+        "branches/n_points": spec(row, "int32", 0, "number of branch points"),
         f"branches/{column}": spec(point, "float64", nan, LONG_NAMES[column], UNITS.get(column, "1")),
         "branches/mean": spec(point, "float64", nan, "mean of the mesh displacement"),
         "branches/cos": spec(point, "float64", nan, "cosine amplitude of the mesh displacement"),
@@ -62,10 +62,10 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
         "branches/branch": spec(point, "int16", -1, "which connected curve the point belongs to; -1: no point"),
         "branches/event": spec(point, "int8", -1, "what is special about the point; -1: no point", None,
                                **flags(Event)),
-        "branches/end_reason": spec((row, "branch_number", "end"), "int8", 0, "why the branch ends; 0: no such branch",
+        "branches/end_reason": spec((*row, "branch_number", "end"), "int8", 0, "why the branch ends; 0: no such branch",
                                     None, **flags(EndReason)),
-        "message": spec((row,), "str", "", "why the row failed, else empty", None),
-        "status": spec((row,), "uint8", PENDING, "state of the row", None,
+        "message": spec(row, "str", "", "why the row failed, else empty", None),
+        "status": spec(row, "uint8", PENDING, "state of the row", None,
                        flag_values=[PENDING, COMPLETE, FAILED], flag_meanings="pending complete failed"),
     }  # fmt: skip
 

@@ -13,6 +13,7 @@ LONG_NAMES = {
     "f_pv": "fluctuating load",
     "kappa": "mesh stiffness referred to the masses",
     "xi_mesh": "mesh damping ratio",
+    "mesh_damping": "mesh damping ratio",
     "xi_translation": "mesh damping referred to the masses",
     "xi_support": "support damping ratio",
     "k_support": "support stiffness",

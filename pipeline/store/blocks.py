@@ -3,6 +3,7 @@
 import numpy as np
 import zarr
 
+from pipeline.errors import StoreError
 from pipeline.plan import Block, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.codecs import every_chunk
@@ -29,7 +30,7 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
     specs = arrays_of(plan)
     values = {}
     for name, spec in specs.items():
-        shape = root[name].shape[1:]
+        shape = root[name].shape[len(plan.row_axes) :]
         if spec["dtype"] == "str":
             values[name] = np.full(count, "", dtype=object)
         else:
@@ -41,12 +42,15 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
             _fill_raster(values, i, row)
             _fill_branches(values, i, row, plan.sweep.name)
             values["status"][i] = COMPLETE
-    # A block that is written again is not complete until it is whole again.
+    if root.attrs["configuration_hash"] != plan.digest:
+        # A task of a run that is no more, on a scheduler that goes on.
+        raise StoreError(f"{path} is no longer the store that these rows are of")
     with every_chunk():
-        if np.any(root["status"][block.start : block.stop] != PENDING):
-            root["status"][block.start : block.stop] = PENDING
+        # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
+        place = plan.place(block)
+        root["status"][place] = PENDING
         for name, value in values.items():
-            root[name][block.start : block.stop] = value
+            root[name][place] = value
 
 
 def _fill_raster(values: dict, i: int, row: Row) -> None:

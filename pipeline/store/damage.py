@@ -6,28 +6,28 @@ blocks again; damaged groups are taken away, so that their stages make them agai
 """
 
 import contextlib
-import json
 import shutil
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 
 import google_crc32c
 import numpy as np
 import zarr
 
-from pipeline.errors import StoreError
-from pipeline.plan import Block, Plan
+from pipeline.errors import DamagedError, StoreError
+from pipeline.plan import SCHEMA_VERSION, Block, Plan
 from pipeline.store.arrays import arrays_of
+from pipeline.store.chunks import Chunks
 from pipeline.store.identity import plan_from, root_attributes
+from pipeline.store.opening import METADATA, claimed, damaged, document, files_of, listed_in, most_added
+from pipeline.store.removal import remove
 from pipeline.store.states import PENDING
 from pipeline.store.template import consolidate, create_again
 
 __all__ = ["Damage", "damage_error", "find_damage", "mend", "remove_left_overs"]
 
-_METADATA = "zarr.json"
 #: What zarr leaves behind where a process is ended while it writes; never read.
 _LEFT_OVER = "*.partial"
 _CHECKSUM = 4
@@ -69,10 +69,12 @@ def find_damage(path: Path) -> list[Damage]:
     StoreError
         If there is no store, or neither of the two places that say what it holds can be read.
     """
+    if path.exists():
+        files_of(path)
     with _template(path) as (plan, template):
         found = [*_metadata(path, template), *_rows(path, template, plan)]
     for name in _added(path):
-        found += _group(path, name)
+        found += _group(path, name, most_added(plan))
     return found
 
 
@@ -85,7 +87,7 @@ def mend(path: Path, damage: list[Damage]) -> None:
     damage : list of Damage
         As `find_damage` gave it.
     """
-    with _template(path) as (_, template):
+    with _template(path) as (plan, template):
         own = [item for item in damage if item.group is None]
         for item in own:
             source = template / item.file
@@ -95,13 +97,13 @@ def mend(path: Path, damage: list[Damage]) -> None:
         # A damaged chunk that is only partly written again would have to be read first.
         for item in own:
             if item.block is not None:
-                (path / item.file).unlink(missing_ok=True)
+                remove(path / item.file)
         for name in {item.group for item in damage if item.group is not None}:
-            shutil.rmtree(path / name)
+            remove(path / name)
         consolidate(path)
         status = zarr.open_group(path, mode="r+")["status"]
         for block in {item.block for item in own if item.block is not None}:
-            status[block.start : block.stop] = PENDING
+            status[plan.place(block)] = PENDING
 
 
 @contextlib.contextmanager
@@ -116,45 +118,17 @@ def _template(path: Path) -> Iterator[tuple[Plan, Path]]:
 
 
 def _metadata(path: Path, template: Path) -> Iterator[Damage]:
-    """Metadata files of the template that are missing or say something else."""
-    for expected in sorted(template.rglob(_METADATA)):
+    """Metadata files of the template that are missing or say something else, the root's list of all others included."""
+    listed = listed_in(path)
+    for expected in sorted(template.rglob(METADATA)):
         file = str(expected.relative_to(template))
-        there = path / file
+        there, wanted, name = path / file, document(expected), str(expected.parent.relative_to(template))
         if not there.exists():
             yield Damage(file, "is missing")
-        elif _document(there) != _document(expected):
-            yield Damage(file, "cannot be read" if _document(there) is None else "does not say what it should")
-
-
-def _document(file: Path) -> dict | None:
-    """Metadata without what is gathered from other files; None if it cannot be read."""
-    try:
-        document = json.loads(file.read_text(encoding="utf-8"))
-        document.pop("consolidated_metadata", None)
-        return document
-    except (OSError, ValueError, AttributeError):
-        return None
-
-
-@dataclass(frozen=True)
-class _Chunks:
-    """The chunk files of one array: its folder, and its shape and that of its chunks."""
-
-    folder: Path
-    shape: tuple[int, ...]
-    chunks: tuple[int, ...]
-
-    @classmethod
-    def of(cls, folder: Path, document: dict) -> "_Chunks":
-        """The chunks of an array whose metadata is `document`."""
-        return cls(folder, tuple(document["shape"]), tuple(document["chunk_grid"]["configuration"]["chunk_shape"]))
-
-    def files(self, first: int = 0, stop: int | None = None) -> list[Path]:
-        """Files of the chunks that rows first ... stop - 1 touch."""
-        counts = [-(-size // chunk) for size, chunk in zip(self.shape, self.chunks, strict=True)]
-        last = counts[0] if stop is None else -(-stop // self.chunks[0])
-        along = range(first // self.chunks[0], last)
-        return [self.folder.joinpath("c", *map(str, place)) for place in product(along, *map(range, counts[1:]))]
+        elif document(there) != wanted:
+            yield Damage(file, "cannot be read" if document(there) is None else "does not say what it should")
+        if document(path / METADATA) is not None and file != METADATA and listed.get(name) != wanted:
+            yield Damage(METADATA, f"does not say what it should of {name}")
 
 
 def _fault(file: Path) -> str | None:
@@ -163,6 +137,8 @@ def _fault(file: Path) -> str | None:
         content = file.read_bytes()
     except FileNotFoundError:
         return "is missing"
+    except IsADirectoryError:
+        return "is a folder"
     if not content:
         return "is empty"
     # As zarr's codec crc32c writes it: the last four bytes, little-endian.
@@ -174,21 +150,22 @@ def _fault(file: Path) -> str | None:
 def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
     """Chunks of axes and rows: of a block that is stored all must be there; those that are there must be sound."""
     arrays = {}
-    for metadata in template.rglob(_METADATA):
-        document, name = _document(metadata), str(metadata.parent.relative_to(template))
-        if document["node_type"] == "array":
-            arrays[name] = _Chunks.of(path / name, document)
+    for metadata in template.rglob(METADATA):
+        told, name = document(metadata), str(metadata.parent.relative_to(template))
+        if told["node_type"] == "array":
+            arrays[name] = Chunks.of(path / name, told)
     rowwise = set(arrays_of(plan))
     for name in sorted(arrays.keys() - rowwise):
         for file in arrays[name].files():
             if (fault := _fault(file)) is not None:
                 yield Damage(str(file.relative_to(path)), fault)
     for block in plan.blocks:
-        files = [file for name in sorted(rowwise) for file in arrays[name].files(block.start, block.stop)]
-        (status,) = arrays["status"].files(block.start, block.stop)
-        # Where the status itself is damaged, the block may have been stored.
-        pending = not status.exists() and not any(file.exists() for file in files) or (
-            _fault(status) is None and _all_pending(status, template, block)
+        place = plan.place(block)
+        files = [file for name in sorted(rowwise) for file in arrays[name].files(*place)]
+        (status,) = arrays["status"].files(*place)
+        # It is written first and last: where it is damaged, or gone and others are there, the block may have been stored.
+        pending = not any(file.exists() for file in files) or (
+            _fault(status) is None and _all_pending(status, path, template, place)
         )  # fmt: skip
         for file in files:
             fault = _fault(file)
@@ -196,33 +173,41 @@ def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
                 yield Damage(str(file.relative_to(path)), fault, block)
 
 
-def _all_pending(status: Path, template: Path, block: Block) -> bool:
+def _all_pending(status: Path, path: Path, template: Path, place: tuple) -> bool:
     """Whether a sound chunk of `status` says that none of its rows is stored; read with the template's metadata."""
-    place = template / "status" / "c" / status.name
-    place.parent.mkdir(exist_ok=True)
-    shutil.copyfile(status, place)
-    return bool(np.all(zarr.open_array(template / "status", mode="r")[block.start : block.stop] == PENDING))
+    copy = template / status.relative_to(path)
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(status, copy)
+    return bool(np.all(zarr.open_array(template / "status", mode="r")[place] == PENDING))
 
 
 def _added(path: Path) -> list[str]:
-    """Folders of groups that stages have added."""
-    return sorted(folder.name for folder in path.iterdir()
-                  if folder.is_dir() and folder.name != "branches" and not (folder / "c").is_dir()
-                  and any(child.is_dir() and child.name != "c" for child in folder.iterdir()))  # fmt: skip
+    """Folders of groups that stages have added: groups by their own metadata, or by the root's."""
+    listed = {name.partition("/")[0] for name in listed_in(path) if "/" in name} - {"branches"}
+    groups = {folder.name for folder in path.iterdir() if (document(folder / METADATA) or {}).get("node_type") == "group"}
+    return sorted({name for name in listed | groups if (path / name).is_dir()} - {"branches"})
 
 
-def _group(path: Path, name: str) -> Iterator[Damage]:
-    """Damage in a group that a stage has added; its metadata has no second copy, so that it must be readable."""
-    folder = path / name
-    for child in (folder, *sorted(child for child in folder.iterdir() if child.is_dir())):
-        file = child / _METADATA
-        document = _document(file)
-        if document is None:
-            yield Damage(str(file.relative_to(path)), "cannot be read" if file.exists() else "is missing", None, name)
+def _group(path: Path, name: str, most: int) -> Iterator[Damage]:
+    """Damage in a group that a stage has added; without a second copy of its metadata, what is in doubt is damaged."""
+    listed, size = listed_in(path), 0
+    children = {f"{name}/{child.name}" for child in (path / name).iterdir() if child.is_dir()}
+    for place in (name, *sorted(children | {other for other in listed if other.startswith(f"{name}/")})):
+        file = f"{place}/{METADATA}"
+        told = document(path / file)
+        if told is None:
+            yield Damage(file, "cannot be read" if (path / file).exists() else "is missing", None, name)
             continue
-        if document.get("node_type") != "array" or 0 in document["shape"]:
+        if place in listed and listed[place] != told:
+            yield Damage(file, f"says something else than {METADATA}", None, name)
+        if told.get("node_type") == "group" and place == name and told.get("zarr_format") == 3:
             continue
-        for chunk in _Chunks.of(child, document).files():
+        bytes_ = claimed(told)
+        size += bytes_ or 0
+        if bytes_ is None or size > most:
+            yield Damage(file, "claims what this program does not write", None, name)
+            continue
+        for chunk in Chunks.of(path / place, told).files():
             if (fault := _fault(chunk)) is not None:
                 yield Damage(str(chunk.relative_to(path)), fault, None, name)
 
@@ -233,10 +218,13 @@ def remove_left_overs(path: Path) -> None:
         file.unlink(missing_ok=True)
 
 
-def damage_error(path: Path) -> StoreError | None:
-    """An error that names the first damaged file and the way on; None if nothing is damaged."""
+def damage_error(path: Path, error: Exception) -> StoreError | None:
+    """What to say where `error` came up over a store: the first damaged file and the way on; None if nothing is damaged."""
     try:
+        if (version := root_attributes(path)["bevelmap_schema"]) < SCHEMA_VERSION:
+            said = " ".join(str(error).split())
+            return DamagedError(f"{path} cannot be read ({said}); being of schema {version}, it has no checksums to mend it by")
         found = find_damage(path)
-    except StoreError as error:
-        return error
-    return StoreError(f"{path} is damaged: {found[0].sentence}; stages=[check] lists and mends it") if found else None
+    except StoreError as refused:
+        return refused
+    return damaged(path, found[0].sentence) if found else None

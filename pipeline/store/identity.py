@@ -1,14 +1,23 @@
 """Whose store it is: the plan it was made for, and whether that is the plan at hand."""
 
 import json
+import re
 from pathlib import Path
 
-from pipeline.errors import StoreError
-from pipeline.plan import OLDEST_READ, SCHEMA_VERSION, Plan, plan_of
+from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan import OLDEST_READ, SCHEMA_VERSION, Plan
+from pipeline.store.believed import believed
+from pipeline.store.opening import look_over
+from pipeline.store.seal import sealed
 
 __all__ = [
     "check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "refuse_to_write_older", "root_attributes",
 ]  # fmt: skip
+
+_MOST_BYTES = 2**24
+_CHUNK = re.compile(r"(\w+/){1,2}c(/\d+)+(\.\w+\.partial)?", re.ASCII)
+#: The first version of the schema that seals what the root says.
+_SEALED = 3
 
 
 def root_attributes(path: Path) -> dict:
@@ -21,17 +30,44 @@ def root_attributes(path: Path) -> dict:
     """
     if not path.exists():
         raise StoreError(f"there is no store at {path}")
-    for file, *keys in ((path / "zarr.json", "attributes"), (path / "branches" / "zarr.json", "attributes", "plane")):
-        try:
-            attributes = json.loads(file.read_text(encoding="utf-8"))
-            for key in keys:
-                attributes = attributes[key]
-            json.loads(attributes["numbers"])
-            int(attributes["bevelmap_schema"])
+    copies = [copy for copy in map(_copy, *zip(
+        (path / "zarr.json", "attributes"), (path / "branches" / "zarr.json", "attributes", "plane"), strict=False
+    )) if copy is not None]  # fmt: skip
+    for attributes in copies:
+        if attributes["bevelmap_schema"] < _SEALED or attributes == sealed(attributes):
             return attributes
-        except (OSError, KeyError, ValueError, TypeError):
-            continue
-    raise StoreError(f"{path} is not allowed: it is something else than a store of this program")
+    for attributes in copies:
+        # What a newer version seals, and how, is not known here.
+        if attributes["bevelmap_schema"] > SCHEMA_VERSION:
+            return attributes
+    if not copies and _left_over(path):
+        raise StoreError(f"there is no store at {path}")
+    raise StoreError(
+        f"{path} is not allowed: it is something else than a store of this program, or damaged beyond mending: "
+        "move it away, or take another store.name="
+    )
+
+
+def _copy(file: Path, *keys: str) -> dict | None:
+    """What a metadata file says of the whole store, if it can be read."""
+    try:
+        if file.stat().st_size > _MOST_BYTES:
+            return None
+        attributes = json.loads(file.read_text(encoding="utf-8"))
+        for key in keys:
+            attributes = attributes[key]
+        # A hash or a number too many is no store of ours.
+        fine = type(attributes["bevelmap_schema"]) is int and isinstance(json.loads(attributes["numbers"]), dict)
+        return attributes if fine else None
+    except (OSError, KeyError, ValueError, TypeError, RecursionError):
+        return None
+
+
+def _left_over(path: Path) -> bool:
+    """Whether only chunks are there: a task wrote them that ran on while the store was taken away."""
+    return path.is_dir() and not (path / "zarr.json").exists() and all(
+        _CHUNK.fullmatch(str(place.relative_to(path))) for place in path.rglob("*") if not place.is_dir() or place.is_symlink()
+    )
 
 
 def plan_from(attributes: dict, path: Path) -> Plan:
@@ -50,14 +86,20 @@ def plan_from(attributes: dict, path: Path) -> Plan:
     if version < OLDEST_READ:
         raise _older(path, version)
     try:
-        return plan_of(json.loads(attributes["numbers"]))
-    except (TypeError, KeyError, ValueError, AttributeError) as error:
-        raise StoreError(f"{path} is not allowed: what it says of its plane makes no sense ({error})") from None
+        return believed(json.loads(attributes["numbers"]))
+    except (ConfigurationError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError) as error:
+        raise StoreError(f"{path} is not allowed: what it says of its plane makes no sense ({_short(error)})") from None
+
+
+def _short(error: Exception) -> str:
+    """One line of an error that may quote anything."""
+    said = " ".join(str(error).split()) or type(error).__name__
+    return said if len(said) <= 200 else f"{said[:200]}…"
 
 
 def refuse_to_write_older(path: Path) -> None:
     """Raise if rows of a store were written by an older version: what this one writes would not go with them."""
-    version = int(root_attributes(path)["bevelmap_schema"])
+    version = root_attributes(path)["bevelmap_schema"]
     if version < SCHEMA_VERSION:
         raise _older(path, version)
 
@@ -80,9 +122,12 @@ def read_plan(path: Path) -> Plan:
     Raises
     ------
     StoreError
-        If there is no store, or it is not one of ours or of this version.
+        If there is no store, or it is not one of ours or of this version, or is damaged as far as names and metadata tell.
     """
-    return plan_from(root_attributes(path), path)
+    attributes = root_attributes(path)
+    plan = plan_from(attributes, path)
+    look_over(path, plan, attributes["bevelmap_schema"])
+    return plan
 
 
 def check(path: Path, plan: Plan) -> bool:
@@ -93,11 +138,12 @@ def check(path: Path, plan: Plan) -> bool:
     StoreError
         If something else is there, with the difference and the ways on.
     """
-    if not path.exists():
+    if not path.exists() or _left_over(path):
         return False
     stored = read_numbers(path)
     if stored == plan.numbers:
         return True
+    refuse_to_write_older(path)
     old, new = _flatten(stored), _flatten(plan.numbers)
     keys = [key for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
     changes = "; ".join(f"{key}: stored {old.get(key, 'nothing')}, asked {new.get(key, 'nothing')}" for key in keys)
@@ -108,7 +154,7 @@ def check(path: Path, plan: Plan) -> bool:
 
 def refuse_foreign(path: Path) -> None:
     """Raise unless the path is free or holds a store of ours, so that overwriting never deletes anything else."""
-    if path.exists():
+    if path.exists() and not _left_over(path):
         root_attributes(path)
 
 

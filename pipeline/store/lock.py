@@ -27,7 +27,7 @@ def lock_path(path: Path) -> Path:
 
 
 @contextlib.contextmanager
-def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[None]:
+def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[bool]:
     """Hold the store at `path` for writing.
 
     Parameters
@@ -37,6 +37,11 @@ def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[None
         Whether to wait for another run to end.
     say : callable
         Takes a line about a wait, or about a run that ended without tidying up.
+
+    Yields
+    ------
+    bool
+        Whether it had to wait: then the store is not what it was.
 
     Raises
     ------
@@ -59,10 +64,12 @@ def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[None
         if os.fstat(descriptor).st_size:
             say(f"store: {_holder(place)} ended without letting go of {path}, going on")
         _sign(descriptor)
-        yield
+        yield told
     finally:
-        # First the name, then the lock: who waits finds that the name has gone, and tries again.
-        place.unlink(missing_ok=True)
+        # First the name, then the lock: who waits finds that the name has gone, and tries again. A folder that can no longer
+        # be written, or has gone, must not hide why the run ended.
+        with contextlib.suppress(OSError):
+            place.unlink()
         os.close(descriptor)
         # Where nothing was written, nothing is left.
         with contextlib.suppress(OSError):
@@ -72,7 +79,8 @@ def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[None
 
 def _attempt(place: Path) -> int | None:
     """An open, locked file under that name, or None if another process has it."""
-    descriptor = os.open(place, os.O_RDWR | os.O_CREAT, 0o644)
+    # A link in its place would have the file that it leads to overwritten.
+    descriptor = os.open(place, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o644)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         if os.stat(place).st_ino == os.fstat(descriptor).st_ino:
@@ -84,11 +92,12 @@ def _attempt(place: Path) -> int | None:
 
 
 def _sign(descriptor: int) -> None:
-    """Write who holds it."""
+    """Write who holds it, where there is room on the disk: the lock holds without."""
     since = datetime.now(UTC).isoformat(timespec="seconds")
     text = json.dumps({"host": socket.gethostname(), "pid": os.getpid(), "since": since})
-    os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, text.encode(), 0)
+    with contextlib.suppress(OSError):
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, text.encode(), 0)
 
 
 def _holder(place: Path) -> str:

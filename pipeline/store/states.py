@@ -1,4 +1,4 @@
-"""States of rows, and which of them are still due."""
+"""States of rows, and which of them are still due. Rows of a volume are numbered through, layer by layer."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ PENDING, COMPLETE, FAILED = 0, 1, 2
 
 def statuses(path: Path) -> np.ndarray:
     """State of every row."""
-    return zarr.open_group(path, mode="r")["status"][:]
+    return zarr.open_group(path, mode="r")["status"][...].ravel()
 
 
 def pending_blocks(path: Path, plan: Plan) -> list[Block]:
@@ -24,30 +24,30 @@ def pending_blocks(path: Path, plan: Plan) -> list[Block]:
 
 
 def rows_to_certify(path: Path) -> np.ndarray:
-    """Rows next to which something comes or goes that the rows' own seeds may have missed, and not yet looked at everywhere.
+    """Rows next to which, in their plane, something comes or goes that the rows' own seeds may have missed, and not yet looked at everywhere.
 
     A row is one if the folds found from its evenly spaced seeds differ in number from a neighbour's, or if looking
     everywhere brought a neighbour a new branch. Looking at them everywhere can only add rows, and the order does not
     matter, so that a run that was interrupted arrives at the same store.
     """
     root = zarr.open_group(path, mode="r")
-    complete = root["status"][:] == COMPLETE
-    folds, gained = root["branches/n_folds"][:], root["branches/n_gained"][:]
-    step = (np.diff(folds) != 0) & complete[1:] & complete[:-1]
-    wanted = np.zeros(folds.size, dtype=bool)
-    wanted[1:] |= step | (gained[:-1] > 0)
-    wanted[:-1] |= step | (gained[1:] > 0)
+    complete = root["status"][...] == COMPLETE
+    folds, gained = root["branches/n_folds"][...], root["branches/n_gained"][...]
+    step = (np.diff(folds) != 0) & complete[..., 1:] & complete[..., :-1]
+    wanted = np.zeros(folds.shape, dtype=bool)
+    wanted[..., 1:] |= step | (gained[..., :-1] > 0)
+    wanted[..., :-1] |= step | (gained[..., 1:] > 0)
     return np.flatnonzero(wanted & complete & (gained < 0))
 
 
 def certified_rows(path: Path) -> np.ndarray:
     """Rows in which every column was looked at."""
-    return np.flatnonzero(zarr.open_group(path, mode="r")["branches/n_gained"][:] >= 0)
+    return np.flatnonzero(zarr.open_group(path, mode="r")["branches/n_gained"][...] >= 0)
 
 
 def failures(path: Path) -> list[tuple[int, str]]:
     """Failed rows and their reasons."""
     root = zarr.open_group(path, mode="r")
-    rows = np.flatnonzero(root["status"][:] == FAILED)
-    messages = root["message"][:] if rows.size else []
+    rows = np.flatnonzero(root["status"][...] == FAILED)
+    messages = root["message"][...].ravel() if rows.size else []
     return [(int(row), str(messages[row])) for row in rows]

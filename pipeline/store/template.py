@@ -1,7 +1,6 @@
 """Writing the template of a store: all metadata, no rows."""
 
 import json
-import shutil
 import warnings
 from datetime import UTC, datetime
 from importlib import metadata
@@ -13,8 +12,10 @@ from pipeline.plan import SCHEMA_VERSION, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.attributes import axis_attributes
 from pipeline.store.codecs import COMPRESSORS
+from pipeline.store.removal import remove
+from pipeline.store.seal import sealed
 
-__all__ = ["consolidate", "create", "create_again"]
+__all__ = ["consolidate", "create", "create_again", "sizes_of"]
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "numcodecs", "xarray", "dask", "distributed")
 
@@ -32,47 +33,54 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     configuration : str
         The resolved configuration in YAML.
     """
-    create_again(path, plan, {
+    create_again(path, plan, sealed({
         "Conventions": "CF-1.11",
-        "title": f"Solution domain {name}: {' x '.join(axis.name for axis in (plan.sweep, plan.parameter))}",
+        "title": f"Solution domain {name}: {' x '.join(axis.name for axis in plan.axes)}",
         "bevelmap_schema": SCHEMA_VERSION,
         "configuration": configuration,
         "numbers": json.dumps(plan.numbers, sort_keys=True),
         "configuration_hash": plan.digest,
         "versions": _versions(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    })  # fmt: skip
+    }))  # fmt: skip
 
 
 def create_again(path: Path, plan: Plan, attributes: dict) -> None:
     """Write the template with the attributes that a store of this plan has already; see `create`."""
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.template")
-    shutil.rmtree(draft, ignore_errors=True)
-    row, column = plan.parameter, plan.sweep
+    remove(draft)
+    column = plan.sweep
     root = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     # A branch point's position is a coordinate; as a plain variable it would be hidden by the plane's axis of that name.
     # What the root says is kept twice: without it, nobody could tell what a damaged store holds.
     root.create_group("branches", attributes={"coordinates": column.name, "plane": attributes})
-    for place in (row.name, column.name, f"branches/{row.name}"):
-        axis = column if place == column.name else row
+    places = {axis.name: axis for axis in plan.axes} | {f"branches/{axis.name}": axis for axis in plan.row_axes}
+    for place, axis in places.items():
         root.create_array(
             place, data=axis.values, chunks=(axis.num,), dimension_names=[axis.name], compressors=COMPRESSORS,
             attributes=axis_attributes(axis.name),
         )  # fmt: skip
-    sizes = {
-        row.name: row.num, column.name: column.num, "solution": plan.max_solutions, "point": plan.max_points,
-        "branch_number": plan.max_branches, "end": 2,
-        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
-    }  # fmt: skip
+    sizes = sizes_of(plan)
+    # A chunk holds rows of one layer.
+    along_rows = (1,) * (len(plan.row_axes) - 1) + (plan.rows_per_block,)
     for array, spec in arrays_of(plan).items():
         shape = tuple(sizes[dim] for dim in spec["dims"])
         root.create_array(
-            array, shape=shape, chunks=(plan.rows_per_block, *shape[1:]), dtype=spec["dtype"],
+            array, shape=shape, chunks=(*along_rows, *shape[len(along_rows) :]), dtype=spec["dtype"],
             compressors=COMPRESSORS, fill_value=spec["fill"], dimension_names=list(spec["dims"]), attributes=spec["attributes"],
         )  # fmt: skip
     consolidate(draft)
     draft.rename(path)
+
+
+def sizes_of(plan: Plan) -> dict[str, int]:
+    """Size of every dimension of the plane's own arrays."""
+    return {
+        **{axis.name: axis.num for axis in plan.axes}, "solution": plan.max_solutions, "point": plan.max_points,
+        "branch_number": plan.max_branches, "end": 2,
+        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
+    }  # fmt: skip
 
 
 def consolidate(path: Path) -> None:

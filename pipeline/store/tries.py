@@ -12,6 +12,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from pipeline.store.removal import remove
+
 __all__ = ["MOST_TRIES", "Tries", "forget_tries"]
 
 #: A row is tried this often, on different workers where there are several.
@@ -27,11 +29,7 @@ def _folder(path: Path) -> Path:
 
 def forget_tries(path: Path) -> None:
     """Remove the notes of all blocks of the store at `path`."""
-    folder = _folder(path)
-    with contextlib.suppress(FileNotFoundError):
-        for note in folder.iterdir():
-            note.unlink(missing_ok=True)
-        folder.rmdir()
+    remove(_folder(path))
 
 
 class Tries:

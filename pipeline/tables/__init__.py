@@ -59,7 +59,7 @@ def _problem(article: ArticleTable, path: Path, command: str) -> str:
         plan = read_plan(path)
     except StoreError as error:
         return f"{article.plane}: {error} (run: {command})"
-    axes = plan.sweep.name, plan.parameter.name
+    axes = tuple(axis.name for axis in plan.axes)
     if axes != ("omega", article.parameter):
         other = " x ".join(axes)
         return f"{article.plane}: {path} is a plane {other}, not omega x {article.parameter} (run: {command})"

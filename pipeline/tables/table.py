@@ -92,7 +92,7 @@ class Table:
     undivided: str
 
 
-def build_table(article: ArticleTable, path: Path) -> Table:
+def build_table(article: ArticleTable, path: Path, whole: Regions | None = None) -> Table:
     """Measure a stored plane and class it.
 
     Parameters
@@ -100,6 +100,8 @@ def build_table(article: ArticleTable, path: Path) -> Table:
     article : ArticleTable
     path : Path
         A complete store of the table's plane.
+    whole : Regions, optional
+        Of the store, where the caller has divided the plane already.
 
     Raises
     ------
@@ -110,7 +112,7 @@ def build_table(article: ArticleTable, path: Path) -> Table:
     pair = common_resonances(plan)
     if pair is None:
         raise StoreError(f"{path}: the natural frequencies move with {plan.parameter.name}, no one split serves")
-    parts, whole, undivided = _parts(path, plan, pair)
+    parts, whole, undivided = _parts(path, plan, pair, whole)
     rows = {band: band_rows(band, plan.parameter) for band in article.bands}
     lines: list[Line] = []
     before: dict[str, BandAtResonance] = {}
@@ -141,12 +143,12 @@ def build_table(article: ArticleTable, path: Path) -> Table:
     return Table(article, plan, path.name, digest, tuple(lines), failed, labels, undivided)
 
 
-def _parts(path: Path, plan: Plan, pair) -> tuple[dict[str, Regions], Regions | None, str]:
+def _parts(path: Path, plan: Plan, pair, whole: Regions | None) -> tuple[dict[str, Regions], Regions | None, str]:
     """Regions of either resonance that the plane covers and of the whole plane, or why there are none."""
     axis = plan.sweep
     covered = [one for one in pair if axis.low < one.natural < axis.high]
     try:
-        whole = stored_regions(path)
+        whole = stored_regions(path) if whole is None else whole
         return {one.name: whole.within(one.window(axis.low, axis.high)) for one in covered}, whole, ""
     except (RegionError, StoreError) as error:
         return {}, None, f"no regions of one label: {error}"

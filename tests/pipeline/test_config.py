@@ -10,7 +10,8 @@ import pytest
 from pipeline.__main__ import main
 from pipeline.config import compose, conf_folder, expand
 from pipeline.errors import ConfigurationError
-from pipeline.plan import plan, warnings
+from pipeline.cautions import warnings
+from pipeline.plan import plan
 from pipeline.sweep import model_at
 from tests.conftest import MODELS
 

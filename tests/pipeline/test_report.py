@@ -66,6 +66,7 @@ def page(made):
     return (made / "outputs/report/report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_page_is_valid_and_needs_nothing_else(page):
     parsed = Page(page)
     assert page.startswith("<!DOCTYPE html>") and parsed.seen.count("main") == parsed.seen.count("h1") == 1
@@ -79,6 +80,7 @@ def test_the_page_is_valid_and_needs_nothing_else(page):
         assert len(alternative) > 10
 
 
+@pytest.mark.slow
 def test_thresholds_are_those_of_physics(page):
     """Our column of PHYSICS, section 7, to its printed digits."""
     rows = {row[0]: row for row in Page(page).rows if len(row) == 6}
@@ -105,6 +107,7 @@ def test_thresholds_are_those_of_physics(page):
     assert len(reference) == 9 and all(row[3] == "agrees" for row in reference)
 
 
+@pytest.mark.slow
 def test_everything_that_was_promised_is_there(page, made):
     text = (made / "outputs/report/report.md").read_text(encoding="utf-8")
     for heading in ("Published numbers against ours", "What could not be reproduced, and why", "Tables 1 to 3", "Maps and curves",

@@ -1,0 +1,76 @@
+"""One layer of a volume taken out as a plane: a store of its own, to which every stage may add."""
+
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline import store
+from pipeline.config import Settings
+from pipeline.errors import ConfigurationError
+from pipeline.plan import Plan
+from pipeline.store.arrays import arrays_of
+from pipeline.store.codecs import every_chunk
+
+__all__ = ["Layer", "cut", "layer_of", "of_layer"]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Where a layer is: the store of its volume, and its number there."""
+
+    volume: Path
+    index: int
+
+
+def layer_of(settings: Settings, volume: Plan) -> Layer:
+    """The layer nearest to `plane.layer`.
+
+    Raises
+    ------
+    ConfigurationError
+        If the plane has no layers, or none there.
+    """
+    value, axis = settings.config.plane.layer, volume.parameter2
+    where = f"plane.layer = {value} is not allowed"
+    if axis is None:
+        raise ConfigurationError(f"{where}: this plane has no third axis, plane.parameter2")
+    if not axis.low <= value <= axis.high:
+        raise ConfigurationError(f"{where}: it must lie within {axis.name} = {axis.low:g} ... {axis.high:g}")
+    return Layer(settings.store_path.resolve(), int(np.abs(axis.values - value).argmin()))
+
+
+def of_layer(settings: Settings, volume: Plan, layer: Layer) -> Settings:
+    """The same settings for the plane of a layer, whose store is named after it."""
+    axis = volume.parameter2
+    name = f"{settings.store_name}-{axis.name}={axis.values[layer.index]:.6g}"
+    config = settings.config
+    return replace(settings, config=replace(config, store=replace(config.store, name=name)))
+
+
+def cut(layer: Layer, path: Path, plan: Plan, name: str, configuration: str) -> None:
+    """Copy a layer of a volume, as far as it is computed, into a store of its own.
+
+    Parameters
+    ----------
+    layer : Layer
+    path : Path
+        Where the plane's store shall be; must not exist. It appears when it is whole.
+    plan : Plan
+        Of the layer.
+    name, configuration : str
+        As for `store.create`.
+    """
+    store.refuse_to_write_older(layer.volume)
+    draft = path.with_name(f".{path.name}.layer")
+    shutil.rmtree(draft, ignore_errors=True)
+    store.create(draft, plan, name, configuration)
+    source, target = zarr.open_group(layer.volume, mode="r"), zarr.open_group(draft, mode="r+")
+    with every_chunk():
+        for block in plan.blocks:
+            (rows,) = plan.place(block)
+            for array in arrays_of(plan):
+                target[array][rows] = source[array][layer.index, rows]
+    draft.rename(path)

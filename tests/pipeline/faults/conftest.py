@@ -1,0 +1,24 @@
+"""One undisturbed store for all tests of this folder, whichever process gets there first."""
+
+import fcntl
+from pathlib import Path
+
+import pytest
+
+from tests.pipeline.faults.runs import finished
+
+
+@pytest.fixture(scope="session")
+def undisturbed(tmp_path_factory) -> Path:
+    """The store that an undisturbed run makes; not to be changed."""
+    base = tmp_path_factory.getbasetemp()
+    # Below pytest-xdist every process has a folder of its own in a common one.
+    folder = (base.parent if base.name.startswith("popen-") else base) / "undisturbed"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        path = folder / "outputs/store/plane.zarr"
+        if not path.exists():
+            run = finished(folder, "cluster=none")
+            assert (run.code, run.err) == (0, ""), run.err
+    return path

@@ -1,0 +1,124 @@
+"""Real runs to be harmed: processes of the command line, what is in their store, who works for them."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+
+from pipeline import store
+from tests.pipeline.planes import contents
+
+__all__ = [
+    "COMMAND", "KEPT", "ROWS", "Head", "Run", "complete", "finished", "same", "start", "until", "workers_of",
+]
+
+ROOT = Path(__file__).parents[3]
+ROWS = 48
+#: A plane of sixteen blocks, each of three rows that take some hundredths of a second.
+COMMAND = ("plane=omega_fe", "plane.sweep.num=60", f"plane.parameter.num={ROWS}", "solver.certify_columns=25",
+           "stages=[sweep]", "store.name=plane")  # fmt: skip
+KEPT = "; what is stored is kept, and the same command goes on from there"
+
+
+class Run:
+    """`python -m pipeline` in a folder, as a process of its own.
+
+    Parameters
+    ----------
+    folder : Path
+    *arguments : str
+        Beside `COMMAND`.
+    environment : dict, optional
+        What to add to the environment.
+    """
+
+    def __init__(self, folder: Path, *arguments: str, environment=None, **options):
+        self.path = folder / "outputs/store/plane.zarr"
+        paths = os.pathsep.join([*filter(None, [(environment or {}).get("PYTHONPATH")]), str(ROOT)])
+        self.process = subprocess.Popen(
+            [sys.executable, "-W", "error", "-m", "pipeline", *COMMAND, *arguments], cwd=folder, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+            env={**os.environ, **(environment or {}), "PYTHONPATH": paths}, **options,
+        )  # fmt: skip
+
+    def end(self, timeout: float = 120.0) -> "Run":
+        """Wait for it; `code`, `out` and `err` are there then."""
+        self.out, self.err = self.process.communicate(timeout=timeout)
+        self.code = self.process.returncode
+        return self
+
+
+def start(folder: Path, *arguments: str, **options) -> Run:
+    """Start a run in a folder that is made if need be."""
+    folder.mkdir(parents=True, exist_ok=True)
+    return Run(folder, *arguments, **options)
+
+
+def finished(folder: Path, *arguments: str, **options) -> Run:
+    """A run that has ended."""
+    return start(folder, *arguments, **options).end()
+
+
+def complete(path: Path) -> int:
+    """Complete rows of a store that others are writing."""
+    try:
+        return int(np.sum(store.statuses(path) == store.COMPLETE))
+    except (OSError, ValueError, KeyError):
+        return 0
+
+
+def until(run: Run, rows: int, timeout: float = 120.0) -> int:
+    """Wait until so many rows are complete; how many are."""
+    deadline = time.monotonic() + timeout
+    while (seen := complete(run.path)) < rows and run.process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert run.process.poll() is None, run.end().err
+    return seen
+
+
+def workers_of(run: Run) -> list[psutil.Process]:
+    """The worker processes of a run with a cluster of its own."""
+    children = psutil.Process(run.process.pid).children()
+    return [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+
+
+def same(path: Path, reference: Path) -> None:
+    """Assert that two stores are bitwise equal, `branches` included."""
+    expected, found = contents(reference), contents(path)
+    assert found.keys() == expected.keys()
+    for name, values in found.items():
+        assert values.dtype == expected[name].dtype and values.shape == expected[name].shape, name
+        equal = values.tolist() == expected[name].tolist() if values.dtype.kind == "T" else (
+            values.tobytes() == expected[name].tobytes()
+        )  # fmt: skip
+        assert equal, name
+
+
+class Head:
+    """A foreign `dask scheduler` with one worker, as processes of their own on loopback."""
+
+    def __enter__(self):
+        environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
+        common = dict(stdout=subprocess.DEVNULL, text=True, env=environment)
+        module = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+        self.process = subprocess.Popen(
+            [*module, "--host", "127.0.0.1", "--port", "0", "--no-dashboard"], stderr=subprocess.PIPE, **common
+        )
+        self.address, deadline = None, time.monotonic() + 60.0
+        while self.address is None and time.monotonic() < deadline:
+            found = re.search(r"tcp://127\.0\.0\.1:\d+", self.process.stderr.readline())
+            self.address = found.group() if found else None
+        worker = [sys.executable, "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-dashboard"]
+        self.worker = subprocess.Popen(worker, stderr=subprocess.DEVNULL, **common)
+        return self
+
+    def __exit__(self, *_):
+        for process in (self.worker, self.process):
+            process.kill()
+            process.wait(30)
+        self.process.stderr.close()

@@ -1,0 +1,77 @@
+"""kill -9 at seeded moments all over the sweep: the store that comes of it in the end is the undisturbed one, bit by bit."""
+
+import random
+
+import pytest
+
+from pipeline import store
+from tests.pipeline.faults.runs import KEPT, ROWS, Head, complete, finished, same, start, until, workers_of
+
+_FEW = [("client", 1), ("worker", 2), ("workers", 3), ("client", 4), ("scheduler", 5), ("client", 6)]
+_VICTIMS = ["client", "worker", "workers", "client", "scheduler"]
+_MANY = [(_VICTIMS[seed % len(_VICTIMS)], seed) for seed in range(100, 150)]
+
+
+def _moment(seed: int, of: int) -> int:
+    """Rows after which to kill: the sweep is cut into six parts, and seeds take one after the other."""
+    part, rest = seed % 6, random.Random(seed).random()
+    return min(1 + int(of * (part + rest) / 6), of - 12)
+
+
+def _kill_client(folder, seed):
+    run = start(folder, "cluster.workers=1")
+    seen = until(run, _moment(seed, ROWS))
+    run.process.kill()
+    run.end()
+    return seen
+
+
+def _kill_workers(folder, seed, count):
+    """The run itself must get over it."""
+    run = start(folder)
+    seen = until(run, _moment(seed, ROWS))
+    for process in workers_of(run)[:count]:
+        process.kill()
+    run.end()
+    assert (run.code, run.err) == (0, ""), run.err
+    return seen
+
+
+def _kill_scheduler(folder, seed):
+    with Head() as head:
+        run = start(folder, "cluster=scheduler", f"cluster.address={head.address}")
+        seen = until(run, _moment(seed, ROWS))
+        head.process.kill()
+        run.end()
+    assert run.err == f"error: the scheduler at {head.address} is gone{KEPT}\n" and run.code == 1
+    return seen
+
+
+def _harm(victim, folder, seed, undisturbed):
+    if victim == "client":
+        seen = _kill_client(folder, seed)
+    elif victim == "scheduler":
+        seen = _kill_scheduler(folder, seed)
+    else:
+        seen = _kill_workers(folder, seed, 1 if victim == "worker" else 2)
+    assert 0 < seen < ROWS
+    path = folder / "outputs/store/plane.zarr"
+    if victim in ("client", "scheduler"):
+        assert 0 < complete(path) < ROWS
+        again = finished(folder, "cluster=none")
+        assert (again.code, again.err) == (0, ""), again.err
+        assert "sweep: continues: " in again.out
+    same(path, undisturbed)
+    assert store.find_damage(path) == [] and not list(path.rglob("*.partial"))
+    assert not [left for left in path.parent.iterdir() if left != path]
+
+
+@pytest.mark.parametrize(("victim", "seed"), _FEW)
+def test_killed_and_continued(victim, seed, tmp_path, undisturbed):
+    _harm(victim, tmp_path, seed, undisturbed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("victim", "seed"), _MANY)
+def test_killed_and_continued_fifty_times(victim, seed, tmp_path, undisturbed):
+    _harm(victim, tmp_path, seed, undisturbed)
