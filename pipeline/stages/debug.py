@@ -30,7 +30,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"debug: row {row} fails: {text}")
     reporter.line(
         f"debug: {job.plan.row_text(row)}, {found.steps} steps in {len(found.traces)} traces "
-        f" ({perf_counter() - begin:.2f} s)"
+        f"({perf_counter() - begin:.2f} s)"
     )
     reporter.line(f"debug: {', '.join(sheet.name for sheet in sheets)} in {sheets[0].parent.resolve()}")
     return 0
