@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 READY := $(VENV)/.ready
 
-.PHONY: map test test-slow clean
+.PHONY: map test test-slow bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -18,6 +18,10 @@ test: $(READY)
 
 test-slow: $(READY)
 	$(VENV)/bin/python -m pytest -m slow
+
+# QUICK=1 leaves out what takes long.
+bench: $(READY)
+	$(VENV)/bin/python -m benchmarks $(if $(QUICK),quick)
 
 clean:
 	rm -rf $(VENV)

@@ -1,15 +1,18 @@
-"""Microseconds per accepted point of a first-order curve, one thread; and the same curve by SciPy, the script most write."""
+"""Microseconds per accepted point of a first-order curve, one thread; and the same curve by SciPy, the script most write.
+
+Run it in the repository root with ``python -m benchmarks.sweep_kernel``.
+"""
 
 import statistics
 import time
 
 import numpy as np
-from scipy.optimize import fsolve
 
+from benchmarks.baselines import fsolve_sweep
 from pipeline.config import compose
 from pipeline.plan import plan
 from pipeline.sweep import continuation_of, model_at
-from solver import Event, first_order_problem, sweep_row, uncondensed_balance
+from solver import Event, first_order_problem, sweep_row
 from solver.harmonic.first_order import linear_solution
 
 LOW, HIGH, REPEAT = 0.05, 2.0, 200
@@ -25,16 +28,6 @@ def medians(action, repeat: int) -> float:
         action()
         times.append(time.perf_counter() - begin)
     return statistics.median(times)
-
-
-def scipy_sweep(model) -> int:
-    """Sweep the 21 uncondensed unknowns up and down with fsolve, from one frequency to the next."""
-    solved = 0
-    start = np.zeros(21)
-    for omega in np.concatenate([GRID, GRID[::-1]]):
-        start, _, status, _ = fsolve(lambda u, w=omega: uncondensed_balance(model, w, u)[0], start, full_output=True)
-        solved += status == 1
-    return solved
 
 
 def main() -> None:
@@ -55,7 +48,7 @@ def main() -> None:
             if corrector == "newton":
                 points, events = len(curve.points), int(np.sum(curve.event != Event.NONE))
         row = medians(lambda: sweep_row(model, "omega", GRID), REPEAT)
-        plain = medians(lambda: scipy_sweep(model), 1)
+        plain = medians(lambda: fsolve_sweep(model, GRID), 1)
         print(f"{gear:12s} {points:7d} {events:7d} {per_point['newton']:9.2f} {per_point['broyden']:17.2f} {1e3 * row:8.2f} {1e3 * plain:14.0f} {plain / row:7.0f}")  # fmt: skip
 
 

@@ -46,7 +46,7 @@ class RowDiary:
     @property
     def value(self) -> float:
         """Of the row parameter."""
-        return float(self.plan.parameter.values[self.index])
+        return self.plan.row(self.index)[1]
 
     @property
     def steps(self) -> int:
@@ -74,12 +74,12 @@ def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
     if path.exists():
         every_column = index in store.certified_rows(path)
         words = {store.PENDING: "pending", store.COMPLETE: "complete", store.FAILED: "failed"}
-        stored = f"{words[int(store.statuses(path)[index])]} in the store"
+        stored = f"{words[int(store.statuses(path).ravel()[index])]} in the store"
         stored += "".join(f": {text}" for row, text in store.failures(path) if row == index)
     recording = DiaryContinuation(**vars(continuation_of(plan.solver)))
-    value = float(plan.parameter.values[index])
+    plane, value = plan.row(index)
     try:
-        result = row_of(plan, value, balance_of(plan.solver), recording, seeds_of(plan.solver, every_column))
+        result = row_of(plane, value, balance_of(plan.solver), recording, seeds_of(plan.solver, every_column))
     except RowError as error:
         result = str(error)
     except Exception as error:
@@ -138,7 +138,7 @@ def _text(diary: RowDiary) -> str:
     """For a reader."""
     plan, axis = diary.plan, diary.plan.sweep
     lines = [
-        f"row {diary.index}: {plan.parameter.name} = {diary.value:.12g}, {axis.name} from {axis.low:g} to {axis.high:g}; {diary.stored}",
+        f"{plan.row_text(diary.index)}: {axis.name} from {axis.low:g} to {axis.high:g}; {diary.stored}",
         f"balance {plan.solver['balance']}, order {plan.solver['order']}, corrector {plan.solver['corrector']}; "
         f"seeds: certify={plan.solver['certify']}{', every column' if diary.every_column else ''}",
     ]

@@ -41,8 +41,7 @@ class Entry:
         """As shown, in the order of the columns."""
         age = "?" if math.isnan(self.age) else _age(self.age)
         texts = (self.name, self.plane, self.gear, self.status, _size(self.size), self.digest, age, " ".join(self.groups) or "-")
-        # Stores may come from anyone: what is no letter must not steer the terminal.
-        return tuple("".join(letter if letter.isprintable() else "?" for letter in text) for text in texts)
+        return tuple(map(printable, texts))
 
 
 @dataclass(frozen=True)
@@ -66,10 +65,15 @@ def listing(root: Path) -> Listing:
             if (path / _METADATA).is_file() and (path / "branches").is_dir() and (path / "status").is_dir():
                 entries.append(_entry(path, None, "damaged metadata: stages=[check] cannot tell what it was"))
             else:
-                foreign.append(path.name)
+                foreign.append(printable(path.name))
             continue
         entries.append(_described(path, attributes))
     return Listing(tuple(entries), tuple(foreign))
+
+
+def printable(text: str) -> str:
+    """The text without what would steer a terminal; stores may come from anyone."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 def columns(found: Listing) -> list[str]:
@@ -198,7 +202,7 @@ def _size(size: int) -> str:
     Examples
     --------
     >>> _size(900), _size(12_345_678)
-    ('900 B', '12 MB')
+    ('900 B', '12.3 MB')
     """
     for unit in ("B", "kB", "MB", "GB"):
         if size < 1000:

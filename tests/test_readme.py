@@ -30,10 +30,10 @@ def folder(tmp_path_factory):
 
 
 def test_there_is_something_to_check():
-    assert len(SNIPPETS) == 6 and len(COMMANDS) >= 7
+    assert len(SNIPPETS) == 7 and len(COMMANDS) >= 7
 
 
-@pytest.mark.parametrize("snippet", SNIPPETS, ids=["store", "boundaries", "solver", "thresholds", "statements", "order"])
+@pytest.mark.parametrize("snippet", SNIPPETS, ids=["open", "store", "boundaries", "solver", "thresholds", "statements", "order"])
 def test_snippets_run(snippet, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     exec(compile(snippet, "README.md", "exec"), {})
@@ -64,9 +64,10 @@ def test_two_commands_are_what_ci_runs():
     makefile = (ROOT / "Makefile").read_text()
     assert "python -m pipeline plane=omega_fe" in makefile and "python -m pytest" in makefile
     assert all(f"    make {target} " in README and f"\n{target}:" in makefile for target in ("map", "test"))
+    assert "`make bench`" in README and "\nbench:" in makefile
 
 
-@pytest.mark.parametrize("module", ["pipeline.cluster"])
+@pytest.mark.parametrize("module", ["pipeline.cluster", "pipeline.completion", "pipeline.listing", "pipeline.opened"])
 def test_doctests_of_the_pipeline(module):
     results = doctest.testmod(importlib.import_module(module))
     assert results.attempted > 0 and results.failed == 0

@@ -12,10 +12,11 @@ __all__ = ["STAGE"]
 
 
 def _check(job: Job) -> None:
-    row, rows = job.settings.config.debug.row, job.plan.parameter.num
+    row, rows = job.settings.config.debug.row, job.plan.rows
     if row is None or not 0 <= row < rows:
         raise ConfigurationError(
-            f"debug.row = {'null' if row is None else row} is not allowed: it must be from 0 to {rows - 1}, a row of this plane"
+            f"debug.row = {'null' if row is None else row} is not allowed: "
+            f"it must be from 0 to {rows - 1}, a row of this plane"
         )
 
 
@@ -28,8 +29,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     for text in found.failed:
         reporter.line(f"debug: row {row} fails: {text}")
     reporter.line(
-        f"debug: row {row} ({job.plan.parameter.name} = {found.value:.9g}), {found.steps} steps in {len(found.traces)} "
-        f"traces ({perf_counter() - begin:.2f} s)"
+        f"debug: {job.plan.row_text(row)}, {found.steps} steps in {len(found.traces)} traces "
+        f"({perf_counter() - begin:.2f} s)"
     )
     reporter.line(f"debug: {', '.join(sheet.name for sheet in sheets)} in {sheets[0].parent.resolve()}")
     return 0

@@ -1,6 +1,7 @@
 """The command line for real: processes, a LocalCluster, files, signals."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -55,6 +56,13 @@ def test_all_four_planes(planes):
     for number in (1, 2, 3):
         for kind in ("csv", "md", "tex"):
             assert (folder / f"outputs/tables/table{number}.{kind}").stat().st_size > 100
+
+
+def test_all_four_planes_share_one_cluster(planes):
+    folder, _ = planes
+    workers = [set(re.findall(r"info batch: .* on (tcp://\S+),", log.read_text())) for log in folder.glob("outputs/runs/*/*/run.log")]
+    # Four clusters of two would have had eight addresses.
+    assert len(workers) == 4 and all(workers) and len(set.union(*workers)) <= 2
 
 
 def test_nothing_else_is_written(planes):
