@@ -127,7 +127,8 @@ def _read(file: Path) -> dict | None:
 def listed_in(path: Path) -> dict[str, dict]:
     """The metadata that the root gathers, which is what zarr goes by; empty if it cannot be read."""
     gathered = (_read(path / METADATA) or {}).get("consolidated_metadata")
-    listed = gathered.get("metadata") if isinstance(gathered, dict) else None
+    known = isinstance(gathered, dict) and (gathered.get("kind"), gathered.get("must_understand")) == ("inline", False)
+    listed = gathered.get("metadata") if known else None
     return {name: _alone(told) for name, told in listed.items()} if isinstance(listed, dict) else {}
 
 
