@@ -125,7 +125,7 @@ def read_plan(path: Path) -> Plan:
     """
     attributes = root_attributes(path)
     plan = plan_from(attributes, path)
-    look_over(path, plan, attributes["bevelmap_schema"])
+    look_over(path, plan, attributes)
     return plan
 
 
