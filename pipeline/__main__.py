@@ -23,7 +23,7 @@ keys people need
                                      There are also: verify (where the map can be trusted, by higher orders and by
                                      integration), basins (shares of random initial states), jumps (attractors followed
                                      along rows, up and down), margins (distances of a design point to the nearest
-                                     boundaries), tables
+                                     boundaries), check (every file against its checksum; check.repair=true mends), tables
   gear.b=0.5 gear.alpha=0.3          any parameter of the gear that is not an axis of the plane
   gear.physical.torque='60 N*m'      any number of a gear in physical units, with its unit; then also
                                      plane.sweep.min='500 rpm' and figures.units=physical
@@ -39,6 +39,7 @@ keys people need
                                      margins.tolerances={f_e:0.02,b:0.1}
   store.name=mine                    name of the store and of its figures' folder
   store.overwrite=true               replace a store of another configuration
+  store.wait=true                    wait where another run holds the store, instead of stopping
   solver.corrector=broyden           the study's corrector instead of Newton's
   cluster.workers=4                  worker processes on this machine
   output.root=results                where everything is written (default outputs)
