@@ -57,11 +57,6 @@ def test_no_pickle_is_opened(copy, tmp_path, monkeypatch, capsys):
     root = json.loads((copy / "zarr.json").read_text())
     root["consolidated_metadata"]["metadata"]["message"] = document
     (copy / "zarr.json").write_text(json.dumps(root))
-    # Such a store is a danger to whoever opens it without looking.
-    with pytest.raises(Exception):  # noqa: B017  (what zarr makes of the result does not matter)
-        np.asarray(zarr.open_group(copy, mode="r")["message"][:]).sum()
-    assert (tmp_path / "went-off").exists()
-    (tmp_path / "went-off").rmdir()
     with pytest.raises(StoreError, match="format that this program does not write"):
         store.read_plan(copy)
     for stage in ("figures", "boundaries", "sweep", "check"):
