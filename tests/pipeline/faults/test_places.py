@@ -43,10 +43,10 @@ def test_a_full_disk_by_limit(tmp_path, undisturbed):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A file system of one megabyte; its own mount, which ends with the test."""
+    """A file system of sixteen megabytes; its own mount, which ends with the test."""
     folder = tmp_path / "disk"
     folder.mkdir()
-    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", str(folder)], capture_output=True, text=True)
+    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16m", "tmpfs", str(folder)], capture_output=True, text=True)
     if made.returncode:
         pytest.skip(f"no file system can be mounted here: {made.stderr.strip()}")
     yield folder
@@ -55,13 +55,20 @@ def small_disk(tmp_path):
 
 
 def test_a_full_disk(small_disk, undisturbed):
-    run = finished(small_disk, "cluster=none")
-    assert run.code == 1 and "Traceback" not in run.err
+    run = start(small_disk, "cluster=none")
+    until(run, 6)
+    # Something else takes the rest of the disk.
+    with pytest.raises(OSError, match="No space"), (small_disk / "ballast").open("wb", buffering=0) as ballast:
+        while ballast.write(bytes(2**12)) == 2**12:
+            pass
+        raise OSError("No space left for a whole page")
+    run.end()
     said = [line for line in run.err.splitlines() if not line.startswith("note: the log cannot be written any more")]
-    assert len(said) == 1 and "No space left on device" in said[0] and said[0].endswith(KEPT)
-    subprocess.run(["mount", "-o", "remount,size=100m", str(small_disk)], check=True)
+    assert run.code == 1 and len(said) == 1 and "No space left on device" in said[0] and said[0].endswith(KEPT), run.err
+    (small_disk / "ballast").unlink()
+    assert store.find_damage(run.path) == []
     again = finished(small_disk, "cluster=none")
-    assert (again.code, again.err) == (0, "")
+    assert (again.code, again.err) == (0, "") and "continues" in again.out
     same(run.path, undisturbed)
 
 
@@ -80,7 +87,6 @@ def test_a_folder_that_cannot_be_written(tmp_path, request):
 
 
 def test_a_disk_that_turns_read_only_during_the_run(small_disk, undisturbed):
-    subprocess.run(["mount", "-o", "remount,size=100m", str(small_disk)], check=True)
     run = start(small_disk, "cluster=none")
     until(run, 9)
     # With files open for writing it is refused for a moment.
