@@ -30,6 +30,8 @@ def believed(numbers: dict) -> Plan:
         value = getattr(plan, name)
         if type(value) is not int or not low <= value <= high:
             raise ValueError(f"{name} = {str(value)[:40]}")
+    if (plan.omega is None) != ("omega" in (plan.sweep.name, plan.parameter.name)) or not _finite(plan.omega or 1.0):
+        raise ValueError(f"omega = {str(plan.omega)[:40]}")
     for name in ("order", "period"):
         if type(plan.solver[name]) is not int or not 1 <= plan.solver[name] <= 1000:
             raise ValueError(f"solver.{name} = {str(plan.solver[name])[:40]}")
@@ -42,5 +44,9 @@ def _check_axis(axis: Axis) -> None:
         raise ValueError(f"an axis {str(axis.name)[:40]!r}")
     if type(axis.num) is not int or not 2 <= axis.num <= _MOST_CELLS:
         raise ValueError(f"{str(axis.num)[:40]} values of {axis.name}")
-    if not all(type(end) in (int, float) and math.isfinite(end) for end in (axis.low, axis.high)) or axis.low >= axis.high:
+    if not all(map(_finite, (axis.low, axis.high))) or axis.low >= axis.high:
         raise ValueError(f"{axis.name} from {str(axis.low)[:40]} to {str(axis.high)[:40]}")
+
+
+def _finite(value) -> bool:
+    return type(value) in (int, float) and math.isfinite(value)

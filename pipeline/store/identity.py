@@ -30,9 +30,8 @@ def root_attributes(path: Path) -> dict:
     """
     if not path.exists():
         raise StoreError(f"there is no store at {path}")
-    copies = [copy for copy in map(_copy, *zip(
-        (path / "zarr.json", "attributes"), (path / "branches" / "zarr.json", "attributes", "plane"), strict=False
-    )) if copy is not None]  # fmt: skip
+    first, second = path / "zarr.json", path / "branches" / "zarr.json"
+    copies = [copy for copy in (_copy(first, "attributes"), _copy(second, "attributes", "plane")) if copy is not None]
     for attributes in copies:
         if attributes["bevelmap_schema"] < _SEALED or attributes == sealed(attributes):
             return attributes
@@ -126,7 +125,7 @@ def read_plan(path: Path) -> Plan:
     """
     attributes = root_attributes(path)
     plan = plan_from(attributes, path)
-    look_over(path, plan, attributes["bevelmap_schema"])
+    look_over(path, plan, attributes)
     return plan
 
 

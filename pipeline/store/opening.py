@@ -38,7 +38,7 @@ _ADDED_BYTES = 2**30
 _WHOLE = 3
 
 
-def look_over(path: Path, plan: Plan, version: int) -> None:
+def look_over(path: Path, plan: Plan, attributes: dict) -> None:
     """Raise unless a store is what its plan says, as far as names and metadata tell.
 
     Parameters
@@ -46,8 +46,8 @@ def look_over(path: Path, plan: Plan, version: int) -> None:
     path : Path
     plan : Plan
         As the store itself describes it.
-    version : int
-        Of the store's schema.
+    attributes : dict
+        What the root says, from whichever copy is sound.
 
     Raises
     ------
@@ -56,10 +56,12 @@ def look_over(path: Path, plan: Plan, version: int) -> None:
     StoreError
         If there is anything but files and folders in it.
     """
-    files = files_of(path)
+    files, whole = files_of(path), attributes["bevelmap_schema"] >= _WHOLE
     _check_claims(path, plan)
     for file, fault in _disagreements(path):
         raise damaged(path, f"{file} {fault}")
+    if (document(path / METADATA) or {}).get("attributes") != attributes:
+        raise damaged(path, f"{METADATA} does not say what it should")
     listed = listed_in(path)
     dims = sizes_of(plan)
     expected = {axis.name: ((axis.num,), "float64") for axis in plan.axes}
@@ -67,13 +69,13 @@ def look_over(path: Path, plan: Plan, version: int) -> None:
         expected[name] = tuple(dims[dim] for dim in spec["dims"]), {"str": "string"}.get(spec["dtype"], spec["dtype"])
     for name, (shape, kind) in expected.items():
         if name not in listed:
-            if version < _WHOLE:
+            if not whole:
                 continue
             raise damaged(path, f"{name}/{METADATA} is not listed")
         told = tuple(listed[name]["shape"])
         if told != shape or listed[name]["data_type"] != kind:
             raise damaged(path, f"{name}/{METADATA} claims {listed[name]['data_type']} {told}, its plane has {kind} {shape}")
-    if version >= _WHOLE:
+    if whole:
         _check_files(path, plan, listed, files)
 
 
@@ -127,7 +129,8 @@ def _read(file: Path) -> dict | None:
 def listed_in(path: Path) -> dict[str, dict]:
     """The metadata that the root gathers, which is what zarr goes by; empty if it cannot be read."""
     gathered = (_read(path / METADATA) or {}).get("consolidated_metadata")
-    listed = gathered.get("metadata") if isinstance(gathered, dict) else None
+    known = isinstance(gathered, dict) and (gathered.get("kind"), gathered.get("must_understand")) == ("inline", False)
+    listed = gathered.get("metadata") if known else None
     return {name: _alone(told) for name, told in listed.items()} if isinstance(listed, dict) else {}
 
 

@@ -1,5 +1,6 @@
 """Small planes for tests: composed like a user's, computed in this process."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,10 @@ from pipeline import store
 from pipeline.config import compose
 from pipeline.plan import Plan, plan
 from pipeline.schema import Cluster
+from pipeline.store.seal import sealed
 from pipeline.sweep import sweep_block
 
-__all__ = ["cluster", "contents", "small_plan", "small_store"]
+__all__ = ["cluster", "contents", "retold", "small_plan", "small_store"]
 
 
 def cluster(kind: str, **changes) -> Cluster:
@@ -35,6 +37,17 @@ def small_store(path: Path, plan: Plan, blocks=None) -> Path:
     for block in plan.blocks if blocks is None else blocks:
         sweep_block(str(path), plan, block)
     return path
+
+
+def retold(path: Path, **changes) -> None:
+    """Change what a store says of itself, in both places and with its seal, as another program would have written it."""
+    root, branches = path / "zarr.json", path / "branches/zarr.json"
+    document, second = json.loads(root.read_text()), json.loads(branches.read_text())
+    attributes = sealed({**document["attributes"], **changes})
+    document["attributes"] = second["attributes"]["plane"] = attributes
+    document["consolidated_metadata"]["metadata"]["branches"]["attributes"]["plane"] = attributes
+    root.write_text(json.dumps(document))
+    branches.write_text(json.dumps(second))
 
 
 def contents(path: Path) -> dict[str, np.ndarray]:

@@ -15,7 +15,7 @@ from pipeline.plan import Block
 from pipeline.sweep import sweep_block
 from solver import domain_label, sweep_row
 from tests.conftest import published
-from tests.pipeline.planes import cluster, contents, small_plan, small_store
+from tests.pipeline.planes import cluster, contents, retold, small_plan, small_store
 
 PLAN = dict(columns=61, rows=6)
 
@@ -141,7 +141,7 @@ def test_something_else_is_refused_and_kept(tmp_path, kind):
         zarr.create_group(path, attributes={"title": "mine"})
     else:
         small_store(path, plan, [])
-        zarr.open_group(path, mode="r+").attrs["bevelmap_schema"] = 99
+        retold(path, bevelmap_schema=99)
     before = sorted(p.relative_to(tmp_path) for p in tmp_path.rglob("*"))
     attempts = [lambda: store.check(path, plan), lambda: store.read_plan(path)]
     # A store of another version is ours all the same: who asks for it may overwrite it.

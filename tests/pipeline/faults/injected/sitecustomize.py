@@ -1,0 +1,79 @@
+"""Put on PYTHONPATH by tests of this folder: makes rows fail, or clocks jump, in every process of a run."""
+
+import importlib.abc
+import os
+import sys
+
+_FAULT = os.environ.get("BEVELMAP_TEST_FAULT", "")
+
+
+def _fail(kind: str) -> None:
+    if kind == "raise":
+        raise FloatingPointError("injected")
+    if kind == "sleep":
+        import time
+
+        time.sleep(1000.0)
+    if kind == "spin":
+        # Compiled, and the interpreter's lock is never let go of.
+        import numba
+
+        @numba.njit
+        def spin(x):
+            while x != 0.0:
+                x = x * 1.0000001 if x < 1e6 else 1.0
+            return x
+
+        spin(1.0)
+    if kind == "allocate":
+        import time
+
+        held = []
+        while True:
+            held.append(bytearray(os.urandom(2**20)) * 20)
+            time.sleep(0.02)
+
+
+def _patch(module) -> None:
+    """Let the row at f_e = 0.25 fail, on every worker."""
+    kind, honest = _FAULT, module._sweep
+
+    def sweep(plan, value, *rest):
+        if abs(value - plan.parameter.values[plan.parameter.num // 2]) < 1e-12:
+            _fail(kind)
+        return honest(plan, value, *rest)
+
+    module._sweep = sweep
+
+
+class _Finder(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name != "pipeline.sweep":
+            return None
+        sys.meta_path.remove(self)
+        import importlib.util
+
+        spec = importlib.util.find_spec(name)
+        execute = spec.loader.exec_module
+
+        def exec_module(module):
+            execute(module)
+            _patch(module)
+
+        spec.loader.exec_module = exec_module
+        return spec
+
+
+if _FAULT == "clock":
+    # The wall clock runs backwards, an hour every ten calls.
+    import time
+
+    _honest, _calls = time.time, [0]
+
+    def _jumping():
+        _calls[0] += 1
+        return _honest() - 3600.0 * (_calls[0] // 10)
+
+    time.time = _jumping
+elif _FAULT:
+    sys.meta_path.insert(0, _Finder())

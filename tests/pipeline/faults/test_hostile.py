@@ -1,0 +1,248 @@
+"""Stores and configurations from someone else: nothing in them runs, writes elsewhere, or takes all memory."""
+
+import json
+import os
+import pickle
+import shutil
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+
+from pipeline import store
+from pipeline.__main__ import main
+from pipeline.config import compose
+from pipeline.errors import ConfigurationError, StoreError
+from pipeline.units import quantity
+from tests.pipeline.faults.test_damage import run
+from tests.pipeline.planes import contents, retold, small_plan, small_store
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """A small complete store; not to be changed."""
+    return small_store(tmp_path_factory.mktemp("made") / "plane.zarr", small_plan(columns=9, rows=4))
+
+
+@pytest.fixture
+def copy(made, tmp_path) -> Path:
+    return Path(shutil.copytree(made, tmp_path / "outputs/store/plane.zarr"))
+
+
+def _listed(path: Path, name: str, **changes) -> None:
+    """Change an array's metadata in both places."""
+    for file, *keys in ((path / name / "zarr.json",), (path / "zarr.json", "consolidated_metadata", "metadata", name)):
+        document = json.loads(file.read_text())
+        node = document
+        for key in keys:
+            node = node.setdefault(key, {})
+        node.update(changes)
+        file.write_text(json.dumps(document))
+
+
+class _Bomb:
+    def __reduce__(self):
+        return os.mkdir, ("went-off",)
+
+
+def test_no_pickle_is_opened(copy, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    document = dict(zarr_format=2, shape=[4], chunks=[1], dtype="|O", fill_value=None, order="C", filters=[{"id": "pickle"}],
+                    compressor=None, dimension_separator=".")  # fmt: skip
+    (copy / "message/.zarray").write_text(json.dumps(document))
+    for place in range(4):
+        (copy / f"message/{place}").write_bytes(pickle.dumps([_Bomb()]))
+    root = json.loads((copy / "zarr.json").read_text())
+    root["consolidated_metadata"]["metadata"]["message"] = document
+    (copy / "zarr.json").write_text(json.dumps(root))
+    with pytest.raises(StoreError, match="format that this program does not write"):
+        store.read_plan(copy)
+    for stage in ("figures", "boundaries", "sweep", "check"):
+        code, _, err = run(tmp_path, capsys, f"stages=[{stage}]")
+        assert code in (1, 2) and "Traceback" not in err
+    assert not (tmp_path / "went-off").exists()
+
+
+@pytest.mark.parametrize(("name", "changes"), [
+    ("mean", {"shape": [10**7, 10**6, 8]}), ("mean", {"data_type": "object"}), ("domain", {"codecs": [{"name": "numcodecs.pickle"}]}),
+    ("status", {"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}), ("f_e", {"shape": [10**12]}),
+    ("mine/x", {"shape": [10**12], "data_type": "float64", "node_type": "array", "zarr_format": 3, "codecs": [{"name": "bytes"}],
+                "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}),
+    ("../escaped", {"node_type": "group", "zarr_format": 3}),
+])  # fmt: skip
+def test_claims_are_compared_with_the_plan_and_cost_nothing(copy, name, changes):
+    (copy / name).mkdir(parents=True, exist_ok=True)
+    if not (copy / name / "zarr.json").exists():
+        (copy / name / "zarr.json").write_text("{}")
+    _listed(copy, name, **changes)
+    tracemalloc.start()
+    with pytest.raises(StoreError) as caught:
+        store.read_plan(copy)
+    assert tracemalloc.get_traced_memory()[1] < 2e7
+    tracemalloc.stop()
+    assert "\n" not in str(caught.value) and "is damaged" in str(caught.value)
+
+
+@pytest.mark.parametrize("change", [
+    {"sweep": {"name": "omega", "low": 0.05, "high": 2.0, "num": 10**12}}, {"sweep": "x"}, {"sweep": None}, {"max_points": 10**12},
+    {"parameter": {"name": "../../x", "low": 0.0, "high": 1.0, "num": 4}}, {"max_solutions": True},
+    {"parameter": {"name": "f_e", "low": float("nan"), "high": 1.0, "num": 4}}, {"gear": {"b": [[[1.0]]]}}, {"gear": 7},
+    {"solver": {"order": 10**9}}, {"omega": {"a": 1}}, {"extra": 1}, {"parameter": {"name": "omega", "low": 1, "high": 2, "num": 4}},
+])  # fmt: skip
+def test_numbers_that_no_plan_has_are_refused(copy, change):
+    numbers = {**json.loads(json.loads((copy / "zarr.json").read_text())["attributes"]["numbers"]), **change}
+    retold(copy, numbers=json.dumps(numbers))
+    with pytest.raises(StoreError, match="makes no sense") as caught:
+        store.read_plan(copy)
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 600
+
+
+def test_nested_json_is_refused(copy):
+    retold(copy, numbers="[" * 100_000)
+    with pytest.raises(StoreError, match="not allowed"):
+        store.read_plan(copy)
+
+
+def test_a_stored_configuration_is_text(copy, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("SECRET_OF_THE_READER", "swordfish")
+    retold(copy, configuration="a: ${oc.env:SECRET_OF_THE_READER}\nb: {_target_: os.mkdir, path: went-off}\n", title="${oc.env:HOME}")
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(tmp_path, capsys, "stages=[figures]", "figures.formats=[svg]")
+    assert (code, err) == (0, "") and not (tmp_path / "went-off").exists()
+    drawn = "".join(file.read_text() for file in (tmp_path / "outputs/figures").rglob("*.svg"))
+    assert "swordfish" not in drawn + out
+
+
+@pytest.mark.parametrize("place", ["mean", "branches", "mean/c/0/0/0", "mine"])
+def test_links_lead_nowhere(copy, tmp_path, capsys, place):
+    outside = tmp_path / "outside"
+    if (copy / place).exists():
+        (copy / place).rename(outside)
+    else:
+        outside.mkdir()
+    (copy / place).symlink_to(outside)
+    before = sorted(outside.rglob("*")), outside.stat().st_mtime_ns
+    for stage in ("sweep", "figures", "check"):
+        code, _, err = run(tmp_path, capsys, f"stages=[{stage}]", "check.repair=true")
+        assert code == 2 and err == (
+            f"error: {copy} is not allowed: '{place}' is a link; a store has files and folders only\n"
+        ), err
+    assert (sorted(outside.rglob("*")), outside.stat().st_mtime_ns) == before
+
+
+@pytest.mark.parametrize("name", [".plane.zarr.lock", ".plane.zarr.tries", ".plane.zarr.template"])
+def test_links_beside_a_store_lead_nowhere(tmp_path, capsys, name):
+    root = tmp_path / "outputs/store"
+    root.mkdir(parents=True)
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "thesis.tex").write_text("mine")
+    (root / name).symlink_to(mine / "thesis.tex" if name.endswith("lock") else mine)
+    code, _, err = run(tmp_path, capsys, "stages=[sweep]", "plane.parameter.num=3", "plane.sweep.num=9")
+    assert (mine / "thesis.tex").read_text() == "mine" and len(list(mine.iterdir())) == 1
+    assert code == (1 if name.endswith("lock") else 0) and len(err.splitlines()) == code
+
+
+@pytest.mark.parametrize("name", ["../x", "/tmp/x", "a/b", ".hidden", "..", "x" * 200, "a\nb"])
+def test_a_store_stays_in_its_folder(name):
+    with pytest.raises(ConfigurationError, match="store.name"):
+        compose([f"store.name='{name}'"])
+
+
+@pytest.mark.parametrize("choice", ["plane=../x", "gear=/etc/passwd", "plane=../gear/published", "plane=omega_fe/../omega_b"])
+def test_group_choices_stay_in_their_folder(choice):
+    with pytest.raises(ConfigurationError) as caught:
+        compose([choice])
+    assert "\n" not in str(caught.value)
+
+
+_LAUGHS = "a0: &a0 [1,1,1,1,1,1,1,1,1,1]\n" + "".join(
+    f"a{i}: &a{i} [{','.join([f'*a{i - 1}'] * 10)}]\n" for i in range(1, 12)
+)
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    (_LAUGHS, "repeated ones included"), ("a: &a [*a]\n", "repeated ones included"), ("a: " + "[" * 5000, "nested deeper"),
+    ("a: !!python/object/apply:os.mkdir [went-off]\n", "names no plain data"), ("a: !evil 1\n", "names no plain data"),
+    ("a: [", "must be YAML"), ("b: 1\n" * 300_000, "bytes long"), ("\x00", "must be YAML"),
+])  # fmt: skip
+def test_configuration_files_are_plain_and_small(tmp_path, monkeypatch, capsys, text, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "theirs/gear").mkdir(parents=True)
+    (tmp_path / "theirs/gear/bomb.yaml").write_text(text)
+    code = main(["--config-dir", "theirs", "gear=bomb", "stages=[sweep]"])
+    err = capsys.readouterr().err
+    assert code == 2 and len(err.splitlines()) == 1 and "bomb.yaml" in err and said in err
+    assert [place.name for place in tmp_path.iterdir()] == ["theirs"]
+
+
+def test_configuration_files_run_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "theirs/gear").mkdir(parents=True)
+    (tmp_path / "theirs/gear/odd.yaml").write_text("defaults: [published, _self_]\n_target_: os.mkdir\npath: went-off\n")
+    code = main(["--config-dir", "theirs", "gear=odd", "stages=[sweep]"])
+    err = capsys.readouterr().err
+    assert code == 2 and len(err.splitlines()) == 1 and "gear._target_" in err
+    assert [place.name for place in tmp_path.iterdir()] == ["theirs"]
+
+
+@pytest.mark.parametrize("text", [
+    "__import__('os').mkdir('x')", "1 m**9999999", "1 " + "m*" * 40 + "m", "1e999 m", "9" * 5000 + " m", "1 m;1", "[1,2] m", "1 m^4^4^4",
+])  # fmt: skip
+def test_units_evaluate_nothing(text):
+    with pytest.raises(ConfigurationError) as caught:
+        quantity("gear.physical.module", text, "length")
+    assert "\n" not in str(caught.value)
+
+
+def test_an_older_store_is_read_and_not_written(copy, tmp_path, capsys):
+    before = contents(copy)
+    _older(copy, 2)
+    sizes = ["plane.sweep.num=9", "plane.parameter.num=4", "solver.certify_columns=197"]
+    way = "store.overwrite=true makes it anew, another store.name= keeps it\n"
+    said = f"error: {copy} was made by an older version of this program (schema 2, this one writes 3): {way}"
+    for stage, code, err in (("figures", 0, ""), ("boundaries", 0, ""), ("check", 2, said)):
+        found, out, told = run(tmp_path, capsys, f"stages=[{stage}]", *sizes)
+        assert (found, told) == (code, err), stage
+    retold_status = zarr.open_group(copy, mode="r+")["status"]
+    retold_status[0] = store.PENDING
+    assert run(tmp_path, capsys, "stages=[sweep]", *sizes)[::2] == (2, said)
+    assert run(tmp_path, capsys, "stages=[sweep]", *sizes, "gear.b=0.7")[::2] == (2, said)
+    assert all(np.array_equal(values, before[name], equal_nan=values.dtype.kind == "f")
+               for name, values in contents(copy).items() if name in before and name != "status")  # fmt: skip
+
+
+def _older(path: Path, version: int) -> None:
+    """Make a store what an older version wrote: no checksums, no second copy, nothing sealed."""
+    root = zarr.open_group(path, mode="r")
+    attributes = {key: value for key, value in root.attrs.items() if key != "digest"} | {"bevelmap_schema": version}
+    arrays = {name: array for name, array in root.members(max_depth=None) if isinstance(array, zarr.Array)}
+    draft = path.with_name("draft")
+    made = zarr.create_group(draft, zarr_format=3, attributes=attributes)
+    made.create_group("branches", attributes={"coordinates": "omega"})
+    for name, array in arrays.items():
+        kind = "str" if array.dtype.kind in "TO" else array.dtype
+        made.create_array(name, shape=array.shape, chunks=array.chunks, dtype=kind, fill_value=array.fill_value,
+                          dimension_names=array.metadata.dimension_names, attributes=dict(array.attrs))[...] = array[...]  # fmt: skip
+    store.consolidate(draft)
+    shutil.rmtree(path)
+    draft.rename(path)
+
+
+def test_versions_that_are_too_old_or_too_new_are_refused(copy, tmp_path, capsys):
+    _older(copy, 1)
+    for stage in ("figures", "sweep", "check"):
+        code, _, err = run(tmp_path, capsys, f"stages=[{stage}]")
+        assert code == 2 and err.startswith(f"error: {copy} was made by an older version of this program (schema 1, ")
+        assert "store.overwrite=true" in err and len(err.splitlines()) == 1
+
+
+def test_a_newer_store_is_refused(copy, tmp_path, capsys):
+    retold(copy, bevelmap_schema=99)
+    for stage in ("figures", "sweep", "check"):
+        code, _, err = run(tmp_path, capsys, f"stages=[{stage}]")
+        assert code == 2 and err == (
+            f"error: {copy} was made by a newer version of this program (schema 99, this one knows 3): update it\n"
+        )

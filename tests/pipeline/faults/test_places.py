@@ -1,0 +1,193 @@
+"""Disks that fill, folders that cannot be written or go away, clocks that jump, and two runs on one store."""
+
+import fcntl
+import json
+import os
+import re
+import resource
+import shutil
+import subprocess
+import time
+
+import pytest
+
+from pipeline import store
+from tests.pipeline.faults.runs import COMMAND, KEPT, finished, same, start, until
+from tests.pipeline.faults.test_damage import run as run_here
+from tests.pipeline.faults.test_rows import INJECTED
+
+
+def _one_line(run, *parts):
+    assert run.code in (1, 2) and len(run.err.splitlines()) == 1 and run.err.startswith("error: "), run.err
+    for part in parts:
+        assert part in run.err
+
+
+def test_a_full_disk_by_limit(tmp_path, undisturbed):
+    biggest = max(file.stat().st_size for file in undisturbed.rglob("*") if file.is_file() and "c" in file.parts)
+
+    def limit():
+        # The template fits, not every chunk.
+        resource.setrlimit(resource.RLIMIT_FSIZE, (biggest - 1, biggest - 1))
+
+    root = (undisturbed / "zarr.json").stat().st_size
+    run = finished(tmp_path, "cluster=none", preexec_fn=limit)
+    _one_line(run, "File too large", KEPT)
+    assert run.code == 1
+    if biggest > root:
+        assert store.find_damage(run.path) == []
+    again = finished(tmp_path, "cluster=none")
+    assert (again.code, again.err) == (0, "")
+    same(run.path, undisturbed)
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of sixteen megabytes; its own mount, which ends with the test."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16m", "tmpfs", str(folder)], capture_output=True, text=True)
+    if made.returncode:
+        pytest.skip(f"no file system can be mounted here: {made.stderr.strip()}")
+    yield folder
+    subprocess.run(["mount", "-o", "remount,rw", str(folder)], capture_output=True)
+    subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def test_a_full_disk(small_disk, undisturbed):
+    run = start(small_disk, "cluster=none")
+    until(run, 6)
+    # Something else takes the rest of the disk.
+    with pytest.raises(OSError, match="No space"), (small_disk / "ballast").open("wb", buffering=0) as ballast:
+        while ballast.write(bytes(2**12)) == 2**12:
+            pass
+        raise OSError("No space left for a whole page")
+    run.end()
+    said = [line for line in run.err.splitlines() if not line.startswith("note: the log cannot be written any more")]
+    assert run.code == 1 and len(said) == 1 and "No space left on device" in said[0] and said[0].endswith(KEPT), run.err
+    (small_disk / "ballast").unlink()
+    assert store.find_damage(run.path) == []
+    again = finished(small_disk, "cluster=none")
+    assert (again.code, again.err) == (0, "") and "continues" in again.out
+    same(run.path, undisturbed)
+
+
+def test_a_folder_that_cannot_be_written(tmp_path, request):
+    folder = tmp_path / "outputs"
+    if os.getuid():
+        folder.mkdir(mode=0o500)
+    else:
+        # Permissions do not bind root; a file system that is read-only does.
+        disk = request.getfixturevalue("small_disk")
+        subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+        folder = disk / "outputs"
+    run = finished(tmp_path, "cluster=none", f"output.root={folder}")
+    _one_line(run, f"output.root = {str(folder)!r} is not allowed: it must be a folder that can be written")
+    assert run.code == 2
+
+
+def test_a_disk_that_turns_read_only_during_the_run(small_disk, undisturbed):
+    run = start(small_disk, "cluster=none")
+    until(run, 9)
+    # With files open for writing it is refused for a moment.
+    while subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], capture_output=True).returncode:
+        assert run.process.poll() is None
+    run.end()
+    said = [line for line in run.err.splitlines() if not line.startswith("note: the log cannot be written any more")]
+    assert run.code == 1 and len(said) == 1 and "Read-only file system" in said[0] and said[0].endswith(KEPT), run.err
+    subprocess.run(["mount", "-o", "remount,rw", str(small_disk)], check=True)
+    again = finished(small_disk, "cluster=none")
+    assert (again.code, again.err) == (0, "") and "continues" in again.out
+    same(run.path, undisturbed)
+
+
+@pytest.mark.parametrize("gone", ["outputs/store/plane.zarr", "outputs"])
+def test_a_store_that_vanishes_during_the_run(tmp_path, undisturbed, gone):
+    run = start(tmp_path, "cluster=none")
+    until(run, 6)
+    (tmp_path / gone).rename(tmp_path / "away")
+    run.end()
+    said = [line for line in run.err.splitlines() if not line.startswith("note: the log cannot be written any more")]
+    assert run.code == 1 and len(said) == 1 and said[0].startswith("error: "), run.err
+    shutil.rmtree(tmp_path / "away")
+    again = finished(tmp_path, "cluster=none")
+    assert (again.code, again.err) == (0, ""), again.err
+    same(run.path, undisturbed)
+
+
+def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed):
+    first = start(tmp_path, "cluster=none")
+    until(first, 3)
+    code, _, err = run_here(tmp_path, capsys, "stages=[sweep]")
+    assert code == 2 and re.fullmatch(
+        rf"error: {re.escape(str(first.path))} is in use by process {first.process.pid} on \S+ since "
+        r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00: wait for it, or say store.wait=true\n", err,
+    ), err  # fmt: skip
+    # The others of a multirun have their turn.
+    shutil.copytree(undisturbed, first.path.with_name("other.zarr"))
+    code, out, err = run_here(tmp_path, capsys, "-m", "stages=[sweep]", "store.name=plane,other")
+    assert code == 2 and len(err.splitlines()) == 1 and "is in use by" in err and "other.zarr already, nothing to do" in out
+    code, out, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.wait=true")
+    assert (code, err) == (0, "") and f"is in use by process {first.process.pid}" in out and "nothing to do" in out
+    first.end()
+    assert (first.code, first.err) == (0, "")
+    same(first.path, undisturbed)
+
+
+def test_waiting_for_a_killed_run_goes_on_with_its_work(tmp_path, undisturbed):
+    first = start(tmp_path, "cluster=none")
+    until(first, 3)
+    second = start(tmp_path, "cluster=none", "store.wait=true")
+    time.sleep(3.0)
+    first.process.kill()
+    second.end()
+    assert (second.code, second.err) == (0, "") and f"process {first.process.pid}" in second.out
+    first.end()
+    same(first.path, undisturbed)
+
+
+def test_a_lock_that_nobody_holds_is_recognised(tmp_path, undisturbed, capsys):
+    path = tmp_path / "outputs/store/plane.zarr"
+    shutil.copytree(undisturbed, path)
+    lock = path.with_name(".plane.zarr.lock")
+    for text in (json.dumps({"host": "elsewhere", "pid": 7, "since": "2020-01-01T00:00:00+00:00"}), "[" * 10_000, '{"pid": "x"}'):
+        lock.write_text(text)
+        code, out, err = run_here(tmp_path, capsys, "stages=[sweep]")
+        assert (code, err) == (0, "") and f"ended without letting go of {path}, going on" in out and not lock.exists()
+    assert "store: another process ended" in out
+    with lock.open("w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        code, _, err = run_here(tmp_path, capsys, "stages=[sweep]")
+    assert code == 2 and "is in use by another process" in err
+
+
+def test_clocks_and_time_zones_change_nothing(tmp_path, undisturbed):
+    environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "clock", "TZ": "Pacific/Kiritimati"}
+    run = finished(tmp_path, "cluster.workers=1", environment=environment)
+    assert (run.code, run.err) == (0, ""), run.err
+    same(run.path, undisturbed)
+    said, told = (json.loads((path / "zarr.json").read_text())["attributes"] for path in (run.path, undisturbed))
+    differing = {key for key in said if said[key] != told[key]}
+    assert differing <= {"created", "digest", "configuration"} and said["created"].endswith("+00:00")
+    assert said["configuration_hash"] == told["configuration_hash"] and COMMAND
+
+
+def test_two_runs_at_the_same_moment_keep_both_logs(tmp_path, monkeypatch):
+    from datetime import datetime
+
+    from pipeline.config import compose
+    from pipeline.progress import Reporter
+    from pipeline.stages import job
+
+    class Stopped(datetime):
+        @classmethod
+        def now(cls, tz=None):
+            return datetime(2026, 1, 1, tzinfo=tz)
+
+    monkeypatch.setattr(job, "datetime", Stopped)
+    settings, logs = compose([f"output.root={tmp_path}"]), []
+    for _ in range(3):
+        reporter = Reporter()
+        job.open_log(job.Job(settings, None), reporter)
+        logs.append(reporter.log)
+    assert len(set(logs)) == 3 and all(log.is_file() for log in logs)

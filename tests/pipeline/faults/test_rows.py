@@ -1,0 +1,54 @@
+"""Rows that raise, hang or take all memory: tried three times in all, marked failed with the reason; the rest completes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline import store
+from tests.pipeline.faults.runs import ROWS, finished
+from tests.pipeline.planes import contents
+
+INJECTED = Path(__file__).parent / "injected"
+_REASONS = {
+    "raise": "FloatingPointError: injected (3 tries)",
+    "sleep": "it did not end within 2 s (3 tries)",
+    "spin": "it did not end within 2 s (3 tries)",
+    "allocate": "its process was ended from outside, as happens when memory runs out (3 tries)",
+}
+
+
+def _fails(fault, tmp_path, undisturbed, *words):
+    run = finished(tmp_path, *words, environment={"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": fault})
+    row = ROWS // 2
+    assert (run.code, run.err) == (1, ""), run.err
+    assert store.failures(run.path) == [(row, _REASONS[fault])]
+    assert f"  row {row} (f_e = 0.255319) failed: {_REASONS[fault]}" in run.out and "1 rows failed" in run.out
+    status = store.statuses(run.path)
+    assert status[row] == store.FAILED and np.all(np.delete(status, row) == store.COMPLETE)
+    expected, found = contents(undisturbed), contents(run.path)
+    others = [other for other in range(ROWS) if other != row]
+    for name in ("mean", "stable", "n_solutions", "status"):
+        assert found[name][others].tobytes() == expected[name][others].tobytes(), name
+    assert not [left for left in run.path.parent.iterdir() if left != run.path]
+
+
+@pytest.mark.parametrize(("fault", "words"), [("raise", ()), ("spin", ("cluster.row_seconds=2",))])
+def test_a_row_that_fails_three_times_fails_alone(fault, words, tmp_path, undisturbed):
+    _fails(fault, tmp_path, undisturbed, *words)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("fault", "words"), [("sleep", ("cluster.row_seconds=2",)), ("allocate", ("cluster.memory=700MB",))])
+def test_a_row_that_sleeps_or_takes_all_memory_fails_alone(fault, words, tmp_path, undisturbed):
+    _fails(fault, tmp_path, undisturbed, *words)
+
+
+def test_failed_rows_are_computed_by_the_next_run(tmp_path, undisturbed):
+    from tests.pipeline.faults.runs import same
+
+    run = finished(tmp_path, "cluster=none", environment={"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "raise"})
+    assert run.code == 1 and store.failures(run.path) == [(ROWS // 2, _REASONS["raise"])]
+    again = finished(tmp_path, "cluster=none")
+    assert (again.code, again.err) == (0, "")
+    same(run.path, undisturbed)
