@@ -11,7 +11,7 @@ Computes how many steady motions a bevel gear pair with backlash has over a para
 
 groups
   plane    omega_b omega_alpha omega_fe omega_fpm omega_phase omega_xi omega_xi_support b_fe    (default omega_fe)
-           omega_temperature (for gears in physical units)
+           omega_temperature (for gears in physical units), omega_b_fe (a volume)
   gear     published consistent antiphase            (default published)
            miter differential                        (from drawings, in physical units)
   quality  paper (400 x 200) draft (160 x 60)        (default paper)
@@ -28,6 +28,9 @@ keys people need
   gear.physical.torque='60 N*m'      any number of a gear in physical units, with its unit; then also
                                      plane.sweep.min='500 rpm' and figures.units=physical
   plane.parameter.name=kappa         any scalar parameter as an axis, with plane.parameter.min, .max and .num
+  'plane.parameter2={name:f_e,min:0,max:0.5,num:50}'
+                                     a third axis: a volume of layers, for the stages sweep, figures and check
+  plane.layer=0.3                    of a volume, the layer nearest to this value, as a plane for every stage
   plane.sweep.num=800                columns
   figures.curves=[0.1,0.5,1.0]       parameter values whose amplitude-frequency curves are drawn
   figures.window=[0.5,0.7,0.1,0.3]   a part of the plane, drawn in addition, as sharp as the whole: lowest and highest

@@ -169,7 +169,7 @@ def test_a_layer_that_is_not_computed_yet_is_computed_alone(volume, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["plane.parameter2.name=b"], "plane.parameter2.name = 'b' is not allowed: plane.parameter.name is that already"),
+        (["plane.parameter2.name=b"], "plane.parameter2.name = 'b' is not allowed: the parameter axis has that name already"),
         (["plane.parameter2.name=x"], "plane.parameter2.name = 'x' is not allowed: it must be one of"),
         (["plane.parameter2.name=temperature"], "plane.parameter2.name = 'temperature' is not allowed"),
         (["plane.parameter2.num=1"], "plane.parameter2.num = 1 is not allowed"),
