@@ -51,7 +51,10 @@ def measure(folder: Path, columns: int, rows: int, layers: int | None, limit: fl
         time.sleep(0.25)
     stopped = process.poll() is None
     if stopped:
+        workers = psutil.Process(process.pid).children(recursive=True)
         process.terminate()
+        for worker in psutil.wait_procs(workers, timeout=10.0)[1]:
+            worker.kill()
     process.wait()
     said = (folder / f"{name}.log").read_text()
     found = re.search(r"sweep: (\d+) rows, \d+ branch points in ([\d.]+) s", said)
