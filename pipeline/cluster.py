@@ -129,7 +129,10 @@ class Workforce:
         dashboard = f", dashboard {self._client.dashboard_link}" if self.config.dashboard else ""
         if self.config.kind == "local":
             return f"tasks run on {self.config.workers} worker processes{dashboard}"
-        return f"tasks run on the scheduler at {self._client.scheduler.address}, {self.size} threads at present{dashboard}"
+        address, threads = self._client.scheduler.address, self.size
+        if not threads:
+            return f"waiting for workers: the scheduler at {address} has none yet{dashboard}"
+        return f"tasks run on the scheduler at {address}, {threads} threads at present{dashboard}"
 
     def _start_local(self) -> None:
         import dask

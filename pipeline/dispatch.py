@@ -14,7 +14,7 @@ from pipeline.plan import Block, Plan
 from pipeline.store.tries import MOST_TRIES
 from pipeline.sweep import Outcome, Receipt, sweep_blocks
 
-__all__ = ["dispatch"]
+__all__ = ["Batches", "dispatch"]
 
 #: Seconds of work that a task should hold: more, and workers end at different times; less, and giving it out costs more.
 _WORK = 1.0
@@ -52,7 +52,7 @@ def dispatch(
     OSError
         If the scheduler goes away, or a block cannot be written: the next one could not either.
     """
-    batches = _Batches(blocks, workforce)
+    batches = Batches(blocks, workforce)
     limit = None if workforce.config.kind == "none" else workforce.config.row_seconds
 
     def take() -> Task | None:
@@ -81,7 +81,7 @@ def dispatch(
                 yield block, result
 
 
-class _Batches:
+class Batches:
     """What is still to be given out, and how much of it at a time."""
 
     def __init__(self, blocks: Sequence[Block], workforce: Workforce):

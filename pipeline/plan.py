@@ -4,44 +4,23 @@ import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
 from itertools import product
 
 import numpy as np
 
+from pipeline.axes import ROLES, TEMPERATURE, Axis, axes_of, value_of
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
-__all__ = ["ROLES", "Axis", "Block", "Plan", "check_numbers", "gear_of", "numbers_digest", "outer_planes", "plan", "plan_of"]
+__all__ = ["ROLES", "TEMPERATURE", "Axis", "Block", "Plan", "check_numbers", "gear_of", "numbers_digest", "plan", "plan_of", "warnings"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 3
 #: Stores from this version on can be read; rows are only written to stores of this program's own version.
 OLDEST_READ = 2
 
-#: Row parameters that move several numbers of the gear.
-TEMPERATURE, MESH_DAMPING = "temperature", "mesh_damping"
-PATHS = (TEMPERATURE, MESH_DAMPING)
-
-#: The axes of a plane as `conf/plane` names them; the last one makes it a volume.
-ROLES = ("sweep", "parameter", "parameter2")
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
-
-
-@dataclass(frozen=True)
-class Axis:
-    """`num` values of one parameter from `low` to `high`, both included."""
-
-    name: str
-    low: float
-    high: float
-    num: int
-
-    @cached_property
-    def values(self) -> np.ndarray:
-        """The grid, (num,)."""
-        return np.linspace(self.low, self.high, self.num)
 
 
 @dataclass(frozen=True)
@@ -206,12 +185,12 @@ def plan(settings: Settings) -> Plan:
     config = settings.config
     gear, physical = gear_of(config.gear)
     scales = None if physical is None else _scales(physical)
-    axes = _axes(config.plane, SCALAR_PARAMETERS, scales)
+    axes = axes_of(config.plane, SCALAR_PARAMETERS, scales)
     thermal = _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None
     names = {axis.name for axis in axes.values()}
     omega = config.plane.omega
     if omega is not None:
-        omega = _value("plane.omega", "omega", omega, scales)
+        omega = value_of("plane.omega", "omega", omega, scales)
     if "omega" in names and omega is not None:
         raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
     if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
@@ -244,24 +223,6 @@ def plan(settings: Settings) -> Plan:
     )
     check_numbers(result)
     return result
-
-
-def _axes(config, scalars, scales) -> dict[str, Axis]:
-    """The axes by role."""
-    given = {role: getattr(config, role) for role in ROLES if getattr(config, role) is not None}
-    axes, taken = {}, {}
-    for role, axis in given.items():
-        axes[role] = _axis(role, axis, scalars, scales)
-        other = taken.setdefault(axes[role].name, role)
-        if other != role:
-            raise ConfigurationError(f"plane.{role}.name = {axis.name!r} is not allowed: plane.{other}.name is that already")
-    cells = math.prod(axis.num for axis in axes.values())
-    if cells > config.max_cells:
-        raise ConfigurationError(
-            f"{' x '.join(f'plane.{role}.num' for role in axes)} = {cells} is not allowed: "
-            f"it must be at most plane.max_cells = {config.max_cells:g}"
-        )
-    return axes
 
 
 def gear_of(config) -> tuple[dict, dict | None]:
@@ -317,47 +278,7 @@ def _check_axis_keys(settings: Settings, names: set[str]) -> None:
             raise ConfigurationError(f"{key} is not allowed here: {name}, which follows from it, is an axis")
 
 
-def _value(key: str, name: str, value, scales) -> float:
-    """A number, or a text with a unit made dimensionless."""
-    if isinstance(value, str):
-        from pipeline.physical import place_of
-
-        return place_of(key, name, value, scales)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number, or a text with a unit")
-    return float(value)
-
-
-def _axis(role: str, axis, scalars, scales) -> Axis:
-    name = axis.name.replace("gear.", "").replace("variation.", "variation_")
-    if name in PATHS and role != "parameter":
-        raise ConfigurationError(
-            f"plane.{role}.name = {axis.name!r} is not allowed: {name} changes several numbers at once, "
-            "so that it can be plane.parameter.name only"
-        )
-    allowed = ("omega", *scalars, *(PATHS if role == "parameter" else ()))
-    if name not in allowed:
-        raise ConfigurationError(
-            f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
-        )
-    low, high = (_value(f"plane.{role}.{end}", name, getattr(axis, end), scales) for end in ("min", "max"))
-    shown_low, shown_high = (
-        typed if isinstance(typed, str) else number for typed, number in ((axis.min, low), (axis.max, high))
-    )
-    if not np.isfinite(low) or (name == "omega" and low <= 0.0):
-        extra = " above 0" if name == "omega" else ""
-        raise ConfigurationError(f"plane.{role}.min = {shown_low!r} is not allowed: it must be a finite number{extra}")
-    if not np.isfinite(high) or high <= low:
-        raise ConfigurationError(
-            f"plane.{role}.max = {shown_high!r} is not allowed: "
-            f"it must be a finite number above plane.{role}.min = {shown_low!r}"
-        )
-    if axis.num < 2:
-        raise ConfigurationError(f"plane.{role}.num = {axis.num} is not allowed: it must be at least 2")
-    return Axis(name, low, high, int(axis.num))
-
-
-def outer_planes(plan: Plan) -> list[Plan]:
+def _outer_planes(plan: Plan) -> list[Plan]:
     """The plane itself; the first and the last layer of a volume."""
     return [plan] if plan.parameter2 is None else [plan.layer(0), plan.layer(-1)]
 
@@ -383,7 +304,7 @@ def check_numbers(plan: Plan) -> None:
     if plan.thermal is not None:
         # Gears may jam between temperatures at which they do not.
         rows += plan.parameter.values[1:-1].tolist()
-    for plane in outer_planes(plan):
+    for plane in _outer_planes(plan):
         for row, column in product(rows, (plan.sweep.low, plan.sweep.high)):
             try:
                 model_at(plane, row, column)
@@ -400,3 +321,37 @@ def _key_of(error, plan: Plan) -> str:
         if name == axis.name:
             return {axis.low: f"plane.{role}.min", axis.high: f"plane.{role}.max"}.get(error.value, name)
     return f"gear.{error.name.replace('variation_', 'variation.')}"
+
+
+def warnings(plan: Plan) -> list[str]:
+    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics."""
+    from pipeline.sweep import model_at
+
+    lines = []
+    corners = [
+        model_at(plane, row, column)
+        for plane in _outer_planes(plan)
+        for row in (plan.parameter.low, plan.parameter.high)
+        for column in (plan.sweep.low, plan.sweep.high)
+    ]
+    lowest = min(model.lowest_stiffness() for model in corners)
+    if lowest < 0.0:
+        lines.append(f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical")
+    model = corners[0]
+    ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
+    if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
+        shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
+        parts = ("xi_mesh", "xi_translation", "kappa")
+        moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in parts]
+        hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in (axis.name for axis in plan.axes) else ""
+        lines.append(
+            f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "
+            f"one mesh force would make them equal{hint}"
+        )
+    if plan.physical is not None:
+        from pipeline.physical import cycle_note
+
+        lines += cycle_note(plan)
+    if plan.parameter2 is not None:
+        lines.append("a volume has no boundaries of its own: plane.layer=VALUE takes out the plane of one layer, which has")
+    return lines

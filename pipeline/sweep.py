@@ -180,6 +180,8 @@ def sweep_block(
 ) -> Receipt:
     """Compute one block of rows and write it; a row that fails for good is stored as failed, with the reason.
 
+    Rows that are stored already as they shall be stay.
+
     Parameters
     ----------
     path : str
@@ -202,9 +204,13 @@ def sweep_block(
     """
     begin = perf_counter()
     balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
-    rows: list[Row | str] = []
+    rows: list[Row | str | None] = []
+    kept = store.kept_rows(Path(path), plan, block, every_column)
     with Tries(Path(path), block.start, limit) as tries:
         for index in range(block.start, block.stop):
+            if index in kept:
+                rows.append(None)
+                continue
             seeds = seeds_of(plan.solver, index in every_column)
             verdict = tries.verdict(index)
             if verdict is not None:

@@ -81,21 +81,31 @@ def half_backlash(plan: Plan, x, p) -> np.ndarray:
 def read_events(path: Path, plan: Plan) -> RowEvents:
     """Read the events of the complete rows of a store."""
     root = zarr.open_group(path, mode="r")
-    complete = root["status"][:] == COMPLETE
-    used = slice(int(root["branches/n_points"][:].max(initial=0)))
+    # Block by block, so that memory does not depend on the number of rows.
+    parts = [_block_events(root, plan, slice(block.start, block.stop)) for block in plan.blocks]
+    return RowEvents(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("kind", "points", "motions", "ahead")),
+        sum(part.rows for part in parts),
+    )
+
+
+def _block_events(root: zarr.Group, plan: Plan, rows: slice) -> RowEvents:
+    """The events of some rows."""
+    complete, values = root["status"][rows] == COMPLETE, plan.parameter.values[rows]
+    used = slice(int(root["branches/n_points"][rows].max(initial=0)))
     names = ("mean", "cos", "sin", plan.sweep.name, "stable", "branch", "event")
-    table = {name: root[f"branches/{name}"][:, used] for name in names}
+    table = {name: root[f"branches/{name}"][rows, used] for name in names}
     row, point = np.nonzero(np.isin(table["event"], (*GRAZINGS_AND_FOLDS, *BIFURCATIONS)) & complete[:, None])
     kind = table["event"][row, point].astype(np.int64)
     columns = [table[name][row, point] for name in names[:4]]
-    points = np.column_stack([*columns, plan.parameter.values[row]]).reshape(-1, 5)
+    points = np.column_stack([*columns, values[row]]).reshape(-1, 5)
     balance = balance_of(plan.solver)
     if plan.motion_size:
-        motions = root["branches/motion"][:, used]
+        motions = root["branches/motion"][rows, used]
     else:
         motions = np.stack([table[name] for name in ("mean", "cos", "sin")], axis=2)
     lowest, highest = balance.extremes(motions)
-    x, p = table[plan.sweep.name], np.broadcast_to(plan.parameter.values[:, None], table["mean"].shape)
+    x, p = table[plan.sweep.name], np.broadcast_to(values[:, None], table["mean"].shape)
     b = half_backlash(plan, x, p)
     # Of the two neighbours on the branch the one that tells more decides.
     ahead, telling = np.zeros(row.size), np.zeros(row.size)

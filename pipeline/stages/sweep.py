@@ -9,8 +9,7 @@ import numpy as np
 from pipeline import groups, store
 from pipeline.cluster import Workforce
 from pipeline.errors import ConfigurationError
-from pipeline.cautions import warnings
-from pipeline.plan import ROLES, Block
+from pipeline.plan import ROLES, Block, warnings
 from pipeline.progress import Reporter, RowProgress
 from pipeline.stages.job import Job, open_log
 from pipeline.stages.stage import Stage

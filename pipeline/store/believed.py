@@ -2,7 +2,8 @@
 
 import math
 
-from pipeline.plan import PATHS, Axis, Plan, check_numbers, plan_of
+from pipeline.axes import PATHS, Axis
+from pipeline.plan import Plan, check_numbers, plan_of
 from solver import SCALAR_PARAMETERS
 
 __all__ = ["believed"]

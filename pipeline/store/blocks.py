@@ -13,8 +13,8 @@ from solver import Row
 __all__ = ["write_block"]
 
 
-def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> None:
-    """Write one block; a row given as text has failed for that reason.
+def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str | None]) -> None:
+    """Write one block; a row given as text has failed for that reason, and of a row that is None what is stored stays.
 
     Parameters
     ----------
@@ -22,13 +22,14 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
         A store whose template matches the plan.
     plan : Plan
     block : Block
-    rows : list of Row or str
+    rows : list of Row, str or None
         One per row of the block.
     """
     root = zarr.open_group(path, mode="r+")
     count = block.stop - block.start
     specs = arrays_of(plan)
-    values = {}
+    values, place = {}, plan.place(block)
+    stored = {name: root[name][place] for name in specs} if None in rows else {}
     for name, spec in specs.items():
         shape = root[name].shape[len(plan.row_axes) :]
         if spec["dtype"] == "str":
@@ -36,7 +37,10 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
         else:
             values[name] = np.full((count, *shape), spec["fill"], dtype=spec["dtype"])
     for i, row in enumerate(rows):
-        if isinstance(row, str):
+        if row is None:
+            for name, value in values.items():
+                value[i] = stored[name][i]
+        elif isinstance(row, str):
             values["message"][i], values["status"][i] = row, FAILED
         else:
             _fill_raster(values, i, row)
@@ -47,7 +51,6 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str]) -> N
         raise StoreError(f"{path} is no longer the store that these rows are of")
     with every_chunk():
         # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
-        place = plan.place(block)
         root["status"][place] = PENDING
         for name, value in values.items():
             root[name][place] = value

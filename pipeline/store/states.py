@@ -7,7 +7,7 @@ import zarr
 
 from pipeline.plan import Block, Plan
 
-__all__ = ["COMPLETE", "FAILED", "PENDING", "certified_rows", "failures", "pending_blocks", "rows_to_certify", "statuses"]
+__all__ = ["COMPLETE", "FAILED", "PENDING", "certified_rows", "failures", "kept_rows", "pending_blocks", "rows_to_certify", "statuses"]
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
 
@@ -21,6 +21,14 @@ def pending_blocks(path: Path, plan: Plan) -> list[Block]:
     """Blocks with a row that is not complete; each is computed again as a whole, failed rows included."""
     status = statuses(path)
     return [block for block in plan.blocks if np.any(status[block.start : block.stop] != COMPLETE)]
+
+
+def kept_rows(path: Path, plan: Plan, block: Block, every_column: frozenset[int]) -> frozenset[int]:
+    """Rows of a block that are stored as they shall be: complete, and looked at in every column where that is asked."""
+    root, place = zarr.open_group(path, mode="r"), plan.place(block)
+    complete, looked = root["status"][place] == COMPLETE, root["branches/n_gained"][place] >= 0
+    rows = np.arange(block.start, block.stop)
+    return frozenset(rows[complete & (looked | ~np.isin(rows, list(every_column)))].tolist())
 
 
 def rows_to_certify(path: Path) -> np.ndarray:

@@ -13,7 +13,7 @@ from pipeline.schema import Cluster
 from pipeline.store.seal import sealed
 from pipeline.sweep import sweep_block
 
-__all__ = ["cluster", "contents", "retold", "small_plan", "small_store"]
+__all__ = ["assert_same_contents", "assert_same_values", "cluster", "contents", "retold", "small_plan", "small_store"]
 
 
 def cluster(kind: str, **changes) -> Cluster:
@@ -54,3 +54,19 @@ def contents(path: Path) -> dict[str, np.ndarray]:
     """Every array of a store by name."""
     root = zarr.open_group(path, mode="r")
     return {name: array[:] for name, array in root.members(max_depth=None) if isinstance(array, zarr.Array)}
+
+
+def assert_same_values(found: np.ndarray, expected: np.ndarray, name: str) -> None:
+    """Fail unless two arrays are equal bit by bit."""
+    assert found.dtype == expected.dtype, name
+    if found.dtype.kind == "T":
+        assert found.tolist() == expected.tolist(), name
+    else:
+        assert found.tobytes() == expected.tobytes(), name
+
+
+def assert_same_contents(found: dict[str, np.ndarray], expected: dict[str, np.ndarray]) -> None:
+    """Fail unless two stores hold the same arrays, bit by bit."""
+    assert found.keys() == expected.keys()
+    for name in expected:
+        assert_same_values(found[name], expected[name], name)

@@ -10,8 +10,7 @@ import pytest
 from pipeline.__main__ import main
 from pipeline.config import compose, conf_folder, expand
 from pipeline.errors import ConfigurationError
-from pipeline.cautions import warnings
-from pipeline.plan import plan
+from pipeline.plan import plan, warnings
 from pipeline.sweep import model_at
 from tests.conftest import MODELS
 

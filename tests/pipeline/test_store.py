@@ -205,3 +205,31 @@ def test_results_do_not_depend_on_blocks_or_order(tmp_path):
     for path in (backward, alone):
         for name, values in contents(path).items():
             assert values.tobytes() == expected[name].tobytes() if values.dtype.kind != "T" else True, name
+
+
+def test_a_second_look_computes_only_the_rows_that_it_is_due_to(tmp_path, monkeypatch):
+    import pipeline.sweep as sweep
+
+    plan = small_plan(columns=9, rows=40)
+    path = small_store(tmp_path / "plane.zarr", plan)
+    (first, second, *_), before = plan.blocks, contents(path)
+    seen, honest = [], sweep.sweep_row
+
+    def watched(model, *args, **kwargs):
+        seen.append(model.f_e)
+        return honest(model, *args, **kwargs)
+
+    monkeypatch.setattr(sweep, "sweep_row", watched)
+    sweep_block(str(path), plan, first, frozenset({1}))
+    assert seen == [plan.parameter.values[1]]
+    after = contents(path)
+    assert after["branches/n_gained"][1] >= 0
+    for name in ("mean", "status", "message", "branches/amplitude", "branches/n_points"):
+        for row in set(range(40)) - {1}:
+            np.testing.assert_array_equal(after[name][row], before[name][row])
+    # A row that has been looked at stays, too, and a block that was being written is computed as a whole.
+    sweep_block(str(path), plan, first, frozenset({0, 1}))
+    assert seen[1:] == [plan.parameter.values[0]]
+    zarr.open_group(path, mode="r+")["status"][plan.place(second)] = store.PENDING
+    sweep_block(str(path), plan, second)
+    assert seen[2:] == plan.parameter.values[second.start : second.stop].tolist()

@@ -15,8 +15,7 @@ from pipeline.__main__ import main
 from pipeline.config import compose
 from pipeline.errors import ConfigurationError
 from pipeline.physical import gear_of
-from pipeline.cautions import warnings
-from pipeline.plan import plan, plan_of
+from pipeline.plan import plan, plan_of, warnings
 from pipeline.sweep import model_at
 from pipeline.units import KINDS, quantities, quantity, speed, unit_size
 from tests.pipeline.planes import small_plan, small_store
@@ -152,7 +151,7 @@ def test_a_store_keeps_the_physical_gear(tmp_path):
 def test_dimensionless_plans_know_nothing_of_units():
     found = small_plan()
     assert found.physical is None and "physical" not in found.numbers and scales_of(found) is None
-    code = "import sys; from pipeline.config import compose; from pipeline.plan import plan; from pipeline.cautions import warnings; "
+    code = "import sys; from pipeline.config import compose; from pipeline.plan import plan, warnings; "
     code += "warnings(plan(compose([]))); assert 'pint' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
 
