@@ -258,8 +258,9 @@ class Workforce:
         try:
             error = future.exception()
             result = future.result() if error is None else error
-        except CancelledError as cancelled:
-            result = cancelled
+        except (CancelledError, OSError):
+            # What a task raised is returned by `exception`: this is the connection.
+            raise self._gone() from None
         if isinstance(result, CancelledError):
             raise self._gone()
         if isinstance(result, KilledWorker):

@@ -105,5 +105,5 @@ def _holder(place: Path) -> str:
     try:
         signed = json.loads(place.read_text(encoding="utf-8"))
         return f"process {int(signed['pid'])} on {str(signed['host'])[:80]} since {str(signed['since'])[:40]}"
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return "another process"
