@@ -5,7 +5,6 @@ import io
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 
 from pipeline import store
 from pipeline.plan import Plan

@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.tables.bands import BandAtResonance
 from pipeline.numerals import percent
 from pipeline.traits import RANKS, share_of
-from solver import ImpactState, label_parts
+from solver import label_parts
 
 __all__ = [
     "ASPECTS",
