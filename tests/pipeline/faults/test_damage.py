@@ -183,8 +183,7 @@ def test_every_stage_names_damage_on_one_line(copy, tmp_path, capsys, stage, fil
     assert _chunks(copy) == before and [place.name for place in tmp_path.rglob("*") if place.name == "runs"] == []
 
 
-@pytest.mark.parametrize(("stage", "file"), [("figures", "domain/c/4/0"), ("boundaries", "branches/event/c/4/0"),
-                                             ("jumps", "stable/c/4/0/0")])  # fmt: skip
+@pytest.mark.parametrize(("stage", "file"), [("figures", "domain/c/4/0"), ("boundaries", "branches/event/c/4/0")])
 def test_damage_that_only_reading_finds_is_named_too(copy, tmp_path, capsys, stage, file):
     harm(copy / file, "flipped")
     groups.remove_added(copy)
