@@ -64,16 +64,29 @@ class _Finder(importlib.abc.MetaPathFinder):
         return spec
 
 
-if _FAULT == "clock":
-    # The wall clock runs backwards, an hour every ten calls.
+def _turn_clock_back() -> None:
+    """Some seconds after it has begun, every process finds its wall clock an hour back."""
+    import datetime
     import time
 
-    _honest, _calls = time.time, [0]
+    honest, begin = time.time, time.monotonic()
 
-    def _jumping():
-        _calls[0] += 1
-        return _honest() - 3600.0 * (_calls[0] // 10)
+    def offset() -> float:
+        return -3600.0 if time.monotonic() - begin > 3.0 else 0.0
 
-    time.time = _jumping
+    class Turned(datetime.datetime):
+        # Compiled packages look at the size.
+        __slots__ = ()
+
+        @classmethod
+        def now(cls, tz=None):
+            return cls.fromtimestamp(honest() + offset(), tz)
+
+    time.time = lambda: honest() + offset()
+    datetime.datetime = Turned
+
+
+if _FAULT == "clock":
+    _turn_clock_back()
 elif _FAULT:
     sys.meta_path.insert(0, _Finder())
