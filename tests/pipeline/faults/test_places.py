@@ -6,7 +6,9 @@ import os
 import re
 import resource
 import shutil
+import signal
 import subprocess
+import threading
 import time
 
 import pytest
@@ -121,6 +123,8 @@ def test_a_store_that_vanishes_during_the_run(tmp_path, undisturbed, gone):
 def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed):
     first = start(tmp_path, "cluster=none")
     until(first, 3)
+    # It holds the store for as long as this takes, however quick it is.
+    first.process.send_signal(signal.SIGSTOP)
     code, _, err = run_here(tmp_path, capsys, "stages=[sweep]")
     assert code == 2 and re.fullmatch(
         rf"error: {re.escape(str(first.path))} is in use by process {first.process.pid} on \S+ since "
@@ -130,6 +134,7 @@ def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed
     shutil.copytree(undisturbed, first.path.with_name("other.zarr"))
     code, out, err = run_here(tmp_path, capsys, "-m", "stages=[sweep]", "store.name=plane,other")
     assert code == 2 and len(err.splitlines()) == 1 and "is in use by" in err and "other.zarr already, nothing to do" in out
+    threading.Timer(2.0, first.process.send_signal, [signal.SIGCONT]).start()
     code, out, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.wait=true")
     assert (code, err) == (0, "") and f"is in use by process {first.process.pid}" in out and "nothing to do" in out
     first.end()
