@@ -88,7 +88,7 @@ def _kinds_of_files(path: Path) -> dict[str, list[str]]:
 
 
 # Shrinking would run for minutes, and a file's name says enough.
-@settings(max_examples=12, phases=(Phase.explicit, Phase.generate))
+@settings(max_examples=8, phases=(Phase.explicit, Phase.generate))
 @given(data=st.data())
 def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
     kinds = _kinds_of_files(whole)
