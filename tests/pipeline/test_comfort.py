@@ -25,7 +25,7 @@ from pipeline.stages import PLANE_STAGES, SHARED_STAGES
 from pipeline.sweep import balance_of, continuation_of, row_of, seeds_of
 from pipeline.usage import stages, usage
 from solver import Event, RowError
-from tests.pipeline.planes import contents, small_plan, small_store
+from tests.pipeline.planes import contents, retold, small_plan, small_store
 
 SMALL = ["plane=omega_fe", "plane.sweep.num=41", "plane.parameter.num=5"]
 STAGES = {stage.name for stage in (*PLANE_STAGES, *SHARED_STAGES)}
@@ -117,8 +117,7 @@ def test_list_says_what_there_is(folder, capsys):
     (lost / "zarr.json").write_text("{")
     (lost / "branches/zarr.json").unlink()
     newer = shutil.copytree(root / "omega_fe.zarr", root / "newer.zarr")
-    text = (newer / "zarr.json").read_text()
-    (newer / "zarr.json").write_text(re.sub(r'"bevelmap_schema": \d+', '"bevelmap_schema": 99', text))
+    retold(newer, bevelmap_schema=99)
     small_store(root / "other.zarr", small_plan("plane=omega_b", "gear=antiphase", "gear.f_e=0.3"), blocks=[])
     (root / "holiday").mkdir()
     (root / ".draft").mkdir()
