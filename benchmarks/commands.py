@@ -57,7 +57,7 @@ def _starts(folder: Path, sizes: Sizes, baselines: Baselines) -> list[Measuremen
 def _stored(path: Path, folder: Path, repeats: int, job: dict[str, float]) -> list[Measurement]:
     """Boundaries, figures and size of the last plane."""
     planned = store.read_plan(path)
-    rows, columns = planned.shape
+    rows, columns = planned.parameter.num, planned.sweep.num
 
     def trace():
         boundaries.remove_boundaries(path)
