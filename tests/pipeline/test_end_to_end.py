@@ -15,6 +15,7 @@ import xarray as xr
 from pipeline import store
 from solver import domain_label, sweep_row
 from tests.conftest import published
+from tests.pipeline.faults.runs import complete
 from tests.pipeline.planes import contents
 
 PLANES = {"omega_b": "b", "omega_alpha": "alpha", "omega_fe": "f_e", "omega_fpm": "f_pm"}
@@ -128,7 +129,7 @@ def test_an_interrupted_run_is_continued_to_the_same_bits(tmp_path, sent):
         text=True, start_new_session=True, env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
     )  # fmt: skip
     deadline = time.monotonic() + 120.0
-    while not list(path.glob("status/c/*")) and process.poll() is None and time.monotonic() < deadline:
+    while complete(path) == 0 and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.01)
     os.killpg(process.pid, sent)
     _, said = process.communicate(timeout=60)
