@@ -29,9 +29,12 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str | None
     count = block.stop - block.start
     specs = arrays_of(plan)
     values, place = {}, plan.place(block)
-    stored = {name: root[name][place] for name in specs} if None in rows else {}
+    with every_chunk():
+        # What an array writes is settled when it is opened.
+        arrays = {name: root[name] for name in specs}
+    stored = {name: array[place] for name, array in arrays.items()} if None in rows else {}
     for name, spec in specs.items():
-        shape = root[name].shape[len(plan.row_axes) :]
+        shape = arrays[name].shape[len(plan.row_axes) :]
         if spec["dtype"] == "str":
             values[name] = np.full(count, "", dtype=object)
         else:
@@ -49,11 +52,10 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str | None
     if root.attrs["configuration_hash"] != plan.digest:
         # A task of a run that is no more, on a scheduler that goes on.
         raise StoreError(f"{path} is no longer the store that these rows are of")
-    with every_chunk():
-        # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
-        root["status"][place] = PENDING
-        for name, value in values.items():
-            root[name][place] = value
+    # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
+    arrays["status"][place] = PENDING
+    for name, value in values.items():
+        arrays[name][place] = value
 
 
 def _fill_raster(values: dict, i: int, row: Row) -> None:

@@ -58,7 +58,7 @@ def contents(path: Path) -> dict[str, np.ndarray]:
 
 def assert_same_values(found: np.ndarray, expected: np.ndarray, name: str) -> None:
     """Fail unless two arrays are equal bit by bit."""
-    assert found.dtype == expected.dtype, name
+    assert found.dtype == expected.dtype and found.shape == expected.shape, name
     if found.dtype.kind == "T":
         assert found.tolist() == expected.tolist(), name
     else:

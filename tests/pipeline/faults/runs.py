@@ -11,10 +11,11 @@ import numpy as np
 import psutil
 
 from pipeline import store
-from tests.pipeline.planes import contents
+from pipeline.__main__ import main
+from tests.pipeline.planes import assert_same_contents, contents
 
 __all__ = [
-    "COMMAND", "KEPT", "ROWS", "Head", "Run", "complete", "finished", "same", "start", "until", "workers_of",
+    "COMMAND", "KEPT", "ROWS", "Head", "Run", "complete", "continued", "finished", "same", "start", "until", "workers_of",
 ]
 
 ROOT = Path(__file__).parents[3]
@@ -64,6 +65,15 @@ def finished(folder: Path, *arguments: str, **options) -> Run:
     return start(folder, *arguments, **options).end()
 
 
+def continued(folder: Path, capsys) -> str:
+    """What the same command says that goes on after a harm, which it must do well; in this process, whose kernels are loaded."""
+    capsys.readouterr()
+    code = main([*COMMAND, "cluster=none", f"output.root={folder / 'outputs'}"])
+    said = capsys.readouterr()
+    assert (code, said.err) == (0, ""), said.err
+    return said.out
+
+
 def complete(path: Path) -> int:
     """Complete rows of a store that others are writing."""
     try:
@@ -89,14 +99,7 @@ def workers_of(run: Run) -> list[psutil.Process]:
 
 def same(path: Path, reference: Path) -> None:
     """Assert that two stores are bitwise equal, `branches` included."""
-    expected, found = contents(reference), contents(path)
-    assert found.keys() == expected.keys()
-    for name, values in found.items():
-        assert values.dtype == expected[name].dtype and values.shape == expected[name].shape, name
-        equal = values.tolist() == expected[name].tolist() if values.dtype.kind == "T" else (
-            values.tobytes() == expected[name].tobytes()
-        )  # fmt: skip
-        assert equal, name
+    assert_same_contents(contents(path), contents(reference))
 
 
 class Head:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pipeline import groups, store
 from pipeline.__main__ import main
 from pipeline.store.arrays import arrays_of
-from tests.pipeline.faults.runs import COMMAND, finished, same
+from tests.pipeline.faults.runs import COMMAND, continued, same
 
 _GROUP = "boundaries"
 _SHARED = [word for word in COMMAND if not word.startswith("stages=")]
@@ -210,10 +210,9 @@ def test_left_overs_of_killed_writers_are_removed(copy, tmp_path, capsys):
     assert (code, err) == (0, "") and "nothing to do" in out and not left.exists()
 
 
-def test_chunks_without_a_store_are_made_again(undisturbed, tmp_path):
+def test_chunks_without_a_store_are_made_again(undisturbed, tmp_path, capsys):
     """What a task leaves that ran on while the store was taken away."""
     path = tmp_path / "outputs/store/plane.zarr"
     shutil.copytree(undisturbed / "mean/c/3", path / "mean/c/3")
-    again = finished(tmp_path, "cluster=none")
-    assert (again.code, again.err) == (0, "")
+    continued(tmp_path, capsys)
     same(path, undisturbed)

@@ -1,11 +1,13 @@
 """kill -9 at seeded moments all over the sweep: the store that comes of it in the end is the undisturbed one, bit by bit."""
 
+import os
 import random
+import signal
 
 import pytest
 
 from pipeline import store
-from tests.pipeline.faults.runs import KEPT, ROWS, Head, complete, finished, same, start, until, workers_of
+from tests.pipeline.faults.runs import KEPT, ROWS, Head, complete, continued, same, start, until, workers_of
 
 _FEW = [("client", 1), ("worker", 2), ("workers", 3), ("client", 4), ("scheduler", 5), ("client", 6)]
 _VICTIMS = ["client", "worker", "workers", "client", "scheduler"]
@@ -47,7 +49,7 @@ def _kill_scheduler(folder, seed):
     return seen
 
 
-def _harm(victim, folder, seed, undisturbed):
+def _harm(victim, folder, seed, undisturbed, capsys):
     if victim == "client":
         seen = _kill_client(folder, seed)
     elif victim == "scheduler":
@@ -58,20 +60,28 @@ def _harm(victim, folder, seed, undisturbed):
     path = folder / "outputs/store/plane.zarr"
     if victim in ("client", "scheduler"):
         assert 0 < complete(path) < ROWS
-        again = finished(folder, "cluster=none")
-        assert (again.code, again.err) == (0, ""), again.err
-        assert "sweep: continues: " in again.out
+        assert "sweep: continues: " in continued(folder, capsys)
     same(path, undisturbed)
     assert store.find_damage(path) == [] and not list(path.rglob("*.partial"))
     assert not [left for left in path.parent.iterdir() if left != path]
 
 
 @pytest.mark.parametrize(("victim", "seed"), _FEW)
-def test_killed_and_continued(victim, seed, tmp_path, undisturbed):
-    _harm(victim, tmp_path, seed, undisturbed)
+def test_killed_and_continued(victim, seed, tmp_path, undisturbed, capsys):
+    _harm(victim, tmp_path, seed, undisturbed, capsys)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("victim", "seed"), _MANY)
-def test_killed_and_continued_fifty_times(victim, seed, tmp_path, undisturbed):
-    _harm(victim, tmp_path, seed, undisturbed)
+def test_killed_and_continued_fifty_times(victim, seed, tmp_path, undisturbed, capsys):
+    _harm(victim, tmp_path, seed, undisturbed, capsys)
+
+
+def test_an_interrupted_run_says_so_and_is_continued(tmp_path, undisturbed, capsys):
+    run = start(tmp_path)
+    until(run, 3)
+    os.killpg(run.process.pid, signal.SIGINT)
+    run.end()
+    assert (run.code, run.err) == (130, f"error: interrupted{KEPT}\n")
+    assert 0 < complete(run.path) < ROWS and "sweep: continues: " in continued(tmp_path, capsys)
+    same(run.path, undisturbed)
