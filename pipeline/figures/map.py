@@ -153,8 +153,9 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
         _image(panel.code, plane.labels), extent=(*panel.x, *panel.y), origin="lower", aspect="auto",
         interpolation="none", zorder=0,
     )  # fmt: skip
+    # Not as patches: matplotlib would look for the extrema of every segment, and the limits are the panel's.
     for kind, outline in panel.lines.items():
-        axes.add_patch(PathPatch(outline, fill=False, **LINES[kind][0]))
+        axes.add_artist(PathPatch(outline, fill=False, **LINES[kind][0]))
     for kind, places in panel.marks.items():
         axes.plot(*places.T, **MARKS[kind])
     columns, rows = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
@@ -164,7 +165,7 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
         (FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1), (UNSTABLE_CELLS, unstable), (DISPUTED_CELLS, plane.disputed),
     ):  # fmt: skip
         if np.any(marked):
-            axes.add_patch(PathPatch(_rectangles(marked, columns, rows), **kind))
+            axes.add_artist(PathPatch(_rectangles(marked, columns, rows), **kind))
     if plane.over_frequency:
         for kind, frequency in zip(MODES, plane.modes.T, strict=True):
             # To the borders of the first and last row, where the frequency is that of the row.

@@ -143,7 +143,7 @@ def _fill(axes: Axes, plane: StoredPlane, found: StoredVerification, inches, x, 
         aspect="auto", interpolation="none", zorder=0,
     )  # fmt: skip
     for kind, outline in lines_of(plane, x, y).items():
-        axes.add_patch(PathPatch(outline, fill=False, **LINES[kind][0]))
+        axes.add_artist(PathPatch(outline, fill=False, **LINES[kind][0]))
     scale = np.array(inches) / (x[1] - x[0], y[1] - y[0])
     taken = np.empty((0, 2))
     # The rare ones first, so that they are not crowded out.
