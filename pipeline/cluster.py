@@ -72,10 +72,12 @@ def check_cluster(config: Cluster) -> None:
 
 
 def _check_memory(memory: str) -> None:
+    if memory == "auto":
+        return
     from dask.utils import parse_bytes
 
     try:
-        known = memory == "auto" or parse_bytes(memory) > 0
+        known = parse_bytes(memory) > 0
     except ValueError:
         known = False
     if not known:

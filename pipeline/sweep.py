@@ -3,6 +3,7 @@
 This is what runs on workers. A row that fails is recorded with its reason and the others go on.
 """
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -250,6 +251,9 @@ def sweep_blocks(
 
 def _worker() -> str | None:
     """The address of the worker that this runs on, None in a process of its own."""
+    # A process without dask is no worker, and dask takes half a second to import.
+    if "distributed" not in sys.modules:
+        return None
     from distributed import get_worker
 
     try:

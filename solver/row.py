@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.branches import LinearSeeds, ProvenSeeds, RowError, RowSpan, missing_degree
+from solver.branches import ProvenSeeds, RowError, RowSpan, missing_degree
 from solver.condensation import axis_vectors
 from solver.continuation import Continuation, Curve, EndReason, Event
 from solver.crossings import curve_crossings

@@ -8,12 +8,14 @@ names the temperatures that it depends on and the range in which it holds.
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from solver.errors import ParameterError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 __all__ = [
     "LAWS", "BacklashTable", "Expansion", "Law", "LinearModulus", "NoChange", "RatioTable", "Temperatures",
@@ -213,7 +215,10 @@ class _Table:
             raise ParameterError("table", points, allowed)
 
     @cached_property
-    def _spline(self) -> CubicSpline:
+    def _spline(self) -> "CubicSpline":
+        # It takes 0.4 s to import, which every worker would pay.
+        from scipy.interpolate import CubicSpline
+
         # Not-a-knot: three points are joined by a parabola, four by one cubic.
         return CubicSpline(*np.transpose(self.table))
 

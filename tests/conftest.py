@@ -62,6 +62,11 @@ def antiphase(**changes) -> Model:
 MODELS = {"published": published, "consistent": consistent, "antiphase": antiphase}
 
 
+def slow_but(ordinary, cases):
+    """Cases for `parametrize`, of which only some are in the ordinary suite."""
+    return [case if case in ordinary else pytest.param(*case, marks=pytest.mark.slow) for case in cases]
+
+
 @pytest.fixture(params=sorted(MODELS))
 def gear(request):
     """Name and model of each of the three parameter sets."""

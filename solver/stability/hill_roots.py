@@ -20,7 +20,6 @@ import numpy as np
 from numba import types
 
 from solver.compiled import ARRAY, MATRIX, kernel
-from solver.harmonic.contact_spectrum import COMPLEX
 from solver.linear import eliminate_rows
 from solver.stability.floquet import SYSTEMS, contact_shares
 from solver.stability.hill import COMPLEX_MATRIX, Truncation, apart, coupling

@@ -17,7 +17,7 @@ from tests.conftest import published
 from tests.pipeline.planes import contents
 
 PLANES = {"omega_b": "b", "omega_alpha": "alpha", "omega_fe": "f_e", "omega_fpm": "f_pm"}
-SMALL = ["plane.sweep.num=60", "plane.parameter.num=12", "figures.formats=[png]"]
+SMALL = ["plane.sweep.num=60", "plane.parameter.num=12", "figures.formats=[png]", "figures.dpi=80"]
 
 
 def run(folder: Path, *arguments: str, **options) -> subprocess.CompletedProcess:

@@ -290,6 +290,7 @@ def test_severity():
     assert severity("1/2") > severity("3/0-1") > severity("2/0-1") > severity("1/1") > severity("2/0") > severity("1/0")
 
 
+@pytest.mark.slow
 def test_answers_do_not_depend_on_the_raster(stores, tmp_path):
     fine = traced_store(tmp_path / "fine.zarr", "plane=omega_b", columns=160, rows=9)
     design = (0.85, 0.6, 0.8, 0.95, 0.1, {"alpha": 0.05})
@@ -301,6 +302,7 @@ def test_answers_do_not_depend_on_the_raster(stores, tmp_path):
                 assert a == b
 
 
+@pytest.mark.slow
 @settings(max_examples=3)
 @given(st.floats(0.45, 1.9), st.floats(0.01, 0.45))
 def test_any_point(stores, x, p):

@@ -71,7 +71,7 @@ def test_distances_along_a_path(stores, name, x, p):
 @pytest.mark.parametrize(
     ("name", "design"),
     [("omega_temperature", Design(1.0, 4.0, 0.99, 1.01, 2.0, {"b": 0.04})),
-     ("omega_temperature", Design(1.0, 4.0, 1.0, 1.0, 6.0, {"b": 0.04})),
+     pytest.param("omega_temperature", Design(1.0, 4.0, 1.0, 1.0, 6.0, {"b": 0.04}), marks=pytest.mark.slow),
      ("omega_xi", Design(1.1, 0.07, 1.09, 1.11, 0.02, {"f_e": 0.01}))],
 )  # fmt: skip
 def test_labels_within_tolerances(stores, name, design):

@@ -13,7 +13,7 @@ from solver import (
 )  # fmt: skip
 from solver.condensation import AXES
 from solver.harmonic.first_order import evaluate
-from tests.conftest import MODELS, antiphase, consistent, published
+from tests.conftest import MODELS, antiphase, consistent, published, slow_but
 from tests.solver.exhaustive import all_solutions
 from tests.solver.independent import linear_response
 from tests.solver.strategies import numbers, random_model
@@ -145,10 +145,13 @@ def test_solutions_do_not_depend_on_the_other_columns(name, omega):
 PLANES = {"b": (0.02, 1.5), "alpha": (0.0, 0.8), "f_e": (0.0, 0.5), "f_pm": (0.3, 1.2)}
 
 
-@pytest.mark.parametrize("parameter", PLANES)
-def test_no_solution_is_missing_anywhere_in_the_reference_planes(gear, parameter):
+@pytest.mark.parametrize(("name", "parameter"), slow_but(
+    [("published", "b"), ("consistent", "alpha"), ("antiphase", "f_e"), ("published", "f_pm")],
+    [(name, parameter) for name in MODELS for parameter in PLANES],
+))  # fmt: skip
+def test_no_solution_is_missing_anywhere_in_the_reference_planes(name, parameter):
     """Against Newton's method from very many starts, which knows nothing of branches."""
-    _, model = gear
+    model = MODELS[name]()
     columns, missing = np.linspace(LOW, HIGH, 53), []
     for value in np.linspace(*PLANES[parameter], 17):
         changed = model.replace(**{parameter: value})
@@ -409,9 +412,11 @@ RANGES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("omega", [0.6, 1.3])
-def test_a_row_over_another_axis_has_the_solutions_of_the_frequency_sweeps(gear, omega):
-    _, model = gear
+@pytest.mark.parametrize(("name", "omega"), slow_but(
+    [("published", 0.6), ("antiphase", 1.3)], [(name, omega) for name in MODELS for omega in (0.6, 1.3)],
+))  # fmt: skip
+def test_a_row_over_another_axis_has_the_solutions_of_the_frequency_sweeps(name, omega):
+    model = MODELS[name]()
     wrong = []
     for axis, ends in RANGES.items():
         row = sweep_row(model, axis, np.linspace(*ends, 9), omega=omega)

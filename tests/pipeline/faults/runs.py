@@ -19,8 +19,8 @@ __all__ = [
 ]
 
 ROOT = Path(__file__).parents[3]
-ROWS = 48
-#: A plane of sixteen blocks, each of three rows that take some hundredths of a second.
+ROWS = 36
+#: A plane of twelve blocks, each of three rows that take some hundredths of a second.
 COMMAND = ("plane=omega_fe", "plane.sweep.num=60", f"plane.parameter.num={ROWS}", "solver.certify_columns=25",
            "stages=[sweep]", "store.name=plane")  # fmt: skip
 KEPT = "; what is stored is kept, and the same command goes on from there"

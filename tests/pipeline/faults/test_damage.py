@@ -177,7 +177,7 @@ def test_a_damaged_group_is_taken_away_and_named(copy, undisturbed, tmp_path, ca
 def test_every_stage_names_damage_on_one_line(copy, tmp_path, capsys, stage, file, kind):
     harm(copy / file, kind)
     before = _chunks(copy)
-    code, _, err = run(tmp_path, capsys, f"stages=[{stage}]", *(["plane.parameter.num=48"] if stage == "sweep" else []))
+    code, _, err = run(tmp_path, capsys, f"stages=[{stage}]")
     assert code == 1 and len(err.splitlines()) == 1 and err.startswith(f"error: {copy} is damaged: "), err
     assert file.partition("/c/")[0] in err and "stages=[check] lists and check.repair=true mends it" in err
     assert _chunks(copy) == before and [place.name for place in tmp_path.rglob("*") if place.name == "runs"] == []

@@ -55,6 +55,7 @@ def small_disk(tmp_path):
     subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
+@pytest.mark.slow
 def test_a_full_disk(small_disk, undisturbed, capsys):
     run = start(small_disk, "cluster=none")
     until(run, 6)
@@ -103,7 +104,7 @@ def test_a_store_that_turns_unwritable_during_the_run(tmp_path, undisturbed, cap
     same(run.path, undisturbed)
 
 
-@pytest.mark.parametrize("gone", ["outputs/store/plane.zarr", "outputs"])
+@pytest.mark.parametrize("gone", ["outputs/store/plane.zarr", pytest.param("outputs", marks=pytest.mark.slow)])
 def test_a_store_that_vanishes_during_the_run(tmp_path, undisturbed, gone, capsys):
     run = start(tmp_path, "cluster=none")
     until(run, 6)
