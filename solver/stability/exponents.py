@@ -24,6 +24,7 @@ _I, _F, _C, _B = types.int64, types.float64, types.complex128, types.boolean
 NODES = 9
 _EDGE = 0.25
 _DEPTH = 16
+_CAUTION = 4.0
 _STEPS = 25
 _SETTLED, _STALLED = 1e-12, 1e-9
 
@@ -74,8 +75,9 @@ def gathered_phase(hill, window, matrix, phases):
 
     Notes
     -----
-    A piece is taken for straight once the determinant at its middle is closer to its chord than the chord is to 0:
-    twice the curvature of the halves would still leave the origin on its side.
+    A piece is taken for straight once the determinant at its middle is `_CAUTION` times closer to its chord than the chord
+    is to 0. A parabola would stay clear of 0 even with a fourth of that; but next to an exponent close to the axis the
+    determinant may make a loop between the places that are looked at, which only closer ones show.
     """
     ends, values = np.empty(_DEPTH + 2), np.empty(_DEPTH + 2, np.complex128)
     left = 0.0
@@ -96,7 +98,7 @@ def gathered_phase(hill, window, matrix, phases):
             at_middle = _value(hill, z, matrix)
             bend = abs(at_middle - 0.5 * (at_left + at_right))
             clear = min(_clearance(at_left, at_middle), _clearance(at_middle, at_right))
-            if bend > clear and depth < _DEPTH:
+            if _CAUTION * bend > clear and depth < _DEPTH:
                 ends[depth], values[depth] = middle, at_middle
                 depth += 1
                 continue
