@@ -192,9 +192,10 @@ def window_exponents(row: SystemRow, motions: np.ndarray, truncation: Truncation
 
 
 def apart(left, right, base):
-    """Distance of two exponents when multiples of i times the base frequency do not count."""
-    gap = left - right
-    return np.hypot(gap.real, gap.imag - base * np.rint(gap.imag / base))
+    """Distance of two exponents when multiples of i times the base frequency do not count; nan if one is not finite."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        gap = left - right
+        return np.hypot(gap.real, gap.imag - base * np.rint(gap.imag / base))
 
 
 @kernel(types.void(COMPLEX_MATRIX, types.int64[:, ::1], types.int64[:, ::1], ARRAY, ARRAY, COMPLEX_MATRIX))

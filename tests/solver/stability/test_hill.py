@@ -23,6 +23,7 @@ from solver.stability import (
     window_exponents,
 )
 from solver.stability.floquet import contact_shares
+from solver.stability.hill import apart
 from tests.conftest import MODELS, antiphase, consistent, published
 from tests.solver.stability.orbits import first_order, galerkin_motion, matched, padded, solved, unmerged
 from tests.solver.strategies import frequencies, models, motions
@@ -223,3 +224,10 @@ def test_linear_motions_have_the_exponents_of_the_closed_system(omega):
     starts = multipliers(row, motion)
     one_by_one, complete = condensed_exponents(row, motion, FIRST, np.log(starts) * omega / (2.0 * np.pi))
     assert complete[0] and matched(one_by_one[0], found) < 1e-9
+
+
+def test_exponents_that_newton_ran_away_with_are_apart_from_nothing():
+    """Without a warning: such a motion is left to the dense problem."""
+    runaway = np.array([complex(np.inf, 1.0), complex(1.0, np.inf), complex(np.nan, 0.0)])
+    assert not np.any(apart(runaway, runaway, 1.0) > 0.0)
+    assert apart(np.array([0.25 + 3.5j]), np.array([-0.25 + 1.5j]), 1.0) == 0.5
