@@ -6,7 +6,7 @@ import pytest
 from solver import LinearSeeds, ProvenSeeds, RowError, all_solutions, sweep_row
 from solver.boundaries import SpecialPoint, boundary_curves, row_events
 from tests.conftest import consistent, published
-from tests.solver.test_row import grid
+from tests.solver.rows import grid
 
 
 @pytest.mark.parametrize("alpha", [0.41, 0.42, 0.43, 0.44, 0.45])
