@@ -265,4 +265,5 @@ def test_maps_hatch_what_is_dynamically_unstable(made, stability):
     figure = draw_map(plane)
     hatches = {patch.get_hatch() for axes in figure.axes for patch in axes.patches}
     assert (DISPUTED_CELLS["hatch"] in hatches) == bool(plane.disputed.any())
-    assert (UNSTABLE_CELLS["hatch"] in hatches) == (stability == "static" and bool(np.any(plane.unstable & ~plane.disputed)))
+    unstable = bool(np.any(plane.unstable & ~plane.disputed))
+    assert (UNSTABLE_CELLS["hatch"] in hatches) == (stability == "static" and unstable)

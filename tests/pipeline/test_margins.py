@@ -301,7 +301,8 @@ def test_designs_as_users_write_them(stores):
 def test_the_stage(stores, tmp_path, capsys):
     """Files, the same bytes again, the figure's own, and nothing written where the input is not allowed."""
     path, _ = stores["omega_fe"]
-    words = ["plane=omega_fe", f"store.root={path.parent}", "store.name=omega_fe", "stages=[margins]", "figures.dpi=60", "figures.formats=[png]",
+    words = ["plane=omega_fe", f"store.root={path.parent}", "store.name=omega_fe", "stages=[margins]",
+             "figures.dpi=60", "figures.formats=[png]",
              "margins.point=[0.9,0.1]", "margins.range=[0.8,1.0]", "margins.tolerances={f_e: 0.02}"]  # fmt: skip
     for folder in ("one", "two"):
         assert main([*words, f"output.root={tmp_path / folder}"]) == 0

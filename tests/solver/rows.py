@@ -22,7 +22,7 @@ def solutions(row, column):
 
 
 def assert_same_columns(row, columns, other, others, atol=1e-10, same_axis=True):
-    """Counts, stability, states and values agree at two sets of columns; what is open beside them is the axis's matter."""
+    """Counts, stability, states and values agree at two sets of columns; what is open beside them on one axis only."""
     np.testing.assert_array_equal(row.n_solutions[columns], other.n_solutions[others])
     np.testing.assert_array_equal(row.domain[columns], other.domain[others])
     if same_axis:

@@ -20,7 +20,8 @@ from tests.solver.boundary_planes import (
     ("axis", "low", "high"),
     [
         ("b", 0.1, 1.5), ("alpha", 0.0, 0.8), ("alpha_phase", 0.0, 3.0), ("f_e", 0.0, 0.5), ("f_pm", 0.3, 1.2),
-        ("kappa", 0.3, 0.6), ("rotation_coupling", 0.5, 1.0), ("pressure_angle", 10.0, 30.0), ("xi_support", 0.005, 0.05),
+        ("kappa", 0.3, 0.6), ("rotation_coupling", 0.5, 1.0), ("pressure_angle", 10.0, 30.0),
+        ("xi_support", 0.005, 0.05),
     ],
 )  # fmt: skip
 def test_contact_angles_are_the_balance_and_have_its_derivatives(axis, low, high):

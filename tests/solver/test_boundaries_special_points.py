@@ -123,8 +123,8 @@ def test_isola_of_the_consistent_gear():
     assert 0.40 < birth[4] < 0.41 and 0.45 < merger[4] < 0.46
     at = mesh(np.concatenate([curve.crossings([0.44])[1] for curve in curves]))
     found = sorted((point[3], point[0], np.hypot(point[1], point[2])) for point in at)
-    # PHYSICS prints 2.122699 for the first amplitude. Solving E = 0, det dE/du = 0 with f_0 and f_1 by quadrature and the
-    # receptances written out (nothing of this package) gives 2.122987 from either start, and the other three as printed.
+    # PHYSICS prints 2.122699 for the first amplitude. Solving E = 0, det dE/du = 0 with f_0 and f_1 by quadrature and
+    # the receptances written out (nothing of this package) gives 2.122987 from either start, and the others as printed.
     expected = [
         (0.511643, 1.084987, 2.122987), (0.513399, 0.826381, 1.879884),
         (0.521717, 0.921135, 2.289807), (0.580161, 1.548228, 0.955863),

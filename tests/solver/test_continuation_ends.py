@@ -23,7 +23,8 @@ def isola(**settings_):
         pairs, [(1.609920, 0.361035), (1.206839, 1.343213), (1.445556, 1.420666)], rtol=0, atol=1e-6
     )
     problem = first_order_problem(model, "omega", LOW, HIGH)
-    return model, solutions, Continuation(**settings_).trace_both_ways(problem, np.append(solutions[2], 0.55), LOW, HIGH)
+    start = np.append(solutions[2], 0.55)
+    return model, solutions, Continuation(**settings_).trace_both_ways(problem, start, LOW, HIGH)
 
 
 @pytest.mark.parametrize("corrector", [Newton(), Broyden()])

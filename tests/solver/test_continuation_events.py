@@ -25,7 +25,7 @@ def test_two_folds_do_not_hide_inside_one_step(gap):
 
 @pytest.mark.parametrize("seed, f_pm, b", [(1012, -0.763, 0.531), (1791, -1.103, 0.025), (2068, 0.62, 0.193)])
 def test_two_folds_beside_a_grazing_do_not_hide_inside_one_step(seed, f_pm, b):
-    """Where the other flank is reached, the curve may bend so sharply that it folds there and back between two points."""
+    """Where the other flank is reached, the curve may bend so sharply that it folds twice between two points."""
     model = random_model(seed, f_pm=f_pm, b=b)
     curves = sweep_row(model, "omega", [LOW, 1.0, HIGH]).curves
     for curve in curves:

@@ -58,7 +58,9 @@ def test_a_shift_in_time_turns_the_phase_only(gear, shift):
     _, model = gear
     model = model.replace(alpha_harmonics=[[0.1, 0.4]])
     later = model.replace(
-        alpha_phase=model.alpha_phase + shift, f_e_phase=model.f_e_phase + shift, alpha_harmonics=[[0.1, 0.4 + 2 * shift]]
+        alpha_phase=model.alpha_phase + shift,
+        f_e_phase=model.f_e_phase + shift,
+        alpha_harmonics=[[0.1, 0.4 + 2 * shift]],
     )
     row, turned = sweep_row(model, "omega", grid(79)), sweep_row(later, "omega", grid(79))
     np.testing.assert_array_equal(row.stable, turned.stable)
