@@ -1,7 +1,7 @@
 """What speed is compared with, measured in the same run: the two programs that most authors write for such a pair.
 
-(a) `scipy.optimize.fsolve` on the 21 unknowns of the uncondensed first-order balance, swept up and down in frequency, each
-solution the start of the next. It finds what the two sweeps pass, and no unstable motion.
+(a) `scipy.optimize.fsolve` on the 21 unknowns of the uncondensed first-order balance, swept up and down in frequency,
+each solution the start of the next. It finds what the two sweeps pass, and no unstable motion.
 (b) Fixed-step Runge-Kutta of the seven degrees of freedom, compiled by numba, swept up and down, the last state of one
 frequency the first of the next. It finds attractors, after so many periods of settling.
 """
@@ -17,8 +17,8 @@ from solver.backlash import describing_functions
 
 __all__ = ["PERIODS", "STEPS", "fsolve_sweep", "residual", "runge_kutta_sweep", "there_and_back"]
 
-#: Periods integrated per frequency, of which the last is looked at, and steps per period. Support damping of 0.01 leaves
-#: e^-9 of a transient after 150 periods at omega = 1.
+#: Periods integrated per frequency, of which the last is looked at, and steps per period. Support damping of 0.01
+#: leaves e^-9 of a transient after 150 periods at omega = 1.
 PERIODS, STEPS = 150, 100
 
 
@@ -28,7 +28,7 @@ def there_and_back(grid: np.ndarray) -> np.ndarray:
 
 
 def residual(model: Model):
-    """The balance of all seven degrees of freedom as a function of 21 unknowns and the frequency, nothing computed twice."""
+    """The balance of all seven degrees of freedom, a function of 21 unknowns and the frequency; nothing done twice."""
     mass, damping, stiffness = model.matrices()
     along_translation, along_rotation = model.mesh_vectors()
     wave = sum(a * cmath.exp(1j * phase) for a, phase in model.stiffness_harmonics()[:1])
@@ -41,7 +41,9 @@ def residual(model: Model):
         f_0, gain = describing_functions(mean[6], amplitude, model.b)[:2]
         f_1 = gain * fundamental
         below, above = stiffness @ mean, (stiffness - omega**2 * mass + 1j * omega * damping) @ (cosine - 1j * sine)
-        for vector, share in ((along_translation, model.variation_translation), (along_rotation, model.variation_rotation)):
+        for vector, share in (
+            (along_translation, model.variation_translation), (along_rotation, model.variation_rotation),
+        ):  # fmt: skip
             varying = share * wave
             below = below + vector * (f_0 + 0.5 * (varying * np.conj(f_1)).real)
             above = above + vector * (f_1 + varying * f_0)
@@ -88,7 +90,8 @@ def _integrate(state, omega, periods, steps, stiffness, damping, translation, ro
             vary = wave * np.cos(angle + phase)
             push = constant + cosine * np.cos(angle) + sine * np.sin(angle)
             for j in range(7):
-                pull = drive[j] * push - (translation[j] * (1.0 + share_t * vary) + rotation[j] * (1.0 + share_r * vary)) * force
+                mesh = translation[j] * (1.0 + share_t * vary) + rotation[j] * (1.0 + share_r * vary)
+                pull = drive[j] * push - mesh * force
                 for k in range(7):
                     pull -= stiffness[j, k] * guess[k] + damping[j, k] * guess[7 + k]
                 slope[j], slope[7 + j] = guess[7 + j], pull
@@ -114,7 +117,8 @@ def runge_kutta_sweep(model: Model, grid: np.ndarray, periods: int = PERIODS, st
     for i, omega in enumerate(there_and_back(grid)):
         constant, first = model.load_harmonics(omega)
         numbers = (
-            model.b, wave, phase, model.variation_translation, model.variation_rotation, constant.real, first.real, -first.imag,
+            model.b, wave, phase, model.variation_translation, model.variation_rotation,
+            constant.real, first.real, -first.imag,
         )  # fmt: skip
         amplitudes[i] = _integrate(
             state, omega, periods, steps, inverse @ stiffness, inverse @ damping, translation, rotation,

@@ -21,7 +21,10 @@ PLANES = ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")
 
 
 def main() -> None:
-    print(f"{'gear':12s} {'plane':14s} {'starts':>7s} {'curves':>7s} {'points':>7s} {'sweep s':>8s} {'all ms':>8s} {'trace ms':>9s} {'points/s':>9s}")  # fmt: skip
+    print(
+        f"{'gear':12s} {'plane':14s} {'starts':>7s} {'curves':>7s} {'points':>7s} {'sweep s':>8s} {'all ms':>8s} "
+        f"{'trace ms':>9s} {'points/s':>9s}"
+    )
     for gear in ("published", "consistent", "antiphase"):
         for plane in PLANES:
             planned = plan(compose([f"gear={gear}", f"plane={plane}"]))
@@ -41,7 +44,11 @@ def main() -> None:
                     result = boundary_curves(model, "omega", axis, *limits, given)
                     times.append(time.process_time() - begin)
             points = sum(len(c.points) for c in result)
-            print(f"{gear:12s} omega x {axis:6s} {len(starts):7d} {len(curves):7d} {points:7d} {sweeping:8.2f} {1e3 * statistics.median(whole):8.1f} {1e3 * statistics.median(alone):9.1f} {points / statistics.median(alone):9.0f}")  # fmt: skip
+            print(
+                f"{gear:12s} omega x {axis:6s} {len(starts):7d} {len(curves):7d} {points:7d} {sweeping:8.2f} "
+                f"{1e3 * statistics.median(whole):8.1f} {1e3 * statistics.median(alone):9.1f} "
+                f"{points / statistics.median(alone):9.0f}"
+            )
 
 
 if __name__ == "__main__":

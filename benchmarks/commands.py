@@ -37,9 +37,10 @@ def measure_commands(folder: Path, sizes: Sizes, baselines: Baselines) -> list[M
         what = f"{columns} x {rows}: sweep, boundaries and figures, shell to finish"
         found.append(Measurement(name, what, "s", values, baselines.of(columns, rows)))
     again = tuple(run(folder, *size, "stages=[sweep]") for _ in range(repeats))
-    found.append(Measurement("resume", "the last of these again, finding its rows done", "s", again, baselines.of(columns, rows)))
+    same = baselines.of(columns, rows)
+    found.append(Measurement("resume", "the last of these again, finding its rows done", "s", again, same))
     found += _starts(folder, sizes, baselines)
-    return [*found, *_stored(folder / f"outputs/store/{name}.zarr", folder, min(sizes.repeats, 3), baselines.of(columns, rows))]
+    return [*found, *_stored(folder / f"outputs/store/{name}.zarr", folder, min(sizes.repeats, 3), same)]
 
 
 def _starts(folder: Path, sizes: Sizes, baselines: Baselines) -> list[Measurement]:

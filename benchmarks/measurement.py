@@ -47,7 +47,7 @@ class Baselines:
     runge_kutta: float
 
     def of(self, columns: int, rows: int = 1) -> dict[str, float]:
-        """Seconds for so many columns, up and down, in so many rows on one core: measured on one row, and multiplied."""
+        """Seconds for so many columns, up and down, in so many rows on one core: those of one row, multiplied."""
         points = 2 * columns * rows
         return {"fsolve": self.fsolve * points, "runge_kutta": self.runge_kutta * points}
 

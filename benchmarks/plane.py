@@ -56,7 +56,8 @@ def main() -> None:
         )
         for rows in (200, 400, 800, 1600):
             said = run(folder, f"plane.parameter.num={rows}", "stages=[sweep]", "store.overwrite=true", **cold)[2]
-            print(f"400 x {rows:<4d} sweep stage:             {sweeping(said):6.2f} s, {1e3 * sweeping(said) / rows:.2f} ms per row")
+            took = sweeping(said)
+            print(f"400 x {rows:<4d} sweep stage:             {took:6.2f} s, {1e3 * took / rows:.2f} ms per row")
         seconds, _, _ = run(folder, "stages=[figures]", "store.name=omega_fe", **cold)
         print(f"redraw from the store:              {seconds:6.2f} s")
 

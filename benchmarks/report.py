@@ -23,8 +23,10 @@ def document(measurements: list[Measurement], quick: bool, seconds: float) -> di
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
         "quick": quick,
         "seconds": seconds,
-        "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform(), "load": os.getloadavg()[0]},
-        "versions": {"python": platform.python_version(), **{package: metadata.version(package) for package in _PACKAGES}},
+        "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform(),
+                    "load": os.getloadavg()[0]},
+        "versions": {"python": platform.python_version(),
+                     **{package: metadata.version(package) for package in _PACKAGES}},
         "measurements": [measurement.plain for measurement in measurements],
     }  # fmt: skip
 
@@ -47,10 +49,16 @@ def table(found: dict) -> str:
     for one in found["measurements"]:
         spread = f"{one['lowest']:.3g}–{one['highest']:.3g} ({one['repeats']})"
         ratios = [_times(one["baselines"].get(name)) for name in _BASELINES]
-        note = "".join(f"; uncompressed {_times(ratio)}" for name, ratio in one["baselines"].items() if name not in _BASELINES)
-        lines.append(f"| {one['name']}: {one['what']}{note} | {one['median']:.3g} {one['unit']} | {spread} | {' | '.join(ratios)} |")
+        note = "".join(
+            f"; uncompressed {_times(ratio)}" for name, ratio in one["baselines"].items() if name not in _BASELINES
+        )
+        lines.append(
+            f"| {one['name']}: {one['what']}{note} | {one['median']:.3g} {one['unit']} | {spread} | "
+            f"{' | '.join(ratios)} |"
+        )
     machine = found["machine"]
-    lines += ["", f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end; {found['seconds']:.0f} s in all. "
+    lines += ["", f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end; "
+                  f"{found['seconds']:.0f} s in all. "
                   "Columns three and four: the same job by the baseline, on one core, as a multiple."]  # fmt: skip
     return "\n".join(lines)
 

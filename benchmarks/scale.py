@@ -3,9 +3,9 @@
     python -m benchmarks.scale memory 400x200 2000x1000 4000x2000 [--seconds 300]
     python -m benchmarks.scale workers [--rows 200] [--repeats 5]
 
-`memory` sweeps each plane by the command line, samples the resident memory of the client and of its largest worker, and stops
-a sweep that takes longer than --seconds, whose rows so far are counted. `workers` gives the same rows to one worker and to two in
-turn, and compares the seconds that the rows took on the workers with workers times the wall clock.
+`memory` sweeps each plane by the command line, samples the resident memory of the client and of its largest worker, and
+stops a sweep that takes longer than --seconds, whose rows so far are counted. `workers` gives the same rows to one
+worker and to two in turn, and compares the seconds that the rows took on the workers with workers times the wall clock.
 """
 
 import argparse
@@ -63,7 +63,8 @@ def measure(folder: Path, columns: int, rows: int, layers: int | None, limit: fl
     # Of the last three quarters, what the second half adds: memory that grows with rows would show here.
     steady = samples[len(samples) // 4 :]
     middle = len(steady) // 2
-    growth = [max(s[i] for s in steady[middle:]) - max(s[i] for s in steady[:middle]) for i in (1, 2)] if middle else [0, 0]
+    halves = steady[:middle], steady[middle:]
+    growth = [max(s[i] for s in halves[1]) - max(s[i] for s in halves[0]) for i in (1, 2)] if middle else [0, 0]
     size = sum(file.stat().st_size for file in (folder / "outputs/store" / f"{name}.zarr").rglob("*") if file.is_file())
     return (
         f"{name:>14} {done:>7} rows{' (stopped)' if stopped else '':10} {seconds:7.1f} s {done / seconds:7.1f} rows/s "
@@ -75,7 +76,7 @@ def measure(folder: Path, columns: int, rows: int, layers: int | None, limit: fl
 
 @dataclass(frozen=True)
 class Effort:
-    """Seconds for some rows: of the wall clock, of the rows by their receipts, of processor time of workers and of the client."""
+    """Seconds for some rows: of the wall clock, of the rows by their receipts, of the processor, workers and client."""
 
     wall: float
     rows: float
@@ -84,7 +85,7 @@ class Effort:
 
 
 def processor_seconds() -> tuple[float, float]:
-    """Used so far by the children of this process, which are the workers, and by this process, with the scheduler in it."""
+    """Used so far by the children of this process, which are the workers, and by itself, with the scheduler in it."""
     own = psutil.Process()
     children = [child.cpu_times() for child in own.children(recursive=True)]
     return sum(child.user + child.system for child in children), time.process_time()
@@ -115,9 +116,9 @@ def crew(folder: Path, workers: int, rows: int) -> Effort:
 def compare(rows: int, repeats: int) -> None:
     """One worker and two in turn; medians.
 
-    On a machine that others use, the wall clock says little: twice the workers get twice the share of a busy processor, or not.
-    So there is a second efficiency, from what does not depend on others: the processor time of the workers for the same rows,
-    and the share of their time in which they had a row to work on.
+    On a machine that others use, the wall clock says little: twice the workers get twice the share of a busy processor,
+    or not. So there is a second efficiency, from what does not depend on others: the processor time of the workers for
+    the same rows, and the share of their time in which they had a row to work on.
     """
     efforts = {1: [], 2: []}
     with tempfile.TemporaryDirectory() as scratch:
@@ -125,7 +126,8 @@ def compare(rows: int, repeats: int) -> None:
             for workers in (1, 2):
                 effort = crew(Path(scratch), workers, rows)
                 efforts[workers].append(effort)
-                print(f"  {workers} workers: {effort.wall:6.2f} s, {1.0 - busy_share(effort, workers):5.1%} not in rows, "
+                print(f"  {workers} workers: {effort.wall:6.2f} s, "
+                      f"{1.0 - busy_share(effort, workers):5.1%} not in rows, "
                       f"processor {effort.workers:.2f} s workers, {effort.client:.2f} s client and scheduler, "
                       f"load {os.getloadavg()[0]:.1f}", flush=True)  # fmt: skip
     pairs = list(zip(efforts[1], efforts[2], strict=True))
@@ -133,7 +135,10 @@ def compare(rows: int, repeats: int) -> None:
     by_work = statistics.median(
         one.workers / two.workers * busy_share(two, 2) / busy_share(one, 1) for one, two in pairs
     )
-    print(f"{rows} rows, {repeats} pairs: efficiency of two workers {by_wall:.2f} by the wall clock, {by_work:.2f} by work and waiting")
+    print(
+        f"{rows} rows, {repeats} pairs: efficiency of two workers {by_wall:.2f} by the wall clock, "
+        f"{by_work:.2f} by work and waiting"
+    )
     for workers in (1, 2):
         idle = statistics.median(1.0 - busy_share(effort, workers) for effort in efforts[workers])
         client = statistics.median(effort.client / effort.workers for effort in efforts[workers])

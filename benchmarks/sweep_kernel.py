@@ -1,4 +1,4 @@
-"""Microseconds per accepted point of a first-order curve, one thread; and the same curve by SciPy, the script most write.
+"""Microseconds per accepted point of a first-order curve, one thread; and the same curve by SciPy, as most write it.
 
 Run it in the repository root with ``python -m benchmarks.sweep_kernel``.
 """
@@ -31,7 +31,10 @@ def medians(action, repeat: int) -> float:
 
 
 def main() -> None:
-    print(f"{'gear':12s} {'points':>7s} {'events':>7s} {'us/point':>9s} {'us/point Broyden':>17s} {'ms/row':>8s} {'fsolve ms/row':>14s} {'ratio':>7s}")  # fmt: skip
+    print(
+        f"{'gear':12s} {'points':>7s} {'events':>7s} {'us/point':>9s} {'us/point Broyden':>17s} {'ms/row':>8s} "
+        f"{'fsolve ms/row':>14s} {'ratio':>7s}"
+    )
     for gear in ("published", "consistent", "antiphase"):
         planned = plan(compose([f"gear={gear}", "plane=omega_b"]))
         model = model_at(planned, 1.0, 1.0)
@@ -49,7 +52,10 @@ def main() -> None:
                 points, events = len(curve.points), int(np.sum(curve.event != Event.NONE))
         row = medians(lambda: sweep_row(model, "omega", GRID), REPEAT)
         plain = medians(lambda: fsolve_sweep(model, GRID), 1)
-        print(f"{gear:12s} {points:7d} {events:7d} {per_point['newton']:9.2f} {per_point['broyden']:17.2f} {1e3 * row:8.2f} {1e3 * plain:14.0f} {plain / row:7.0f}")  # fmt: skip
+        print(
+            f"{gear:12s} {points:7d} {events:7d} {per_point['newton']:9.2f} {per_point['broyden']:17.2f} "
+            f"{1e3 * row:8.2f} {1e3 * plain:14.0f} {plain / row:7.0f}"
+        )
 
 
 if __name__ == "__main__":

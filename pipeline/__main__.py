@@ -76,7 +76,9 @@ def _run_all(all_settings, reporter) -> int:
     status, jobs = 0, []
     names = [settings.store_name for settings in all_settings]
     if len(set(names)) < len(names) and any("sweep" in settings.config.stages for settings in all_settings):
-        raise ConfigurationError(f"store.name = {names[0]!r} is not allowed here: several planes would share that store")
+        raise ConfigurationError(
+            f"store.name = {names[0]!r} is not allowed here: several planes would share that store"
+        )
     for settings in all_settings:
         try:
             jobs.append(prepare(settings))
@@ -109,7 +111,7 @@ def _attempt(run, job, workforce, reporter) -> int:
 
 
 def _explained(job, error: Exception) -> str:
-    """What to say of an error: damage of a store, if there is any, or what the operating system said; others are ours."""
+    """What to say of an error: damage of a store, if there is any, or what the system said; others are ours."""
     from pipeline import store
 
     # Stages that need several planes read all stores of the folder.

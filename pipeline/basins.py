@@ -30,7 +30,8 @@ GROUP = "basins"
 
 _PLACES = {"row": "int32", "column": "int32", "x": "float64", "p": "float64", "n_attractors": "int32"}
 _FOUND = {"attractor_code": "int16", "count": "int32", "share": "float64", "share_low": "float64",
-          "share_high": "float64", "period": "int32", "mean": "float64", "amplitude": "float64", "lyapunov": "float64"}  # fmt: skip
+          "share_high": "float64", "period": "int32", "mean": "float64", "amplitude": "float64",
+          "lyapunov": "float64"}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

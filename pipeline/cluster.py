@@ -55,12 +55,14 @@ def check_cluster(config: Cluster) -> None:
         raise ConfigurationError(f"cluster.workers = {config.workers} is not allowed: it must be from 1 to 1024")
     if config.kind == "scheduler" and bool(config.address) == bool(config.scheduler_file):
         raise ConfigurationError(
-            f"cluster.address = {config.address!r} is not allowed with cluster.scheduler_file = {config.scheduler_file!r}: "
+            f"cluster.address = {config.address!r} is not allowed with "
+            f"cluster.scheduler_file = {config.scheduler_file!r}: "
             "one of them must say where the scheduler is, such as tcp://host:8786"
         )
     if config.kind == "scheduler" and config.scheduler_file and not Path(config.scheduler_file).is_file():
         raise ConfigurationError(
-            f"cluster.scheduler_file = {config.scheduler_file!r} is not allowed: it must be a file that dask scheduler wrote"
+            f"cluster.scheduler_file = {config.scheduler_file!r} is not allowed: "
+            "it must be a file that dask scheduler wrote"
         )
     if not 0.0 < config.row_seconds <= 1e6:
         raise ConfigurationError(f"cluster.row_seconds = {config.row_seconds} is not allowed: it must be from 0 to 1e6")
@@ -68,7 +70,9 @@ def check_cluster(config: Cluster) -> None:
     if config.dashboard and importlib.util.find_spec("bokeh") is None:
         raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
     if not 0.0 < config.timeout <= 3600.0:
-        raise ConfigurationError(f"cluster.timeout = {config.timeout} is not allowed: it must be from 0 to 3600 seconds")
+        raise ConfigurationError(
+            f"cluster.timeout = {config.timeout} is not allowed: it must be from 0 to 3600 seconds"
+        )
 
 
 def _check_memory(memory: str) -> None:
@@ -266,7 +270,9 @@ class Workforce:
         if isinstance(result, CancelledError):
             raise self._gone()
         if isinstance(result, KilledWorker):
-            return WorkerLost("its worker was lost: the process was ended from outside, as happens when memory runs out")
+            return WorkerLost(
+                "its worker was lost: the process was ended from outside, as happens when memory runs out"
+            )
         return result
 
     @property
@@ -291,7 +297,7 @@ class Workforce:
 
 
 def _silence() -> None:
-    """Keep dask's log off the terminal: of a worker or a scheduler that is lost, what the user needs to know is said here."""
+    """Keep dask's log off the terminal: what the user needs to know of lost workers and schedulers is said here."""
     import distributed  # noqa: F401  (it gives its loggers their levels when it is imported)
 
     for name in ["distributed", *logging.root.manager.loggerDict]:
@@ -301,7 +307,7 @@ def _silence() -> None:
 
 @contextlib.contextmanager
 def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes started inside ignore Ctrl-C, which a terminal sends to all of them: stopping is this process's business."""
+    """Processes started inside ignore Ctrl-C, which a terminal sends to all: stopping is this process's business."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

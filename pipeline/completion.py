@@ -72,7 +72,9 @@ def script(shell: str) -> str:
         If the shell is not known.
     """
     if shell not in SHELLS:
-        raise ConfigurationError(f"--shell-completion = {shell!r} is not allowed: it must be one of {', '.join(SHELLS)}")
+        raise ConfigurationError(
+            f"--shell-completion = {shell!r} is not allowed: it must be one of {', '.join(SHELLS)}"
+        )
     return SHELLS[shell].replace("COMMAND", f"{shlex.quote(sys.executable)} -m pipeline")
 
 

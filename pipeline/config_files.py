@@ -1,7 +1,7 @@
 """Looking over a user's own configuration files before Hydra reads them: they may come from someone else.
 
-YAML names nodes and repeats them by name, so that a few lines can stand for more than any memory holds; and Hydra's reader walks
-nested nodes by recursion. Both are counted here on the parser's events, of which nothing is built.
+YAML names nodes and repeats them by name, so that a few lines can stand for more than any memory holds; and Hydra's
+reader walks nested nodes by recursion. Both are counted here on the parser's events, of which nothing is built.
 """
 
 import re

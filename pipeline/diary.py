@@ -110,7 +110,8 @@ def _events(trace: Trace) -> list[str]:
     for outcome, after in zip(trace.steps.outcome, trace.steps.points, strict=True):
         here = range(before, after) if outcome == Outcome.ACCEPTED else ()
         found.append(" ".join(
-            f"{Event(int(curve.event[i])).name.lower()}@{curve.points[i, -1]:.10g}" for i in here if curve.event[i] != Event.NONE
+            f"{Event(int(curve.event[i])).name.lower()}@{curve.points[i, -1]:.10g}"
+            for i in here if curve.event[i] != Event.NONE
         ))  # fmt: skip
         before = after
     return found
@@ -126,8 +127,9 @@ def _csv(diary: RowDiary) -> str:
         steps, events = trace.steps, _events(trace)
         for k in range(steps.outcome.size):
             writer.writerow([
-                number, k, Outcome(int(steps.outcome[k])).name.lower(), repr(float(steps.length[k])), int(steps.iterations[k]),
-                repr(float(steps.stray[k])), repr(float(steps.turn[k])), int(steps.points[k]), events[k],
+                number, k, Outcome(int(steps.outcome[k])).name.lower(), repr(float(steps.length[k])),
+                int(steps.iterations[k]), repr(float(steps.stray[k])), repr(float(steps.turn[k])),
+                int(steps.points[k]), events[k],
                 *(repr(float(value)) for value in (steps.places[k, -1], *steps.places[k, :-1])),
             ])  # fmt: skip
     return stream.getvalue()
@@ -161,7 +163,8 @@ def _trace_lines(number: int, trace: Trace) -> list[str]:
         what = events if outcome is Outcome.ACCEPTED else f"refused: {outcome.sentence}"
         place = "".join(f" {value:13.8g}" for value in steps.places[k, :width])
         lines.append(
-            f"{k:5d} {steps.length[k]:10.3e} {steps.iterations[k]:4d} {steps.turn[k]:9.2e} {steps.places[k, -1]:14.9g}{place}  {what}".rstrip()
+            f"{k:5d} {steps.length[k]:10.3e} {steps.iterations[k]:4d} {steps.turn[k]:9.2e} "
+            f"{steps.places[k, -1]:14.9g}{place}  {what}".rstrip()
         )
     if not len(curve.points):
         return [*lines, "  no tangent can be told at the seed: nothing was traced"]

@@ -1,7 +1,7 @@
-"""Blocks of rows given out to workers: in batches of about a second, a few at a time, and again where an attempt failed.
+"""Blocks of rows given out to workers: in batches of about a second, a few at a time, again where an attempt failed.
 
-What can fail is a row: it raises, hangs, or takes its process with it. Each attempt is noted (`pipeline.store.tries`), so
-that the third one of the same row gives up on that row alone and the rest of its block is stored.
+What can fail is a row: it raises, hangs, or takes its process with it. Each attempt is noted (`pipeline.store.tries`),
+so that the third one of the same row gives up on that row alone and the rest of its block is stored.
 """
 
 from collections import deque
@@ -16,7 +16,7 @@ from pipeline.sweep import Outcome, Receipt, sweep_blocks
 
 __all__ = ["Batches", "dispatch"]
 
-#: Seconds of work that a task should hold: more, and workers end at different times; less, and giving it out costs more.
+#: Seconds of work that a task should hold: more, and workers end at different times; less, and giving it out costs.
 _WORK = 1.0
 
 

@@ -45,7 +45,8 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
         most = max(data.size, 1) if data.ndim == 1 else _CHUNK
         with every_chunk():
             group.create_array(
-                key, shape=data.shape, chunks=tuple(min(max(size, 1), most) for size in data.shape), dtype=variable.dtype,
+                key, shape=data.shape,
+                chunks=tuple(min(max(size, 1), most) for size in data.shape), dtype=variable.dtype,
                 dimension_names=[variable.dims] if isinstance(variable.dims, str) else list(variable.dims),
                 compressors=COMPRESSORS, attributes=variable.attributes,
             )[...] = data  # fmt: skip

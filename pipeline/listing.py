@@ -40,7 +40,10 @@ class Entry:
     def cells(self) -> tuple[str, ...]:
         """As shown, in the order of the columns."""
         age = "?" if math.isnan(self.age) else _age(self.age)
-        texts = (self.name, self.plane, self.gear, self.status, _size(self.size), self.digest, age, " ".join(self.groups) or "-")
+        texts = (
+            self.name, self.plane, self.gear, self.status, _size(self.size), self.digest, age,
+            " ".join(self.groups) or "-",
+        )  # fmt: skip
         return tuple(map(printable, texts))
 
 
@@ -89,7 +92,8 @@ def _described(path: Path, attributes: dict) -> Entry:
         plan = plan_from(attributes, path)
     except StoreError:
         known = OLDEST_READ <= version <= SCHEMA_VERSION
-        text = "damaged metadata" if known else f"schema {version}, this program reads {OLDEST_READ} to {SCHEMA_VERSION}"
+        schema = f"schema {version}, this program reads {OLDEST_READ} to {SCHEMA_VERSION}"
+        text = "damaged metadata" if known else schema
         return _entry(path, attributes, text)
     status = _status(path, plan)
     if version < SCHEMA_VERSION:
@@ -101,8 +105,8 @@ def _described(path: Path, attributes: dict) -> Entry:
 def _entry(path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?") -> Entry:
     said = attributes or {}
     return Entry(
-        path.name.removesuffix(".zarr"), plane, gear, status, _bytes(path), str(said.get("configuration_hash", "?"))[:16],
-        _seconds(said.get("created")), _groups(path),
+        path.name.removesuffix(".zarr"), plane, gear, status, _bytes(path),
+        str(said.get("configuration_hash", "?"))[:16], _seconds(said.get("created")), _groups(path),
     )  # fmt: skip
 
 

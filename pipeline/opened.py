@@ -1,4 +1,4 @@
-"""A stored plane opened for questions: labels, masks, curves, motions and boundaries, without knowing the store's layout.
+"""A stored plane opened for questions: labels, masks, curves, motions, boundaries, whatever the store's layout.
 
 An object around the DataTree, not an accessor on it: the answers need the store's path and its checked plan, which a
 tree does not carry, and an accessor would be looked up by a name that no editor knows.
@@ -56,8 +56,8 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPla
 class OpenPlane:
     """A stored plane.
 
-    Places are given by the axes' own names: `omega=0.6, f_e=0.2`. What ends in `_near` reads the nearest stored cell or row;
-    what ends in `_at` computes anew, exactly there.
+    Places are given by the axes' own names: `omega=0.6, f_e=0.2`. What ends in `_near` reads the nearest stored cell or
+    row; what ends in `_at` computes anew, exactly there.
 
     Parameters
     ----------
@@ -142,7 +142,8 @@ class OpenPlane:
         """
         found = self.motions_at(**place)
         states = found.impact.values[found.stable.values == 1]
-        return domain_label(int(domain_code(np.array(states.size), np.bitwise_or.reduce(1 << states.astype(np.int64), initial=0))))
+        mask = np.bitwise_or.reduce(1 << states.astype(np.int64), initial=0)
+        return domain_label(int(domain_code(np.array(states.size), mask)))
 
     def mask(self, what: str) -> xr.DataArray:
         """Where a label ("2/0-1") or a trait ("jump", "contact loss", "double-sided impact") occurs.
@@ -189,8 +190,8 @@ class OpenPlane:
         return _curves(row, self.plan.sweep.name).assign_coords({self.plan.parameter.name: p})
 
     def motions_near(self, **place: float) -> xr.Dataset:
-        """The stored solutions of the nearest cell along `solution`, by ascending amplitude: `mean`, `amplitude`, `phase`,
-        `stable`, `impact`, `instability`, `multiplier`."""
+        """The stored solutions of the nearest cell along `solution`, by ascending amplitude: `mean`, `amplitude`,
+        `phase`, `stable`, `impact`, `instability`, `multiplier`."""
         here = xr.Dataset({name: self._cell(name, place) for name in (*_MOTION, "instability", "multiplier")}).load()
         return here.isel(solution=np.flatnonzero(here.stable.values >= 0))
 
@@ -223,8 +224,8 @@ class OpenPlane:
         Returns
         -------
         tuple of pipeline.margins.distances.Margin
-            Up to four, by distance as a share of the axis: `name` of the parameter, `kind` of boundary, `place`, `distance`,
-            and `beyond`, the code of the label on the other side (0 for planes of higher order).
+            Up to four, by distance as a share of the axis: `name` of the parameter, `kind` of boundary, `place`,
+            `distance`, and `beyond`, the code of the label on the other side (0 for planes of higher order).
 
         Raises
         ------

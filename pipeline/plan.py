@@ -12,7 +12,10 @@ from pipeline.axes import ROLES, TEMPERATURE, Axis, axes_of, value_of
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
-__all__ = ["ROLES", "TEMPERATURE", "Axis", "Block", "Plan", "check_numbers", "gear_of", "numbers_digest", "plan", "plan_of", "warnings"]
+__all__ = [
+    "ROLES", "TEMPERATURE", "Axis", "Block", "Plan", "check_numbers", "gear_of", "numbers_digest", "plan", "plan_of",
+    "warnings",
+]  # fmt: skip
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 3
@@ -25,8 +28,8 @@ _BLOCKS_AT_LEAST = 16
 
 @dataclass(frozen=True)
 class Block:
-    """Rows start ... stop - 1: one chunk of the store and one task. Rows of a volume are numbered through, layer by layer;
-    a block belongs to one layer."""
+    """Rows start ... stop - 1: one chunk of the store and one task. Rows of a volume are numbered through, layer by
+    layer; a block belongs to one layer."""
 
     start: int
     stop: int
@@ -123,7 +126,7 @@ class Plan:
 
     @property
     def motion_size(self) -> int:
-        """Numbers of a motion that the store keeps beside mean, amplitude and phase: all harmonics of a Galerkin balance."""
+        """Numbers of a motion stored beside mean, amplitude and phase: all harmonics of a Galerkin balance."""
         unknowns = 2 * int(self.solver["order"]) * int(self.solver["period"]) + 1
         return unknowns if self.solver["balance"] == "galerkin" else 0
 
@@ -159,7 +162,7 @@ def numbers_digest(numbers: dict) -> str:
 
 
 def plan_of(numbers: dict) -> Plan:
-    """The plan that `Plan.numbers` came from; a store keeps it, so that every stage but the sweep needs no configuration."""
+    """The plan that `Plan.numbers` came from; a store keeps it, so that only the sweep needs a configuration."""
     axes = {role: Axis(**numbers[role]) for role in ROLES if role in numbers}
     return Plan(**{**numbers, **axes})
 
@@ -208,7 +211,9 @@ def plan(settings: Settings) -> Plan:
         if settings.overridden(key):
             raise ConfigurationError(f"{key} is not allowed here: {name} is an axis of this plane")
         if isinstance(gear[name], list) and len(set(map(str, gear[name]))) > 1:
-            raise ConfigurationError(f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number")
+            raise ConfigurationError(
+                f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number"
+            )
     # What an axis replaces does not belong to the configuration.
     result = Plan(
         gear={key: value for key, value in gear.items() if key not in names},
@@ -336,14 +341,17 @@ def warnings(plan: Plan) -> list[str]:
     ]
     lowest = min(model.lowest_stiffness() for model in corners)
     if lowest < 0.0:
-        lines.append(f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical")
+        lines.append(
+            f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical"
+        )
     model = corners[0]
     ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
     if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
         shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
         parts = ("xi_mesh", "xi_translation", "kappa")
         moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in parts]
-        hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in (axis.name for axis in plan.axes) else ""
+        names = {axis.name for axis in plan.axes}
+        hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in names else ""
         lines.append(
             f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "
             f"one mesh force would make them equal{hint}"
@@ -353,5 +361,7 @@ def warnings(plan: Plan) -> list[str]:
 
         lines += cycle_note(plan)
     if plan.parameter2 is not None:
-        lines.append("a volume has no boundaries of its own: plane.layer=VALUE takes out the plane of one layer, which has")
+        lines.append(
+            "a volume has no boundaries of its own: plane.layer=VALUE takes out the plane of one layer, which has"
+        )
     return lines

@@ -57,7 +57,7 @@ class Receipt:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a batch: a receipt per block that was stored, and the worker; whether a row of the next block raised."""
+    """What came of a batch: a receipt per block that was stored, the worker, whether a row of the next block raised."""
 
     receipts: tuple[Receipt, ...]
     worker: str | None
@@ -121,14 +121,14 @@ def seeds_of(settings: dict, every_column: bool = False):
 def model_at(plan: Plan, row: float, column: float) -> Model:
     """The gear at one point of the plane; omega, if it is an axis, is not the gear's."""
     start, axis = _start(plan, row, column), row_axis(plan)
-    # At the reference temperature the gear is its own model: even that c is geometric stays, which enumeration encloses a
-    # little wider than the number.
+    # At the reference temperature the gear is its own model: even that c is geometric stays, which enumeration encloses
+    # a little wider than the number.
     at_reference = plan.thermal is not None and row == 0.0
     return start if isinstance(axis, str) or at_reference else place_on(axis, row, start)[0]
 
 
 def row_axis(plan: Plan) -> str | ParameterPath:
-    """The row parameter as the solver takes it: a name, or the path along which it moves several numbers of the gear."""
+    """The row parameter as the solver takes it: a name, or the path along which it moves numbers of the gear."""
     if plan.thermal is not None:
         return thermal_pair(plan.thermal).path
     return MESH_DAMPING if plan.parameter.name == MESH_DAMPING.name else plan.parameter.name

@@ -7,7 +7,9 @@ import numpy as np
 from solver import ImpactState, label_parts
 from solver.boundaries.bands import Line
 
-__all__ = ["RANKS", "TRAITS", "contact_lost", "double_sided", "intervals", "jumping", "labels_with", "share_of", "unstable"]
+__all__ = [
+    "RANKS", "TRAITS", "contact_lost", "double_sided", "intervals", "jumping", "labels_with", "share_of", "unstable",
+]  # fmt: skip
 
 _TOGETHER = {ImpactState.PERMANENT, ImpactState.MIRRORED_PERMANENT}
 

@@ -56,7 +56,8 @@ exit status
 def usage(config_dir: str | None = None) -> str:
     """The text, within 100 columns; with the choices of a user's own folder where one is given."""
     folders = [conf_folder(), *([Path(config_dir)] if config_dir else [])]
-    usual = dict(re.findall(r"^  - (\w+): (\w+)$", (folders[0] / "config.yaml").read_text(encoding="utf-8"), re.MULTILINE))
+    configuration = (folders[0] / "config.yaml").read_text(encoding="utf-8")
+    usual = dict(re.findall(r"^  - (\w+): (\w+)$", configuration, re.MULTILINE))
     lines = ["groups and their choices (* unless told otherwise)"]
     for group in _GROUPS:
         lines.append(f"  {group}")
@@ -70,7 +71,8 @@ def usage(config_dir: str | None = None) -> str:
 
 def _entry(name: str, text: str) -> str:
     """A name and what it is, on one line."""
-    return f"{name:<{_INDENT}} {textwrap.shorten(text, _WIDTH - max(_INDENT, len(name)) - 1, placeholder=' ...')}".rstrip()
+    room = _WIDTH - max(_INDENT, len(name)) - 1
+    return f"{name:<{_INDENT}} {textwrap.shorten(text, room, placeholder=' ...')}".rstrip()
 
 
 def _comment(file: Path) -> str:
@@ -96,6 +98,7 @@ def stages() -> list[tuple[str, str]]:
         if match:
             found[match[1]] = _first_sentence(match[2])
     # The order stands where people read it.
-    (order,) = re.findall(r"^# What to do, in this order: (.*)\.$", (conf_folder() / "config.yaml").read_text(), re.MULTILINE)
+    configuration = (conf_folder() / "config.yaml").read_text()
+    (order,) = re.findall(r"^# What to do, in this order: (.*)\.$", configuration, re.MULTILINE)
     rank = {name: i for i, name in enumerate(order.split(", "))}
     return sorted(found.items(), key=lambda item: rank.get(item[0], len(rank)))

@@ -1,7 +1,7 @@
 """The very first run: half of the kernels are compiled by a second process while this one compiles the other half.
 
-Numba compiles one function after the other, and a run has two cores. What the helper compiles goes into the cache on disk,
-where this process finds it when its own imports get there. Nothing depends on the helper: what it has not done is done here.
+Numba compiles one function after the other, and a run has two cores. What the helper compiles goes into the cache on
+disk, where this process finds it when its imports get there. Nothing depends on it: what it left undone is done here.
 """
 
 import importlib.util
@@ -57,7 +57,7 @@ def compile_beside() -> subprocess.Popen | None:
 
 
 def compile_all() -> None:
-    """Compile the kernels of every module of the solver, with the helper beside; those in the cache stay as they are."""
+    """Compile the kernels of every module of the solver, with the helper beside; cached ones stay as they are."""
     import pkgutil
 
     helper = compile_beside()

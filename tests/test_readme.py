@@ -33,7 +33,9 @@ def test_there_is_something_to_check():
     assert len(SNIPPETS) == 7 and len(COMMANDS) >= 7
 
 
-@pytest.mark.parametrize("snippet", SNIPPETS, ids=["open", "store", "boundaries", "solver", "thresholds", "statements", "order"])
+@pytest.mark.parametrize(
+    "snippet", SNIPPETS, ids=["open", "store", "boundaries", "solver", "thresholds", "statements", "order"]
+)
 def test_snippets_run(snippet, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     exec(compile(snippet, "README.md", "exec"), {})

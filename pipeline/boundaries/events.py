@@ -42,8 +42,8 @@ class RowEvents:
         All unknowns of the balance there.
     ahead : (k,) array
         In which direction of x, +1 or -1, a fold's pair of solutions exists, and the margin of a grazing is positive
-        where the grazing solution is stable (negative where it is not); 0 where that cannot be told, and for events that
-        change neither number nor impact state.
+        where the grazing solution is stable (negative where it is not); 0 where that cannot be told, and for events
+        that change neither number nor impact state.
     rows : int
         Number of complete rows.
     """
@@ -61,7 +61,7 @@ class RowEvents:
         return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
 
     def starts(self, kinds=GRAZINGS_AND_FOLDS) -> list[tuple[Event, np.ndarray]]:
-        """(kind, (unknowns, x, p)) of the events of some kinds, as `boundary_curves` and `bifurcation_curves` take them."""
+        """(kind, (unknowns, x, p)) of the events of some kinds, as the solver starts boundaries from them."""
         points = np.column_stack([self.motions, self.points[:, 3:]])
         return [(Event(kind), y) for kind, y in zip(self.kind.tolist(), points, strict=True) if kind in kinds]
 

@@ -67,7 +67,9 @@ def trace(path: Path, plan: Plan) -> Summary:
         return _summary(plan, stored, True)
     curves = _first_order_curves(plan, events) if balance_of(plan.solver).truncated else []
     traced = {curve.kind for curve in curves}
-    others = [kind for kind in (*GRAZINGS_AND_FOLDS, *BIFURCATIONS) if kind not in traced and np.any(events.kind == kind)]
+    others = [
+        kind for kind in (*GRAZINGS_AND_FOLDS, *BIFURCATIONS) if kind not in traced and np.any(events.kind == kind)
+    ]
     curves += _curves_of_any_order(plan, events.starts(others)) if others else []
     fresh = StoredBoundaries(tuple(curves), events.digest)
     write_boundaries(path, plan, fresh)

@@ -21,7 +21,7 @@ def shares_of(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
 
 
 def zoom_places(count: int, spare: float = 0.0) -> list[tuple[float, float, float, float]]:
-    """Left, bottom, width and height in inches of the enlargements at a figure's foot, with `spare` inches at the right."""
+    """Left, bottom, width and height in inches of the enlargements at a figure's foot, `spare` inches off the right."""
     width = (WIDTH - LEFT - RIGHT - spare - _BESIDE * (count - 1)) / max(count, 1)
     return [(LEFT + i * (width + _BESIDE), BOTTOM, width, ZOOM_HEIGHT) for i in range(count)]
 

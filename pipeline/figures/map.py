@@ -162,7 +162,8 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)
     unstable = plane.unstable & ~plane.disputed & (not plane.dynamic)
     for kind, marked in (
-        (FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1), (UNSTABLE_CELLS, unstable), (DISPUTED_CELLS, plane.disputed),
+        (FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1),
+        (UNSTABLE_CELLS, unstable), (DISPUTED_CELLS, plane.disputed),
     ):  # fmt: skip
         if np.any(marked):
             axes.add_artist(PathPatch(_rectangles(marked, columns, rows), **kind))

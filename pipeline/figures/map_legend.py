@@ -15,8 +15,8 @@ from solver import ImpactState
 from solver.boundaries import SpecialPoint
 
 __all__ = [
-    "DISPUTED_CELLS", "FAILED_ROWS", "LINES", "MARKS", "MODES", "OPEN_CELLS", "UNSTABLE_CELLS", "Entry", "draw_legend", "legend_entries",
-    "legend_height",
+    "DISPUTED_CELLS", "FAILED_ROWS", "LINES", "MARKS", "MODES", "OPEN_CELLS", "UNSTABLE_CELLS", "Entry",
+    "draw_legend", "legend_entries", "legend_height",
 ]  # fmt: skip
 
 #: Line kind -> its style and what the legend says of it.
@@ -135,8 +135,8 @@ def legend_height(entries: list[Entry]) -> float:
 
 
 def draw_legend(figure: Figure, entries: list[Entry], left: float, top: float, share: float = _SHARE) -> None:
-    """Draw the legend with its upper left corner `left` inches from the left and `top` from the bottom, the numbers ending
-    `share` inches further right."""
+    """Draw the legend with its upper left corner `left` inches from the left and `top` from the bottom, the numbers
+    ending `share` inches further right."""
     width, height = figure.get_size_inches()
     sheet = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height), zorder=-1)
     sheet.set_axis_off()

@@ -3,8 +3,8 @@
 In a stored row the pieces of its branches say exactly which motions are stable at any place. From the row upwards, at a
 fixed place on the sweep axis, the set of stable motions changes only where the line crosses a boundary: at a fold a
 stable motion comes or goes, at a grazing one changes its impact state, and the stored side of the curve says which way.
-The walk must arrive at the next stored row with the set found there; where it does not (a branch that leaves through the
-amplitude ceiling, a boundary that could not be followed) the nearer row is taken: only there a cell's blur remains.
+The walk must arrive at the next stored row with the set found there; where it does not (a branch that leaves through
+the amplitude ceiling, a boundary that could not be followed) the nearer row is taken: only there a cell's blur remains.
 """
 
 import numpy as np

@@ -111,8 +111,8 @@ class StoredPlane:
 
 
 def read_stored(path: Path, dynamic: bool = False, physical: bool = False, layer: int | None = None) -> StoredPlane:
-    """Read a store, or of a volume one layer, labels by static or by dynamic stability, with scales if it is to be shown in
-    physical units.
+    """Read a store, or of a volume one layer, labels by static or by dynamic stability, with scales if it is to be
+    shown in physical units.
 
     Raises StoreError as `pipeline.store.read_plan` does.
     """

@@ -22,7 +22,7 @@ _GAP, _TALL, _TITLE, _ABOVE = 0.14, 1.42, 0.24, 0.06
 
 
 def read_layers(path: Path, dynamic: bool = False) -> dict[float, StoredPlane]:
-    """Up to nine evenly spaced layers of a stored volume by their value of parameter2, the first and the last included."""
+    """Up to nine evenly spaced layers of a stored volume by their value of parameter2, first and last included."""
     axis = read_plan(path).parameter2
     chosen = np.unique(np.linspace(0, axis.num - 1, min(axis.num, _MOST)).round().astype(int)).tolist()
     return {float(axis.values[index]): read_stored(path, dynamic, layer=index) for index in chosen}

@@ -105,8 +105,9 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     else:
         order = plan.solver["order"]
         notes.append(
-            f"At order {order} solutions cannot be enumerated: distances to the stored folds and grazings and the "
-            "largest box free of them are given, without labels, tolerances or parameters that are no axis of the plane."
+            f"At order {order} solutions cannot be enumerated: "
+            "distances to the stored folds and grazings and the largest box free of them are given, "
+            "without labels, tolerances or parameters that are no axis of the plane."
         )
     box, boxed, said = _box(boundaries, plan, design, row, label, first_order)
     return Answer(plan, design, label, row, tuple(margins), box, boxed, tuple(found), tuple([*said, *notes]))

@@ -79,7 +79,8 @@ def _records(answer: Answer):
     if answer.box is not None:
         for name, (low, high) in ((sweep, answer.box.x), (parameter, answer.box.p)):
             yield {"item": "safe box" if answer.label else "box free of boundaries", "parameter": name,
-                   "unit": _unit(name), "low": low, "high": high, "share": answer.box.area, "label": answer.label}  # fmt: skip
+                   "unit": _unit(name), "low": low, "high": high, "share": answer.box.area,
+                   "label": answer.label}  # fmt: skip
     for corner in answer.corners:
         shown = " ".join(f"{name}={value:.10g}" for name, value in corner.values.items())
         yield {"item": "tolerances", "parameter": shown, "label": corner.labels[0], "labels": " ".join(corner.labels)}
@@ -138,7 +139,8 @@ def markdown(answer: Answer, name: str) -> str:
 def _margin_cells(margin: Margin, sweep: str, scales: Scales | None) -> list[str]:
     cells = [margin.name, _unit(margin.name), _of(margin), "up" if margin.upward else "down"]
     if margin.place is None:
-        return [*cells, f"none {'up' if margin.upward else 'down'} to {_shown(margin.name, margin.limit, scales)}", "", "", ""]
+        limit = _shown(margin.name, margin.limit, scales)
+        return [*cells, f"none {'up' if margin.upward else 'down'} to {limit}", "", "", ""]
     beyond = domain_label(margin.beyond) or "-"
     distance, at = _shown(margin.name, margin.distance, scales), _shown(sweep, margin.at, scales)
     return [*cells, distance, KINDS[margin.kind], at, beyond]

@@ -1,4 +1,4 @@
-"""The reproduction report: one HTML page that needs nothing else, and the same as Markdown with its figures beside it."""
+"""The reproduction report: one HTML page that needs nothing else, and the same as Markdown with figures beside it."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -64,11 +64,11 @@ def _summary(found: Sequence[Evaluated]) -> Iterator:
     agree = sum(one.verdict == AGREES for one in ours)
     exact = sum(one.verdict == AGREES for one in digits)
     yield Paragraph(
-        f"Of {len(ours)} published statements {agree} agree with what is computed here, each within the margin that its line "
-        f"names. Of {len(digits)} sets of reference digits, on which two independent programs agree, {exact} are met to their "
-        "last printed digit. Every number on this page was computed from the stored planes when the page was made; "
-        "n/I means n statically stable motions in the impact states I (0 the teeth never part, 1 they strike the drive flank, "
-        "2 they strike both)."
+        f"Of {len(ours)} published statements {agree} agree with what is computed here, each within the margin that "
+        f"its line names. Of {len(digits)} sets of reference digits, on which two independent programs agree, {exact} "
+        "are met to their last printed digit. Every number on this page was computed from the stored planes when the "
+        "page was made; n/I means n statically stable motions in the impact states I (0 the teeth never part, 1 they "
+        "strike the drive flank, 2 they strike both)."
     )
 
 
@@ -79,7 +79,8 @@ def _numbers(found: Sequence[Evaluated]) -> Iterator:
         ("reference", "Reference digits of the three parameter sets."),
     ):
         rows = tuple(
-            (one.statement.text, _values(one.article), _values(one.ours), one.verdict, one.reason, one.statement.quantity.how)
+            (one.statement.text, _values(one.article), _values(one.ours), one.verdict, one.reason,
+             one.statement.quantity.how)
             for one in found if one.statement.source == source
         )  # fmt: skip
         yield Grid(caption, ("Statement", "Published", "Ours", "Verdict", "Difference", "How ours is computed"), rows)
@@ -92,10 +93,10 @@ def _values(values: Sequence[float]) -> str:
 def _failures(found: Sequence[Evaluated]) -> Iterator:
     yield Heading("What could not be reproduced, and why")
     yield Paragraph(
-        "The study prints neither the pitch-cone nor the pressure angle nor the coupling of translation and rotation. Two "
-        "numbers, the squared length of the direction of the mesh force and the rotation coupling, were calibrated so that "
-        "fifteen published numbers come out as well as possible at once; no one of them can then be met exactly. Its maps "
-        "are rasters, so that a published threshold is known to a step of that raster only."
+        "The study prints neither the pitch-cone nor the pressure angle nor the coupling of translation and rotation. "
+        "Two numbers, the squared length of the direction of the mesh force and the rotation coupling, were calibrated "
+        "so that fifteen published numbers come out as well as possible at once; no one of them can then be met "
+        "exactly. Its maps are rasters, so that a published threshold is known to a step of that raster only."
     )
     yield Bullets(tuple(
         f"{one.statement.text}: published {_values(one.article)}, ours {_values(one.ours)}. {reason_of(one)}"
@@ -128,7 +129,9 @@ def _maps(study: dict[str, Source]) -> Iterator:
         yield Heading(f"Plane {axes}", 3)
         yield Picture(f"{plane}-map", f"Solution domains over {axes}.", pictures["map"])
         shown = ", ".join(f"{value:g}" for value in kept)
-        yield Picture(f"{plane}-curves", f"Amplitude and mean at {plan.parameter.name} = {shown}: {words}.", pictures["curves"])
+        yield Picture(
+            f"{plane}-curves", f"Amplitude and mean at {plan.parameter.name} = {shown}: {words}.", pictures["curves"]
+        )
         if plane == COMPARED and "backbone" in pictures:
             yield Picture(f"{plane}-backbone", "Backbones, and the peaks of the rows: softening.", pictures["backbone"])
 
@@ -136,16 +139,19 @@ def _maps(study: dict[str, Source]) -> Iterator:
 def _gears(sources: Sequence[Source], planes: Planes) -> Iterator:
     yield Heading("What other readings of the model change")
     yield Paragraph(
-        "In the published set the stiffness varies in the translation rows only, and direction and coupling are free numbers. "
-        "The set consistent takes both from the geometry and lets one mesh force drive all rows, as the physics wants it; "
-        "antiphase turns the phase between stiffness and transmission error by half a turn, which decides whether the teeth "
-        f"part at all. All three over {COMPARED}:"
+        "In the published set the stiffness varies in the translation rows only, and direction and coupling are free "
+        "numbers. The set consistent takes both from the geometry and lets one mesh force drive all rows, as the "
+        "physics wants it; antiphase turns the phase between stiffness and transmission error by half a turn, which "
+        f"decides whether the teeth part at all. All three over {COMPARED}:"
     )
     compared = [source for source in sources if source.plane == COMPARED]
     divided = [_divided(source, planes) for source in compared]
     shares = [found.shares if found else {} for found in divided]
     labels = sorted({label for found in shares for label in found})
-    rows = [(f"share of {label}", *(percent(found[label]) if label in found else "–" for found in shares)) for label in labels]
+    rows = [
+        (f"share of {label}", *(percent(found[label]) if label in found else "–" for found in shares))
+        for label in labels
+    ]
     if not all(divided):
         rows.append(("", *("" if found else "its boundaries do not divide the plane" for found in divided)))
     rows.append(("folds at the default parameters", *(_folds(source.gear) for source in compared)))
@@ -172,9 +178,9 @@ def _folds(gear: str) -> str:
 def _trust(study: dict[str, Source]) -> Iterator:
     yield Heading("How far first order can be trusted")
     yield Paragraph(
-        "The study balances one harmonic and calls a motion stable that lies between folds. Hill's matrix and the monodromy "
-        "matrix also see period doubling and Neimark–Sacker bifurcations; where they contradict each other or the folds, the "
-        "motion is disputed, because the first-order orbit is no true one there."
+        "The study balances one harmonic and calls a motion stable that lies between folds. Hill's matrix and the "
+        "monodromy matrix also see period doubling and Neimark–Sacker bifurcations; where they contradict each other "
+        "or the folds, the motion is disputed, because the first-order orbit is no true one there."
     )
     rows = []
     for plane, source in study.items():
@@ -185,8 +191,8 @@ def _trust(study: dict[str, Source]) -> Iterator:
     for source in study.values():
         if source.verified:
             yield Paragraph(
-                f"In the plane {source.plane} the labels were also checked by sweeping all rows at higher orders, and by integrating "
-                "the equations of motion from every stable solution of a sample of cells."
+                f"In the plane {source.plane} the labels were also checked by sweeping all rows at higher orders, and "
+                "by integrating the equations of motion from every stable solution of a sample of cells."
             )
             yield verified_grid(source.path)
             picture = pictures_of(source.path, ("verification",), None)["verification"]
@@ -206,6 +212,6 @@ def _making(sources: Sequence[Source]) -> Iterator:
         versions.setdefault(tuple(sorted(attributes["versions"].items())), []).append(source.path.stem)
     yield Grid("Stores.", ("Store", "Configuration hash", "Schema"), tuple(rows))
     for held, names in versions.items():
-        caption = "Versions that computed them." if len(versions) == 1 else f"Versions that computed {', '.join(names)}."
-        yield Grid(caption, ("Package", "Version"), held)
+        computed = "them" if len(versions) == 1 else ", ".join(names)
+        yield Grid(f"Versions that computed {computed}.", ("Package", "Version"), held)
     yield Listing(sources[0].settings.yaml(), f"Configuration of {sources[0].plane}")

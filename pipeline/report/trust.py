@@ -1,4 +1,4 @@
-"""How far first order can be trusted, from what the stores hold: dynamic stability everywhere, integration in one plane."""
+"""How far first order can be trusted, from the stores: dynamic stability everywhere, integration in one plane."""
 
 from dataclasses import dataclass
 from pathlib import Path

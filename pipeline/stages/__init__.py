@@ -97,7 +97,9 @@ def _check_folder(key: str, folder: Path) -> None:
     while not place.exists() and place != place.parent:
         place = place.parent
     if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
-        raise ConfigurationError(f"{key} = {str(folder)!r} is not allowed: it must be a folder that can be written ({place})")
+        raise ConfigurationError(
+            f"{key} = {str(folder)!r} is not allowed: it must be a folder that can be written ({place})"
+        )
 
 
 def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:

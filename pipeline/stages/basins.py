@@ -32,4 +32,6 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if failures else 0
 
 
-STAGE = Stage("basins", _run, lambda job: check_basins(job.settings.config.basins, job.plan), on_workers=True, writes=True)
+STAGE = Stage(
+    "basins", _run, lambda job: check_basins(job.settings.config.basins, job.plan), on_workers=True, writes=True
+)

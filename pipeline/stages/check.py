@@ -40,7 +40,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     left = store.find_damage(path)
     for name in groups:
         reporter.line(f"check: the damaged group {name} was taken away: stages=[{name}] makes it again")
-    reporter.line(f"check: {what} mended ({perf_counter() - begin:.2f} s)" if not left else f"check: {len(left)} still damaged")
+    mended = f"check: {what} mended ({perf_counter() - begin:.2f} s)"
+    reporter.line(mended if not left else f"check: {len(left)} still damaged")
     return status if not left else 1
 
 

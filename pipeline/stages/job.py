@@ -18,7 +18,7 @@ __all__ = ["Job", "note_unfinished", "open_log", "say_failures", "sweep_command"
 
 @dataclass(frozen=True)
 class Job:
-    """A checked configuration with the plan of its plane (None where no stage needs one), which may be a volume's layer."""
+    """A checked configuration with the plan of its plane, or of a volume's layer (None where no stage needs one)."""
 
     settings: Settings
     plan: Plan | None

@@ -16,7 +16,9 @@ def _check(job: Job) -> None:
 
     gear = job.settings.choices["gear"]
     if gear != "published":
-        raise ConfigurationError(f"gear = {gear!r} is not allowed with stages=[report]: it compares the published gear with the study")
+        raise ConfigurationError(
+            f"gear = {gear!r} is not allowed with stages=[report]: it compares the published gear with the study"
+        )
     if job.settings.config.report.run or job.asks("sweep"):
         return
     gaps = [f"{text} ({source.command})" for source, text in report.missing(_sources(job))]
@@ -37,14 +39,17 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     status, begin, sources = 0, perf_counter(), _sources(job)
     for source, text in report.missing(sources):
         if not job.settings.config.report.run:
-            raise StoreError(f"the report needs planes that are not there, report.run=true makes them: {text} ({source.command})")
+            raise StoreError(
+                f"the report needs planes that are not there, report.run=true makes them: {text} ({source.command})"
+            )
         reporter.line(f"report: {text}: {source.command}")
         status = max(status, run_plane_stages(prepare(source.settings), workforce, reporter))
     reporter.log = None
     folder = job.settings.output_root / "report"
     page, text, *pictures = report.write(sources, folder)
     reporter.line(
-        f"report: {page.name}, {text.name} and {len(pictures)} figures in {folder.resolve()} ({perf_counter() - begin:.2f} s)"
+        f"report: {page.name}, {text.name} and {len(pictures)} figures in {folder.resolve()} "
+        f"({perf_counter() - begin:.2f} s)"
     )
     return status
 

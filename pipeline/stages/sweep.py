@@ -107,7 +107,9 @@ def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> l
     lost, before = [], store.certified_rows(job.store_path).size
     while not lost and (due := _neighbours(job)).size:
         rows = np.union1d(due, store.certified_rows(job.store_path))
-        chosen = {block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks}
+        chosen = {
+            block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks
+        }
         blocks = [block for block in job.plan.blocks if np.any((due >= block.start) & (due < block.stop))]
         lost, _ = _run_blocks(job, blocks, chosen, workforce, reporter, RowProgress(None, 0))
     count = store.certified_rows(job.store_path).size - before

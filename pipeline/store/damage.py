@@ -1,8 +1,8 @@
 """What is damaged in a store, file by file, and how to mend it.
 
-Metadata is compared with the template that the store's own plan makes; every chunk of every stored row and of every added
-group must be there and agree with its checksum. Damaged rows are marked as pending, so that a sweep computes exactly their
-blocks again; damaged groups are taken away, so that their stages make them again.
+Metadata is compared with the template that the store's own plan makes; every chunk of every stored row and of every
+added group must be there and agree with its checksum. Damaged rows are marked as pending, so that a sweep computes
+exactly their blocks again; damaged groups are taken away, so that their stages make them again.
 """
 
 import contextlib
@@ -163,7 +163,7 @@ def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
         place = plan.place(block)
         files = [file for name in sorted(rowwise) for file in arrays[name].files(*place)]
         (status,) = arrays["status"].files(*place)
-        # It is written first and last: where it is damaged, or gone and others are there, the block may have been stored.
+        # It is written first and last: where it is damaged, or gone and others are there, the block may be stored.
         pending = not any(file.exists() for file in files) or (
             _fault(status) is None and _all_pending(status, path, template, place)
         )  # fmt: skip
@@ -184,7 +184,9 @@ def _all_pending(status: Path, path: Path, template: Path, place: tuple) -> bool
 def _added(path: Path) -> list[str]:
     """Folders of groups that stages have added: groups by their own metadata, or by the root's."""
     listed = {name.partition("/")[0] for name in listed_in(path) if "/" in name} - {"branches"}
-    groups = {folder.name for folder in path.iterdir() if (document(folder / METADATA) or {}).get("node_type") == "group"}
+    groups = {
+        folder.name for folder in path.iterdir() if (document(folder / METADATA) or {}).get("node_type") == "group"
+    }
     return sorted({name for name in listed | groups if (path / name).is_dir()} - {"branches"})
 
 
@@ -219,11 +221,13 @@ def remove_left_overs(path: Path) -> None:
 
 
 def damage_error(path: Path, error: Exception) -> StoreError | None:
-    """What to say where `error` came up over a store: the first damaged file and the way on; None if nothing is damaged."""
+    """What to say where `error` came up over a store: the first damaged file and the way on; None if all is well."""
     try:
         if (version := root_attributes(path)["bevelmap_schema"]) < SCHEMA_VERSION:
             said = " ".join(str(error).split())
-            return DamagedError(f"{path} cannot be read ({said}); being of schema {version}, it has no checksums to mend it by")
+            return DamagedError(
+                f"{path} cannot be read ({said}); being of schema {version}, it has no checksums to mend it by"
+            )
         found = find_damage(path)
     except StoreError as refused:
         return refused

@@ -65,7 +65,9 @@ def _copy(file: Path, *keys: str) -> dict | None:
 def _left_over(path: Path) -> bool:
     """Whether only chunks are there: a task wrote them that ran on while the store was taken away."""
     return path.is_dir() and not (path / "zarr.json").exists() and all(
-        _CHUNK.fullmatch(str(place.relative_to(path))) for place in path.rglob("*") if not place.is_dir() or place.is_symlink()
+        _CHUNK.fullmatch(str(place.relative_to(path)))
+        for place in path.rglob("*")
+        if not place.is_dir() or place.is_symlink()
     )
 
 
@@ -80,13 +82,16 @@ def plan_from(attributes: dict, path: Path) -> Plan:
     version = attributes["bevelmap_schema"]
     if version > SCHEMA_VERSION:
         raise StoreError(
-            f"{path} was made by a newer version of this program (schema {version}, this one knows {SCHEMA_VERSION}): update it"
+            f"{path} was made by a newer version of this program "
+            f"(schema {version}, this one knows {SCHEMA_VERSION}): update it"
         )
     if version < OLDEST_READ:
         raise _older(path, version)
     try:
         return believed(json.loads(attributes["numbers"]))
-    except (ConfigurationError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError) as error:
+    except (
+        ConfigurationError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError,
+    ) as error:  # fmt: skip
         raise StoreError(f"{path} is not allowed: what it says of its plane makes no sense ({_short(error)})") from None
 
 
@@ -121,7 +126,7 @@ def read_plan(path: Path) -> Plan:
     Raises
     ------
     StoreError
-        If there is no store, or it is not one of ours or of this version, or is damaged as far as names and metadata tell.
+        If there is no store, or it is not one of ours or of this version, or names and metadata show it to be damaged.
     """
     attributes = root_attributes(path)
     plan = plan_from(attributes, path)

@@ -1,7 +1,7 @@
 """One writer per store: a lock file beside it, held by the operating system for as long as its process lives.
 
 The lock is `flock` on that file, so that it goes with the process however that ends, and a file that is left behind
-locks nothing. What the file says is only for people. On a network file system the host must pass `flock` on (Linux's NFS does).
+locks nothing. What the file says is only for people. A network file system must pass `flock` on (Linux's NFS does).
 """
 
 import contextlib
@@ -66,8 +66,8 @@ def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[bool
         _sign(descriptor)
         yield told
     finally:
-        # First the name, then the lock: who waits finds that the name has gone, and tries again. A folder that can no longer
-        # be written, or has gone, must not hide why the run ended.
+        # First the name, then the lock: who waits finds that the name has gone, and tries again. A folder that can no
+        # longer be written, or has gone, must not hide why the run ended.
         with contextlib.suppress(OSError):
             place.unlink()
         os.close(descriptor)

@@ -1,7 +1,7 @@
 """Looking a store over before zarr opens it: it may be damaged, and it may come from someone else.
 
-Names and metadata only, no values but `status`. Metadata is compared with the plan, so that no array can claim a size, a type
-or a codec that this program does not write; zarr would believe it, and reads formats in which opening runs code (pickles).
+Names and metadata only, no values but `status`. Metadata is compared with the plan, so that no array can claim a size,
+a type or a codec that this program does not write; zarr would believe it, and reads formats that run code (pickles).
 """
 
 import json
@@ -74,7 +74,9 @@ def look_over(path: Path, plan: Plan, attributes: dict) -> None:
             raise damaged(path, f"{name}/{METADATA} is not listed")
         told = tuple(listed[name]["shape"])
         if told != shape or listed[name]["data_type"] != kind:
-            raise damaged(path, f"{name}/{METADATA} claims {listed[name]['data_type']} {told}, its plane has {kind} {shape}")
+            raise damaged(
+                path, f"{name}/{METADATA} claims {listed[name]['data_type']} {told}, its plane has {kind} {shape}"
+            )
     if whole:
         _check_files(path, plan, listed, files)
 
@@ -137,7 +139,7 @@ def listed_in(path: Path) -> dict[str, dict]:
 def _disagreements(path: Path) -> Iterator[tuple[str, str]]:
     """Metadata files that cannot be read, or of which the root says something else: name and fault.
 
-    An added group that is listed and gone altogether is none: that is what a run leaves that was killed while it took it away.
+    An added group that is listed and gone altogether is none: so a run leaves it that was killed while it took it away.
     """
     if document(path / METADATA) is None:
         yield METADATA, "cannot be read" if (path / METADATA).exists() else "is missing"
@@ -194,7 +196,9 @@ def claimed(told: dict) -> int | None:
         fine = set(codecs) <= _CODECS and all(type(count) is int and count >= 0 for count in counts)
         fine = fine and len(counts) == 2 * len(told["shape"]) and not told.get("storage_transformers")
         # A chunk may be as wide as its array and no wider.
-        fine = fine and all(chunk <= max(size, 1) for size, chunk in zip(counts, counts[len(told["shape"]) :], strict=False))
+        fine = fine and all(
+            chunk <= max(size, 1) for size, chunk in zip(counts, counts[len(told["shape"]) :], strict=False)
+        )
         return math.prod(told["shape"]) * _TYPES[told["data_type"]] if fine else None
     except (KeyError, TypeError, ValueError):
         return None

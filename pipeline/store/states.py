@@ -7,7 +7,10 @@ import zarr
 
 from pipeline.plan import Block, Plan
 
-__all__ = ["COMPLETE", "FAILED", "PENDING", "certified_rows", "failures", "kept_rows", "pending_blocks", "rows_to_certify", "statuses"]
+__all__ = [
+    "COMPLETE", "FAILED", "PENDING", "certified_rows", "failures", "kept_rows", "pending_blocks", "rows_to_certify",
+    "statuses",
+]  # fmt: skip
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
 
@@ -32,7 +35,8 @@ def kept_rows(path: Path, plan: Plan, block: Block, every_column: frozenset[int]
 
 
 def rows_to_certify(path: Path) -> np.ndarray:
-    """Rows next to which, in their plane, something comes or goes that the rows' own seeds may have missed, and not yet looked at everywhere.
+    """Rows not yet looked at everywhere next to which, in their plane, something comes or goes that their own seeds
+    may have missed.
 
     A row is one if the folds found from its evenly spaced seeds differ in number from a neighbour's, or if looking
     everywhere brought a neighbour a new branch. Looking at them everywhere can only add rows, and the order does not

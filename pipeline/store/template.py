@@ -52,7 +52,7 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
     remove(draft)
     column = plan.sweep
     root = zarr.create_group(draft, zarr_format=3, attributes=attributes)
-    # A branch point's position is a coordinate; as a plain variable it would be hidden by the plane's axis of that name.
+    # A branch point's position is a coordinate; a plain variable would be hidden by the plane's axis of that name.
     # What the root says is kept twice: without it, nobody could tell what a damaged store holds.
     root.create_group("branches", attributes={"coordinates": column.name, "plane": attributes})
     places = {axis.name: axis for axis in plan.axes} | {f"branches/{axis.name}": axis for axis in plan.row_axes}
@@ -68,7 +68,8 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
         shape = tuple(sizes[dim] for dim in spec["dims"])
         root.create_array(
             array, shape=shape, chunks=(*along_rows, *shape[len(along_rows) :]), dtype=spec["dtype"],
-            compressors=COMPRESSORS, fill_value=spec["fill"], dimension_names=list(spec["dims"]), attributes=spec["attributes"],
+            compressors=COMPRESSORS, fill_value=spec["fill"], dimension_names=list(spec["dims"]),
+            attributes=spec["attributes"],
         )  # fmt: skip
     consolidate(draft)
     draft.rename(path)

@@ -1,8 +1,8 @@
-"""What became of earlier attempts at a row: a small file per block, written before each row and read when one is tried again.
+"""What became of earlier attempts at a row: a small file per block, written before each row, read when one is retried.
 
-A row may take its process with it: it hangs, or memory runs out. So its number is written down before it begins, and while
-it runs, a watchdog of the C library, which needs neither Python nor its lock, ends the process after `limit` seconds and
-leaves the stack in the same file. Whoever gets the block next reads there which row it was.
+A row may take its process with it: it hangs, or memory runs out. So its number is written down before it begins, and
+while it runs, a watchdog of the C library, which needs neither Python nor its lock, ends the process after `limit`
+seconds and leaves the stack in the same file. Whoever gets the block next reads there which row it was.
 """
 
 import contextlib

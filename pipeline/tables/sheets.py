@@ -136,8 +136,8 @@ def notes(table: Table) -> tuple[str, ...]:
         "Everything but the peaks follows from the boundary curves (folds and grazings, continued in two parameters) "
         "and the enumeration of all solutions between them; the raster and its resolution do not enter.",
         "Jumps: intervals of Ω in which several motions are stable, with the unstable ones between; at the first and "
-        "the last value of the band. Widths in brackets are relative to the linear natural frequency; the widest is sought "
-        "at the band's ends and the plane's rows.",
+        "the last value of the band. Widths in brackets are relative to the linear natural frequency; the widest is "
+        "sought at the band's ends and the plane's rows.",
         "Peak: the largest stable λ_a at the resonance, provided that the largest stable λ_a falls below 1/√2 of it on "
         "both sides; of the plane's rows in the band; shift relative to the linear natural frequency.",
         "Shares are of the area of the band in the resonance's part of the Ω axis, of a single value of its length; a "

@@ -153,9 +153,9 @@ def _markdown(lines: list[Line], found: StoredVerification, plan: Plan, settings
         f"Integrated at most {settings.max_periods} forcing periods. All {found.samples['verdict'].size} integrations, "
         f"those beside boundaries included: {', '.join(verdicts)}.",
         f"The other columns are shares of all cells of the label. Orders compared: {orders}; rows that could not be "
-        f"swept at them: {failed_rows}. Shifted: the map's label occurs at the higher order within {settings.delta:g} of the "
-        "length of either axis. Not a period-1 motion: a solution counted by the label is dynamically unstable at the "
-        "higher order, or integration from it ended on another kind of motion.",
+        f"swept at them: {failed_rows}. Shifted: the map's label occurs at the higher order within {settings.delta:g} "
+        "of the length of either axis. Not a period-1 motion: a solution counted by the label is dynamically unstable "
+        "at the higher order, or integration from it ended on another kind of motion.",
         *(f"{kind.name.capitalize().replace('_', ' ')}: {kind.sentence}" for kind in Verdict),
     ]
     text = [f"# Verification of {name}", "\n".join(table), "\n".join(f"- {note}" for note in notes)]

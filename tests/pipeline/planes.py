@@ -40,7 +40,7 @@ def small_store(path: Path, plan: Plan, blocks=None) -> Path:
 
 
 def retold(path: Path, **changes) -> None:
-    """Change what a store says of itself, in both places and with its seal, as another program would have written it."""
+    """Change what a store says of itself, in both places and with its seal, as another program would have it."""
     root, branches = path / "zarr.json", path / "branches/zarr.json"
     document, second = json.loads(root.read_text()), json.loads(branches.read_text())
     attributes = sealed({**document["attributes"], **changes})

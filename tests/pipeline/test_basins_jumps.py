@@ -161,7 +161,10 @@ def test_the_stages(tmp_path, monkeypatch, capsys):
         ("basins.cells=0", "basins.cells = 0 is not allowed: it must be from 1 to 1e+06"),
         ("basins.starts=0", "basins.starts = 0 is not allowed: it must be from 1 to 1e+06"),
         ("basins.points=[]", "basins.points = [] is not allowed: it must be null or a list of [omega, f_e]"),
-        ("basins.points=[[0.6,0.7]]", "basins.points = [0.6, 0.7] is not allowed: it must be [omega, f_e] within omega"),
+        (
+            "basins.points=[[0.6,0.7]]",
+            "basins.points = [0.6, 0.7] is not allowed: it must be [omega, f_e] within omega",
+        ),
         ("basins.points=[[0.6]]", "basins.points = [0.6] is not allowed: it must be [omega, f_e] within"),
         ("basins.points=[0.6,0.2]", "basins.points = 0.6 is not allowed: it must be [omega, f_e] within"),
         ("basins.points=[[0.6,nan]]", "basins.points = [0.6, nan] is not allowed: it must be [omega, f_e] within"),

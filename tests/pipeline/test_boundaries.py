@@ -83,7 +83,7 @@ def test_every_event_of_the_rows_lies_on_a_stored_curve(made):
 
 
 def along_rows(curve, plan):
-    """Where a curve crosses the rows, in which interval between columns, and whether its side lies towards growing x."""
+    """Where a curve crosses the rows, in which interval of columns, and whether its side lies towards growing x."""
     rows = plan.parameter.values.copy()
     # On the first row a curve only begins.
     rows[0] += 1e-12 * (rows[-1] - rows[0])
@@ -94,8 +94,8 @@ def along_rows(curve, plan):
 
 
 def check_raster_against_curves(path, plan):
-    """Number of solutions and of stable ones in each impact state: what differs between neighbouring cells of a row is the
-    sum over the curves that pass between them."""
+    """Number of solutions and of stable ones in each impact state: what differs between neighbouring cells of a row is
+    the sum over the curves that pass between them."""
     plane = xr.open_zarr(path).load()
     count = plane.n_solutions.values.astype(int)
     stable = (plane.stable.values == 1)[..., None] & (plane.impact.values[..., None] == np.arange(6))

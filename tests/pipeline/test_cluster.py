@@ -108,7 +108,7 @@ def test_stores_are_bitwise_equal_on_every_cluster(tmp_path, local, scheduler):
 
 
 def test_workers_may_come_and_go(tmp_path, scheduler):
-    """A run that begins without a worker waits for one; it is stopped in the middle of a row, another joins, it is killed."""
+    """A run that begins without a worker waits for one; it is stopped within a row, another joins, it is killed."""
     plane = ["plane=omega_fe", "plane.sweep.num=61", "plane.parameter.num=30", "stages=[sweep]"]
     path = tmp_path / "outputs/store/omega_fe.zarr"
     command = [sys.executable, "-m", "pipeline", *plane, f"output.root={tmp_path / 'outputs'}"]

@@ -138,7 +138,10 @@ MISTAKES = [
     ("plane.sweep.num=1", "plane.sweep.num = 1"),
     ("plane.sweep.num=2.5", "plane.sweep.num: Value '2.5'"),
     ("plane.sweep.min=0", "plane.sweep.min = 0.0"),
-    ("plane.sweep.min=3", "plane.sweep.max = 2.0 is not allowed: it must be a finite number above plane.sweep.min = 3.0"),
+    (
+        "plane.sweep.min=3",
+        "plane.sweep.max = 2.0 is not allowed: it must be a finite number above plane.sweep.min = 3.0",
+    ),
     ("plane.sweep.max=nan", "plane.sweep.max = nan"),
     ("plane.parameter.max=inf", "plane.parameter.max = inf"),
     ("plane.parameter.name=mass", "plane.parameter.name = 'mass' is not allowed: it must be one of omega, b,"),
@@ -236,7 +239,7 @@ def test_conf_is_found_from_a_wheel_the_repository_and_beside_a_foreign_pipeline
     assert _show(empty, "-P", "-c", where, path=installed).strip() == str(installed / "pipeline" / "conf")
     assert "b: 1.0" in _show(empty, "-P", "-m", "pipeline", "--cfg", path=installed)
     assert "b: 1.0" in _show(ROOT, "-m", "pipeline", "--cfg")
-    # A file of that name in the current folder hides the package from plain -m; -P and the script `bevelmap` do not look.
+    # A file of that name in the current folder hides the package from plain -m, not from -P and the script `bevelmap`.
     (empty / "pipeline.py").write_text("print('not this one')\n")
     assert "b: 1.0" in _show(empty, "-P", "-m", "pipeline", "--cfg", path=installed)
 

@@ -48,7 +48,7 @@ def test_before_anything_is_known_batches_are_single_blocks():
 @given(count=st.integers(1, 300), seconds=st.floats(1e-4, 3.0), workers=st.integers(1, 8))
 @settings(max_examples=50, deadline=None)
 def test_workers_end_together(count, seconds, workers):
-    """Whichever worker takes the next batch when it is free, none waits longer at the end than a batch, or a block, lasts."""
+    """Whichever worker takes the next batch when free, none waits longer at the end than a batch, or a block, lasts."""
     made = Batches(blocks_of(count), SimpleNamespace(size=workers))
     made.learn(Receipt(Block(0, 2), (), 0, seconds))
     free, last = [0.0] * workers, 0

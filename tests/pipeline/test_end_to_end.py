@@ -63,7 +63,8 @@ def test_all_four_planes(planes):
 
 def test_all_four_planes_share_one_cluster(planes):
     folder, _ = planes
-    workers = [set(re.findall(r"info batch: .* on (tcp://\S+),", log.read_text())) for log in folder.glob("outputs/runs/*/*/run.log")]
+    logs = [log.read_text() for log in folder.glob("outputs/runs/*/*/run.log")]
+    workers = [set(re.findall(r"info batch: .* on (tcp://\S+),", log)) for log in logs]
     # Four clusters of two would have had eight addresses.
     assert len(workers) == 4 and all(workers) and len(set.union(*workers)) <= 2
 
@@ -71,7 +72,8 @@ def test_all_four_planes_share_one_cluster(planes):
 def test_nothing_else_is_written(planes):
     folder, _ = planes
     assert [path.name for path in folder.iterdir()] == ["outputs"]
-    assert sorted(path.name for path in (folder / "outputs").iterdir()) == ["boundaries", "figures", "runs", "store", "tables"]
+    made = sorted(path.name for path in (folder / "outputs").iterdir())
+    assert made == ["boundaries", "figures", "runs", "store", "tables"]
 
 
 def test_a_second_run_finds_the_work_done(planes, capsys):

@@ -1,6 +1,5 @@
-"""Figures: the same bytes every time, colours that stay apart, edges where labels change, and what cannot be drawn."""
+"""Figures: the same bytes every time, what they show of a plane, and what cannot be drawn."""
 
-import itertools
 import os
 import subprocess
 import sys
@@ -13,16 +12,13 @@ from pipeline import figures, store
 from pipeline.errors import ConfigurationError
 from pipeline.figures.backbone import draw_backbone
 from pipeline.figures.curves import chosen_rows, draw_curves
-from pipeline.figures.edges import curves_along, label_edges
 from pipeline.figures.map import draw_map
 from pipeline.figures.map_legend import DISPUTED_CELLS, UNSTABLE_CELLS
-from pipeline.figures.naming import axis_label
-from pipeline.figures.palette import label_colour, state_colour
 from pipeline.figures.peaks import resonance_peaks
-from pipeline.pieces import labels_at, pieces_of_row
 from pipeline.figures.stored import read_stored
 from pipeline.figures.windows import coexistence_windows
-from solver import SCALAR_PARAMETERS, Event, ImpactState, domain_code, domain_labels
+from pipeline.pieces import labels_at
+from solver import domain_code
 from tests.pipeline.planes import small_plan, small_store
 
 #: With c = cos 20 degrees and the stiffness varying in the mesh row only, branches run away (PHYSICS, section 7).
@@ -103,117 +99,6 @@ def test_options_not_allowed(made, tmp_path, curves, formats, dpi, message):
     assert not (tmp_path / "none").exists()
 
 
-# Palette
-
-
-STATES = ("0", "1", "2", "0-1", "0-2", "1-2", "0-1-2")
-USUAL = [f"{n}/{states}" for n in (1, 2, 3) for states in STATES if len(states.split("-")) <= n]
-#: Labels of the four reference planes.
-PUBLISHED = ["1/0", "1/1", "1/2", "2/0-1", "2/0-2", "2/1", "2/2", "2/1-2", "3/0-2", "3/1-2", "3/0-1-2"]
-#: Severity 1.0 of Machado, Oliveira and Fernandes (2009), on linear RGB.
-EYES = {
-    "normal": np.eye(3),
-    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
-    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-}
-RGB_TO_XYZ = np.array(
-    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]]
-)
-
-
-def lab(colours, eyes):
-    """CIE L*a*b* (D65) of sRGB colours as these eyes see them."""
-    encoded = np.array(colours) / 255.0
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    seen = np.clip(linear @ np.transpose(eyes), 0.0, 1.0)
-    t = seen @ RGB_TO_XYZ.T / (0.95047, 1.0, 1.08883)
-    f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29)
-    x, y, z = f.T
-    return np.column_stack([116 * y - 16, 500 * (x - y), 200 * (y - z)])
-
-
-@pytest.mark.parametrize("eyes", EYES)
-def test_colours_stay_apart(eyes):
-    for labels, distance in ((USUAL, 13.0), (PUBLISHED, 17.0)):
-        places = lab([label_colour(label) for label in labels], EYES[eyes])
-        for (one, here), (other, there) in itertools.combinations(zip(labels, places, strict=True), 2):
-            assert np.linalg.norm(here - there) >= distance, (one, other)
-
-
-def test_more_solutions_are_darker():
-    for states in STATES:
-        colours = [label_colour(f"{n}/{states}") for n in range(len(states.split("-")), 9)]
-        assert np.all(np.diff(lab(colours, EYES["normal"])[:, 0]) < 0.0), states
-
-
-def test_every_label_has_a_colour_of_its_own():
-    labels = domain_labels(4).values()
-    assert len({label_colour(label) for label in labels}) == len(labels)
-    assert all(0 <= part <= 255 for label in domain_labels(8).values() for part in label_colour(label))
-    assert len({state_colour(state.symbol) for state in ImpactState}) == len(ImpactState)
-
-
-def test_every_axis_has_a_label():
-    for name in ("omega", *SCALAR_PARAMETERS):
-        text = axis_label(name, {"long_name": "something", "units": "rad"})
-        assert text.startswith("something $") and text.endswith("$ (rad)")
-
-
-# Edges
-
-
-def test_edges_are_label_changes():
-    rng = np.random.default_rng(1)
-    code = rng.integers(0, 5, (13, 17))
-    n = np.array([0, 1, 1, 2, 2])[code]
-    expected = {"fold": 0, "grazing": 0}
-    for row, column in np.ndindex(code.shape):
-        for other in ((row + 1, column), (row, column + 1)):
-            if (
-                other[0] < 13
-                and other[1] < 17
-                and code[row, column]
-                and code[other]
-                and code[row, column] != code[other]
-            ):
-                expected["fold" if n[row, column] != n[other] else "grazing"] += 1
-    fold, grazing = label_edges(code, n)
-    assert (len(fold), len(grazing)) == (expected["fold"], expected["grazing"])
-    for segments in (fold, grazing):
-        assert np.all(np.abs(segments[:, 0] - segments[:, 1]).sum(axis=1) == 1)
-        assert len(np.unique(segments, axis=0)) == len(segments)
-
-
-def test_edges_lie_between_the_cells():
-    fold, grazing = label_edges(np.array([[1, 1, 2], [1, 3, 3]]), np.array([[1, 1, 1], [1, 2, 2]]))
-    assert {tuple(map(tuple, s)) for s in grazing.tolist()} == {((0, 2), (1, 2))}
-    assert {tuple(map(tuple, s)) for s in fold.tolist()} == {((1, 1), (1, 2)), ((1, 2), (1, 3)), ((1, 1), (2, 1))}
-
-
-def test_curves_cover_every_edge_once():
-    rng = np.random.default_rng(2)
-    code = 1 + rng.integers(0, 3, (11, 19))
-    segments, _ = label_edges(code, code)
-    covered = []
-    for curve in curves_along(segments):
-        for one, other in itertools.pairwise(curve):
-            steps = np.abs(other - one)
-            assert steps.min() == 0
-            stretch = np.linspace(one, other, steps.max() + 1).astype(int).tolist()
-            covered += [sorted(pair) for pair in itertools.pairwise(stretch)]
-    assert sorted(covered) == sorted(sorted(segment) for segment in segments.tolist())
-
-
-def test_a_closed_curve_and_a_straight_one():
-    code = np.ones((3, 3), dtype=int)
-    code[1, 1] = 2
-    (curve,) = curves_along(label_edges(code, code)[0])
-    assert len(curve) == 5 and tuple(curve[0]) == tuple(curve[-1])
-    (curve,) = curves_along(label_edges(np.array([[1, 2]] * 4), np.array([[1, 2]] * 4))[0])
-    assert sorted(curve.tolist()) == [[0, 1], [4, 1]]
-    assert curves_along(np.empty((0, 2, 2), dtype=int)) == []
-
-
 # Pieces
 
 
@@ -223,43 +108,6 @@ def test_pieces_give_the_stored_raster(plane):
     # The last column is the end of every piece.
     np.testing.assert_array_equal(code[:, :-1], plane.domain[:, :-1])
     np.testing.assert_array_equal(n[:, :-1], plane.n_stable[:, :-1])
-
-
-def row(**arrays):
-    size = len(arrays["event"])
-    usual = {
-        "mean": np.zeros(size),
-        "amplitude": np.ones(size),
-        "branch": np.zeros(size, int),
-        "impact": np.ones(size, int),
-    }
-    return {name: np.asarray(array) for name, array in {**usual, **arrays}.items()}
-
-
-def test_pieces_share_event_points_and_ignore_their_state():
-    fold, drive = int(Event.FOLD), int(Event.MIN_AT_DRIVE)
-    points = row(
-        position=[0.0, 1.0, 2.0, 1.5, 1.0, 3.0, 4.0],
-        stable=[1, 1, 0, 0, 0, 1, 1],
-        event=[0, drive, fold, 0, 0, 0, 0],
-        branch=[0, 0, 0, 0, 0, 1, 1],
-        impact=[0, 0, 1, 1, 1, 2, 2],
-        mean=[2.0, 2.0, 1.0, 1.0, 1.0, 0.0, 0.0],
-    )
-    pieces = pieces_of_row(points, np.ones(7))
-    assert [(p.start, p.stop, p.low, p.high, p.stable, p.impact) for p in pieces] == [
-        (0, 2, 0.0, 1.0, True, 0),
-        # Between two events: stability from before the fold, impact state from half-way.
-        (1, 3, 1.0, 2.0, True, 1),
-        (2, 5, 1.0, 2.0, False, 1),
-        (5, 7, 3.0, 4.0, True, 2),
-    ]
-    assert pieces_of_row({name: array[:0] for name, array in points.items()}, np.empty(0)) == []
-
-
-def test_pieces_between_two_folds():
-    points = row(position=[0.0, 2.0, 1.0, 3.0], stable=[1, 0, 0, 1], event=[0, Event.FOLD, Event.FOLD, 0])
-    assert [piece.stable for piece in pieces_of_row(points, np.ones(4))] == [True, False, True]
 
 
 def test_windows(plane):
@@ -417,4 +265,5 @@ def test_maps_hatch_what_is_dynamically_unstable(made, stability):
     figure = draw_map(plane)
     hatches = {patch.get_hatch() for axes in figure.axes for patch in axes.patches}
     assert (DISPUTED_CELLS["hatch"] in hatches) == bool(plane.disputed.any())
-    assert (UNSTABLE_CELLS["hatch"] in hatches) == (stability == "static" and bool(np.any(plane.unstable & ~plane.disputed)))
+    unstable = bool(np.any(plane.unstable & ~plane.disputed))
+    assert (UNSTABLE_CELLS["hatch"] in hatches) == (stability == "static" and unstable)

@@ -1,25 +1,18 @@
 """Design answers against brute force: labels enumerated on dense grids, boundaries bisected, rectangles tried out."""
 
 import csv
-import dataclasses
-import doctest
 
 import numpy as np
 import pytest
-from hypothesis import Phase, example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import pipeline.margins.worst
 from pipeline import boundaries
 from pipeline.__main__ import main
-from pipeline.boundaries.arcs import Arcs
 from pipeline.config import compose
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.margins import Design, answer, design_of
-from pipeline.margins.box import largest_box
-from pipeline.margins.curves import Boundaries
 from pipeline.margins.distances import further_axis
-from pipeline.margins.lines import divided
 from pipeline.margins.options import nominal_value
 from pipeline.margins.sheets import lines, markdown, tidy
 from pipeline.margins.worst import severity
@@ -220,44 +213,6 @@ def test_the_largest_safe_box(stores, name, x, p, low, high):
         assert at == border or set(enumerated(plan, plan.parameter.name, levels, out, p)) != {"1/0"}
 
 
-unit = st.floats(0.0, 1.0).map(lambda value: round(value, 3))
-
-
-@settings(max_examples=4, phases=(Phase.explicit, Phase.generate))
-@example([(0.0, 0.5, 1.0, 0.0), (1.0, 0.562, 0.0, 1.0)])
-@example([(0.3, 0.6, 0.32, 0.65), (0.7, 0.4, 0.72, 0.45)])
-@given(st.lists(st.tuples(unit, unit, unit, unit), min_size=1, max_size=6))
-def test_boxes_between_straight_boundaries(ends):
-    """The plane and boundaries made up: no boundary inside, and none larger among the rectangles of a grid."""
-    segments = np.array([end for end in ends if np.hypot(end[0] - end[2], end[1] - end[3]) > 0.01]).reshape(-1, 4)
-    t = np.linspace(0.0, 1.0, 2001)[:, None, None]
-    points = ((1.0 - t) * segments[None, :, :2] + t * segments[None, :, 2:]).reshape(-1, 2)
-    if len(segments) == 0 or np.min(np.max(np.abs(points - 0.5), axis=1)) < 0.01:
-        return
-    made = small_plan("plane.sweep.min=1", "plane.sweep.max=2")
-    made = dataclasses.replace(
-        made, sweep=dataclasses.replace(made.sweep, low=0.0, high=1.0),
-        parameter=dataclasses.replace(made.parameter, low=0.0, high=1.0),
-    )  # fmt: skip
-    start, end = (np.pad(part, ((0, 0), (3, 0))) for part in (segments[:, :2], segments[:, 2:]))
-    arcs = Arcs(start, end, end - start, end - start)
-    box = largest_box(Boundaries(arcs, np.ones(len(segments), int)), made, Design(0.5, 0.5, 0.5, 0.5))
-    (left, right), (low, high) = box.x, box.p
-    inner = (points > [left + 1e-7, low + 1e-7]) & (points < [right - 1e-7, high - 1e-7])
-    assert not np.any(inner.all(axis=1))
-    assert box.area == pytest.approx((right - left) * (high - low), rel=1e-12)
-    grid = np.linspace(0.0, 0.5, 13)
-    for down in grid:
-        rows = points[(points[:, 1] > 0.5 - down) & (points[:, 1] <= 0.5)]
-        for up in grid:
-            part = np.concatenate([rows, points[(points[:, 1] > 0.5) & (points[:, 1] < 0.5 + up)]])
-            if np.any(part[:, 0] == 0.5):
-                continue
-            width = np.min(part[part[:, 0] > 0.5, 0], initial=1.0) - np.max(part[part[:, 0] < 0.5, 0], initial=0.0)
-            # Between two points of a segment there is up to 1/2000 of it, to either side.
-            assert width * (down + up) <= box.area + 2e-3
-
-
 @pytest.mark.parametrize(
     ("name", "where", "tolerance", "further"),
     [pytest.param("omega_fe", (0.72, 0.1, 0.6, 0.8), 0.03, {"b": 0.2, "alpha": 0.05}, marks=pytest.mark.slow),
@@ -283,11 +238,6 @@ def test_labels_within_tolerances(stores, name, where, tolerance, further):
         assert set(corner.labels) == seen, corner.values
         assert list(corner.labels) == sorted(seen, key=lambda label: (severity(label), label), reverse=True)
     assert {tuple(corner.values) for corner in found.corners[1:]} <= {tuple(further)}
-
-
-def test_severity():
-    assert doctest.testmod(pipeline.margins.worst).failed == 0
-    assert severity("1/2") > severity("3/0-1") > severity("2/0-1") > severity("1/1") > severity("2/0") > severity("1/0")
 
 
 @pytest.mark.slow
@@ -317,18 +267,6 @@ def test_any_point(stores, x, p):
     assert (found.box is None) == (found.label != "1/0")
     if found.box is not None:
         check_box(plan, found.box, 9)
-
-
-def test_lines_find_what_no_boundary_says():
-    """A label that changes without a stored boundary, and a stretch too narrow to be told."""
-    def codes(places):
-        return np.where(np.abs(np.asarray(places) - 0.5) < 1e-5, 0, np.where(np.asarray(places) > 0.8, 131, 66))
-
-    line = divided(np.array([0.3, 0.5 + 1e-6, 0.5 - 1e-6]), np.array([1, 2, 1]), (0.0, 1.0), codes)
-    assert [one.code for one in line.stretches] == [66, 131] and line.kinds == (Event.NONE,)
-    assert line.stretches[0].high == pytest.approx(0.8, abs=1e-9) and line.beyond(0.5, False) is None
-    bare = divided(np.array([0.3, 0.6]), np.array([1, 2]), (0.0, 1.0), None)
-    assert bare.kinds == (Event.FOLD, Event.MIN_AT_DRIVE) and bare.beyond(0.5, False) == (0.3, Event.FOLD, 0)
 
 
 @pytest.mark.parametrize(
@@ -365,7 +303,8 @@ def test_designs_as_users_write_them(stores):
 def test_the_stage(stores, tmp_path, capsys):
     """Files, the same bytes again, the figure's own, and nothing written where the input is not allowed."""
     path, _ = stores["omega_fe"]
-    words = ["plane=omega_fe", f"store.root={path.parent}", "store.name=omega_fe", "stages=[margins]", "figures.dpi=60", "figures.formats=[png]",
+    words = ["plane=omega_fe", f"store.root={path.parent}", "store.name=omega_fe", "stages=[margins]",
+             "figures.dpi=60", "figures.formats=[png]",
              "margins.point=[0.9,0.1]", "margins.range=[0.8,1.0]", "margins.tolerances={f_e: 0.02}"]  # fmt: skip
     for folder in ("one", "two"):
         assert main([*words, f"output.root={tmp_path / folder}"]) == 0

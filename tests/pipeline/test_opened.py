@@ -69,7 +69,8 @@ def test_a_curve_anew_is_the_stored_one(plane):
 def test_nearest_boundaries_part_the_labels_they_say(plane):
     here = dict(omega=0.6, f_e=0.2)
     found = plane.nearest_boundaries(**here)
-    assert {(one.name, one.upward) for one in found} == {("omega", True), ("omega", False), ("f_e", True), ("f_e", False)}
+    sides = {(one.name, one.upward) for one in found}
+    assert sides == {("omega", True), ("omega", False), ("f_e", True), ("f_e", False)}
     widths = {"omega": 1.95, "f_e": plane.plan.parameter.high - plane.plan.parameter.low}
     shares = [one.distance / widths[one.name] for one in found]
     assert shares == sorted(shares)

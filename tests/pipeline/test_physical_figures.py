@@ -51,7 +51,8 @@ def test_a_parameter_without_a_unit_keeps_its_axis(tmp_path):
 
 def test_values_are_told_in_both(made):
     scales = read_stored(made, physical=True).scales
-    assert value_text("b", 0.5, scales) == "$b$ = 0.5 (25 µm)" and value_text("kappa", 0.5, scales) == value_text("kappa", 0.5)
+    assert value_text("b", 0.5, scales) == "$b$ = 0.5 (25 µm)"
+    assert value_text("kappa", 0.5, scales) == value_text("kappa", 0.5)
 
 
 def test_drawn_files(made, tmp_path):

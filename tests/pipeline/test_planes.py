@@ -50,7 +50,8 @@ def test_b_fe_meets_omega_b():
             model, omega = point_of(planned, b, planned.sweep.values[column])
             found = all_solutions(model, omega)
             assert row.n_solutions[column] == len(found.amplitude)
-            np.testing.assert_allclose(row.amplitude[column, : len(found.amplitude)], np.sort(found.amplitude), rtol=1e-7)
+            amplitude = row.amplitude[column, : len(found.amplitude)]
+            np.testing.assert_allclose(amplitude, np.sort(found.amplitude), rtol=1e-7)
         first = row_at(over_frequency, b)
         np.testing.assert_allclose(
             row.amplitude[10, : row.n_solutions[10]], first.amplitude[0, : first.n_solutions[0]], rtol=1e-7
@@ -96,10 +97,13 @@ def test_boundaries_over_mesh_damping(tmp_path):
     ("words", "said"),
     [
         (["gear.xi_mesh=0"], "gear.xi_mesh = 0.0 is not allowed: it must be above 0 where mesh_damping is an axis"),
-        (["plane.parameter.min=-0.1"], "plane.parameter.min = -0.1 is not allowed: it must be a finite number at least 0"),
-        (["plane.sweep.name=xi_translation", "plane.omega=1"], "plane.sweep.name = 'xi_translation' .* over mesh_damping"),
+        (["plane.parameter.min=-0.1"],
+         "plane.parameter.min = -0.1 is not allowed: it must be a finite number at least 0"),
+        (["plane.sweep.name=xi_translation", "plane.omega=1"],
+         "plane.sweep.name = 'xi_translation' .* over mesh_damping"),
         (["plane.sweep.name=mesh_damping", "plane.parameter.name=b"], "mesh_damping changes several numbers at once"),
-        (["gear=miter", "gear.physical.mesh_damping_ratio=0.1"], "mesh_damping_ratio is not allowed here: mesh_damping"),
+        (["gear=miter", "gear.physical.mesh_damping_ratio=0.1"],
+         "mesh_damping_ratio is not allowed here: mesh_damping"),
     ],
 )  # fmt: skip
 def test_what_mesh_damping_cannot_be(words, said):

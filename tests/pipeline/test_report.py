@@ -1,4 +1,4 @@
-"""The reproduction report: complete, self-contained, the same bytes from the same stores, its numbers those of PHYSICS, section 7."""
+"""The reproduction report: complete, self-contained, the same bytes from the same stores, the numbers of PHYSICS."""
 
 import base64
 import re
@@ -110,8 +110,9 @@ def test_thresholds_are_those_of_physics(page):
 @pytest.mark.slow
 def test_everything_that_was_promised_is_there(page, made):
     text = (made / "outputs/report/report.md").read_text(encoding="utf-8")
-    for heading in ("Published numbers against ours", "What could not be reproduced, and why", "Tables 1 to 3", "Maps and curves",
-                    "What other readings of the model change", "How far first order can be trusted", "How this page was made"):  # fmt: skip
+    for heading in ("Published numbers against ours", "What could not be reproduced, and why", "Tables 1 to 3",
+                    "Maps and curves", "What other readings of the model change", "How far first order can be trusted",
+                    "How this page was made"):  # fmt: skip
         assert f">{heading}<" in page and f"## {heading}\n" in text
     assert "consistent" in text and "antiphase" in text and "numpy" in text and "configuration" in text.lower()
     for command in ("plane=omega_b", "gear=antiphase", "stages=[report]"):
@@ -147,7 +148,8 @@ def test_what_is_missing_is_one_line(typed, said, tmp_path, monkeypatch, capsys)
 
 def test_planes_of_the_report_keep_what_is_not_their_own():
     sources = sources_of(["stages=[report]", "quality=draft", "store.root=there", "figures.dpi=90", "report.run=true"])
-    assert [(source.plane, source.gear) for source in sources][:2] == [("omega_fe", "published"), ("omega_b", "published")]
+    kinds = [(source.plane, source.gear) for source in sources]
+    assert kinds[:2] == [("omega_fe", "published"), ("omega_b", "published")]
     for source in sources:
         assert source.path.parent.name == "there" and source.path.stem.endswith("-draft")
         assert "figures" not in source.command and "report" not in source.command

@@ -51,7 +51,10 @@ def test_schema(made):
 def test_flags_follow_cf(made):
     _, path = made
     plane, branches = xr.open_zarr(path), xr.open_zarr(path, group="branches")
-    for variable in (plane.domain, plane.stable, plane.impact, plane.instability, plane.status, branches.event, branches.end_reason):
+    for variable in (
+        plane.domain, plane.stable, plane.impact, plane.instability, plane.status,
+        branches.event, branches.end_reason,
+    ):  # fmt: skip
         meanings = variable.attrs["flag_meanings"].split(" ")
         assert len(meanings) == len(variable.attrs["flag_values"]) == len(set(meanings))
         assert all(c.isalnum() or c in "_-.+@" for meaning in meanings for c in meaning)
@@ -122,8 +125,8 @@ def test_another_configuration_is_refused_with_the_difference(made):
     _, path = made
     with pytest.raises(StoreError) as caught:
         store.check(path, small_plan("gear.b=0.5", "solver.corrector=broyden", **PLAN))
-    for part in ("gear.b: stored 1.0, asked 0.5", "solver.corrector: stored newton, asked broyden", "store.overwrite=true",
-                 "store.name="):  # fmt: skip
+    for part in ("gear.b: stored 1.0, asked 0.5", "solver.corrector: stored newton, asked broyden",
+                 "store.overwrite=true", "store.name="):  # fmt: skip
         assert part in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -167,7 +170,8 @@ def test_a_failed_row_is_recorded_and_the_others_go_on(tmp_path):
     assert store.failures(path) == [(int(row), str(plane.message[row].values)) for row in failed]
     for row in failed:
         assert "more than store.max_solutions = 2" in str(plane.message[row].values)
-        assert np.all(plane.n_solutions[row] == 255) and np.all(np.isnan(plane["mean"][row])) and np.all(plane.domain[row] == 0)
+        assert np.all(plane.n_solutions[row] == 255) and np.all(plane.domain[row] == 0)
+        assert np.all(np.isnan(plane["mean"][row]))
     whole = contents(small_store(tmp_path / "roomy.zarr", small_plan(columns=200, rows=8)))
     good = np.flatnonzero(plane.status == store.COMPLETE)
     np.testing.assert_array_equal(plane["mean"].values[good], whole["mean"][good][:, :, :2])

@@ -26,10 +26,12 @@ EXAMPLES = ("miter", "differential")
 @pytest.mark.parametrize(
     ("text", "kind", "value"),
     [
-        ("45 N*m", "torque", 45.0), ("-45N*m", "torque", -45.0), ("45 N·m", "torque", 45.0), ("4.5e1 N m", "torque", 45.0),
-        ("1 lbf*ft", "torque", 1.3558179483314), ("12 um", "length", 12e-6), ("12 µm", "length", 12e-6), ("1 inch", "length", 0.0254),
-        ("20 deg", "angle", math.pi / 9), ("1 rad", "angle", 1.0), ("300 N/um", "stiffness", 3e8), ("2 kg*m^2", "inertia", 2.0),
-        ("2 kg*m**2", "inertia", 2.0), ("2 kg m²", "inertia", 2.0), ("7.85 g/cm^3", "density", 7850.0),
+        ("45 N*m", "torque", 45.0), ("-45N*m", "torque", -45.0), ("45 N·m", "torque", 45.0),
+        ("4.5e1 N m", "torque", 45.0), ("1 lbf*ft", "torque", 1.3558179483314),
+        ("12 um", "length", 12e-6), ("12 µm", "length", 12e-6), ("1 inch", "length", 0.0254),
+        ("20 deg", "angle", math.pi / 9), ("1 rad", "angle", 1.0), ("300 N/um", "stiffness", 3e8),
+        ("2 kg*m^2", "inertia", 2.0), ("2 kg*m**2", "inertia", 2.0), ("2 kg m²", "inertia", 2.0),
+        ("7.85 g/cm^3", "density", 7850.0),
         ("8 1/inch", "diametral pitch", 8 / 0.0254), ("8/inch", "diametral pitch", 8 / 0.0254),
         ("81/inch", "diametral pitch", 81 / 0.0254), ("900 N*s/m", "damping", 900.0), ("700 g", "mass", 0.7),
     ],
@@ -41,12 +43,14 @@ def test_quantities(text, kind, value):
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
-        ("45", "torque"), (45, "torque"), (45.0, "torque"), (None, "torque"), (True, "torque"), (["45 N*m"], "torque"), ("", "torque"),
-        ("N*m", "torque"), ("45 N", "torque"), ("45 Nm m", "torque"), ("45 NM", "torque"), ("45 N*m*deg", "torque"),
-        ("nan N*m", "torque"), ("inf N*m", "torque"), ("1e999 N*m", "torque"), ("4,5 N*m", "torque"), ("4 5 N*m", "torque"),
+        ("45", "torque"), (45, "torque"), (45.0, "torque"), (None, "torque"), (True, "torque"), (["45 N*m"], "torque"),
+        ("", "torque"), ("N*m", "torque"), ("45 N", "torque"), ("45 Nm m", "torque"), ("45 NM", "torque"),
+        ("45 N*m*deg", "torque"), ("nan N*m", "torque"), ("inf N*m", "torque"), ("1e999 N*m", "torque"),
+        ("4,5 N*m", "torque"), ("4 5 N*m", "torque"),
         ("9**9**9 m", "length"), ("9**9**9**9 m", "length"), ("1 m**9**9**9", "length"), ("1 m^99", "length"),
-        ("1 __import__('os')", "length"), ("1 m.__class__", "length"), ("1 m if 1 else 2", "length"), ("1 " + "m*" * 500 + "m", "length"),
-        ("1 (m)", "length"), ("1 [length]", "length"), ("20 degC", "angle"), ("20 degC*m", "length"), ("1 m/m", "angle"), ("3 percent*m", "length"),
+        ("1 __import__('os')", "length"), ("1 m.__class__", "length"), ("1 m if 1 else 2", "length"),
+        ("1 " + "m*" * 500 + "m", "length"), ("1 (m)", "length"), ("1 [length]", "length"),
+        ("20 degC", "angle"), ("20 degC*m", "length"), ("1 m/m", "angle"), ("3 percent*m", "length"),
         ("20 deg^2", "angle"), ("10 Hz", "angle"), ("1 1 m", "length"), ("11 1/inch 1/m", "diametral pitch"),
     ],
 )  # fmt: skip
@@ -164,7 +168,9 @@ HEADER = "angle (deg), stiffness (N/um), error (um)"
 def cycle_file(folder, header=HEADER, lines=None):
     if lines is None:
         angles = np.arange(24) * 15.0
-        lines = [f"{a}, {220 + 40 * np.cos(np.radians(a) + 0.5)}, {3 + 9 * np.cos(2 * np.radians(a) - 1.0)}" for a in angles]
+        lines = [
+            f"{a}, {220 + 40 * np.cos(np.radians(a) + 0.5)}, {3 + 9 * np.cos(2 * np.radians(a) - 1.0)}" for a in angles
+        ]
     path = folder / "cycle.csv"
     path.write_text("\n".join([header, *lines, ""]))
     return path
@@ -182,15 +188,18 @@ def test_a_mesh_cycle_is_fitted(tmp_path):
     np.testing.assert_allclose(gear.mesh_stiffness_harmonics[0], (40e6, 0.5), rtol=1e-10)
     np.testing.assert_allclose(gear.error_harmonics[1], (9e-6, -1.0), rtol=1e-10)
     (line,) = warnings(found)
-    assert line.startswith("mesh cycle of 24 points fitted with 3 harmonics: stiffness residual ") and "error residual" in line
+    assert line.startswith("mesh cycle of 24 points fitted with 3 harmonics: stiffness residual ")
+    assert "error residual" in line
     coarse = warnings(with_cycle(cycle_file(tmp_path), "mesh_cycle_harmonics=1"))
-    assert f"error residual {9 / math.sqrt(2):.3g} um rms, {max(abs(9 * np.cos(2 * np.arange(24) * np.pi / 12 - 1))):.3g}" in coarse[0]
+    largest = max(abs(9 * np.cos(2 * np.arange(24) * np.pi / 12 - 1)))
+    assert f"error residual {9 / math.sqrt(2):.3g} um rms, {largest:.3g}" in coarse[0]
 
 
 def test_either_column_may_be_missing_and_the_cycle_counted_in_cycles(tmp_path):
     lines = [f"{230 + 40 * np.cos(2 * np.pi * p)},{p}" for p in np.arange(10) / 10]
     path = cycle_file(tmp_path, "stiffness (N/um),phase (cycle)", lines)
-    gear = gear_of(small_plan("gear=miter", "gear.physical.mesh_stiffness=null", "gear.physical.mesh_stiffness_harmonics=[]",
+    gear = gear_of(small_plan("gear=miter", "gear.physical.mesh_stiffness=null",
+                              "gear.physical.mesh_stiffness_harmonics=[]",
                               f"gear.physical.mesh_cycle={path}"))  # fmt: skip
     assert gear.mesh_stiffness == pytest.approx(230e6) and gear.error_harmonics[0][0] == pytest.approx(1e-5)
 
@@ -202,8 +211,10 @@ ANGLES = [f"{angle}, 200, 1" for angle in range(0, 360, 30)]
     ("header", "lines", "said"),
     [
         (HEADER, [*ANGLES, "30, 200, 1"], "the angle 30 deg must be given once"),
-        (HEADER, ANGLES[:8], "the angle 210 deg must be followed by another after less than half a period of harmonic 3"),
-        (HEADER, ANGLES[::3], "gear.physical.mesh_cycle_harmonics = 3 is not allowed: it must be at most 1 for 4 points"),
+        (HEADER, ANGLES[:8],
+         "the angle 210 deg must be followed by another after less than half a period of harmonic 3"),
+        (HEADER, ANGLES[::3],
+         "gear.physical.mesh_cycle_harmonics = 3 is not allowed: it must be at most 1 for 4 points"),
         (HEADER, [*ANGLES, "360, 200, 1"], "line 14: the angle must be at least 0 and below one mesh cycle"),
         (HEADER, [*ANGLES, "-1, 200, 1"], "line 14: the angle must be at least 0"),
         (HEADER, [*ANGLES[:3], "95, nan, 1"], "line 5: the stiffness 'nan' must be a finite number"),
@@ -211,7 +222,8 @@ ANGLES = [f"{angle}, 200, 1" for angle in range(0, 360, 30)]
         (HEADER, [*ANGLES[:3], "95, 200"], "line 5 has 2 entries, the header has 3"),
         (HEADER, [*ANGLES[:3], "95, -1, 1"], "line 5: the stiffness must be at least 0"),
         (HEADER, [f"{a}, {200 if a in (0, 30) else 0}, 1" for a in range(0, 360, 30)], "mesh_stiffness_harmonics = "),
-        ("angle (deg), stiffness (um)", ["0, 1"], "unit of stiffness = 'um' is not allowed: it must be a unit of stiffness"),
+        ("angle (deg), stiffness (um)", ["0, 1"],
+         "unit of stiffness = 'um' is not allowed: it must be a unit of stiffness"),
         ("angle, stiffness", ["0, 1"], "its header has 'angle'"),
         ("angle (deg), angle (deg)", ["0, 1"], "may stand once"),
         ("angle (deg)", ["0"], "one or both of stiffness"),
@@ -227,7 +239,8 @@ def test_mesh_cycles_that_are_not_allowed(header, lines, said, tmp_path):
 
 def test_mesh_cycles_that_cannot_be_read(tmp_path):
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    for name, said in (("none.csv", "it cannot be read"), ("binary.csv", "CSV file in UTF-8"), (".", "it cannot be read")):
+    unread = "it cannot be read"
+    for name, said in (("none.csv", unread), ("binary.csv", "CSV file in UTF-8"), (".", unread)):
         with pytest.raises(ConfigurationError, match=said):
             with_cycle(tmp_path / name)
 
@@ -240,7 +253,10 @@ MISTAKES = [
     ("gear.physical.torque=null", "gear.physical.torque has no value"),
     ("gear.physical.teeth=[20,20.5]", "gear.physical.teeth = [20, 20.5] is not allowed: it must be two whole numbers"),
     ("gear.physical.shaft_angle=180 deg", "gear.physical.shaft_angle = 180.0"),
-    ("gear.physical.face_width=60 mm", "gear.physical.face_width = 0.06 is not allowed: it must be at most the cone distance"),
+    (
+        "gear.physical.face_width=60 mm",
+        "gear.physical.face_width = 0.06 is not allowed: it must be at most the cone distance",
+    ),
     ("gear.physical.diametral_pitch=8/inch", "gear.physical.module = '4 mm' is not allowed: it must be one of them"),
     ("gear.physical.module=null", "gear.physical.module = None is not allowed"),
     ("gear.physical.blanks=null", "gear.physical.mass has no value: give it, or gear.physical.blanks"),
@@ -256,10 +272,16 @@ MISTAKES = [
     ("gear.physical.half_backlash=0 um", "gear.physical.reference_length = None"),
     ("gear.physical.torqe=1", "did you mean gear.physical.torque?"),
     ("plane=omega_fpm gear.physical.torque=60 N*m", "gear.physical.torque is not allowed here: f_pm"),
-    ("plane.sweep.min=500", "plane.sweep.max = 2.0 is not allowed: it must be a finite number above plane.sweep.min = 500.0"),
+    (
+        "plane.sweep.min=500",
+        "plane.sweep.max = 2.0 is not allowed: it must be a finite number above plane.sweep.min = 500.0",
+    ),
     ("plane.sweep.min=-500 rpm", "plane.sweep.min = '-500 rpm' is not allowed: it must be a finite number above 0"),
     ("plane.sweep.min=500 um", "pinion speed or mesh frequency"),
-    ("plane.parameter.max=500 rpm", "plane.parameter.max = '500 rpm' is not allowed: it must be a number with a unit of length"),
+    (
+        "plane.parameter.max=500 rpm",
+        "plane.parameter.max = '500 rpm' is not allowed: it must be a number with a unit of length",
+    ),
     ("plane.parameter.name=kappa plane.parameter.max=1 um", "it must be a number, kappa has no unit"),
     ("plane.omega=500 rpm", "omega is an axis of this plane"),
     ("gear=published plane.sweep.min=500 rpm", "units need a gear in physical units"),

@@ -1,39 +1,22 @@
-"""Verification: fair samples, verdicts where the answer is known, credibility by other means, what is stored."""
+"""Verification of a small plane: fair samples, credibility by other means, what is stored, written and drawn."""
 
 import csv
-import dataclasses
 
 import numpy as np
 import pytest
 import xarray as xr
-import zarr
 
-from pipeline import boundaries, figures, groups, store, verification
-from pipeline.__main__ import main
-from pipeline.cluster import Workforce
-from pipeline.config import compose
+from pipeline import boundaries, figures, verification
 from pipeline.sweep import point_of
 from pipeline.verification import Credibility, Verdict
 from pipeline.verification.credibility import Samples, credibility
-from pipeline.verification.running import orders_of
 from pipeline.verification.sampling import allot, choose_cells
-from pipeline.verification.starts import read_starts
-from pipeline.verification.tasks import check_rows, follow_starts
+from pipeline.verification.tasks import check_rows
 from pipeline.verification.verdicts import settling_of
 from solver import ImpactState, domain_code, domain_label, domain_parts, gear_system
 from solver.timedomain import AttractorKind, orbit_state, settle, wilson_interval
-from tests.pipeline.planes import cluster, contents, small_plan, small_store
-
-RUN = Workforce(cluster("none")).run
-
-
-def silent(done, failed):
-    """Progress that nobody watches."""
-
-
-def settings(**changes):
-    values = {"samples": 30, "beside": 4, "max_periods": 1500, "columns": 25}
-    return dataclasses.replace(compose([]).config.verify, **{**values, **changes})
+from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.verified import RUN, settings, silent
 
 
 @pytest.fixture(scope="module")
@@ -87,46 +70,6 @@ def test_samples_of_a_plane(made):
 
 # Verdicts
 
-
-def test_what_the_time_domain_is_known_to_say():
-    """The upper solutions of the published gear at 0.60 and 0.62 are false, the lower one at 0.60 is not."""
-    plan = small_plan("plane.sweep.min=0.6", "plane.sweep.max=0.62", "plane.parameter.min=0.2", columns=2, rows=2)
-    assert plan.parameter.values[0] == 0.2
-    from tests.conftest import published
-
-    from solver import all_solutions
-
-    verdicts = {}
-    for column, omega in enumerate((0.6, 0.62)):
-        found = all_solutions(published(), omega)
-        for i in np.flatnonzero(found.stable == 1):
-            start = verification.running.Start(
-                0, column, int(i), float(found.mean[i]), float(found.amplitude[i]),
-                0 if found.mean[i] - found.amplitude[i] > 1.0 else 1, (found.mean[i], found.cos[i], found.sin[i]),
-            )  # fmt: skip
-            (seen,) = follow_starts(plan, (start,), 3000, 0.05)
-            verdicts[omega, found.amplitude[i] < 0.8] = seen
-    assert verdicts[0.6, True].verdict is Verdict.CONFIRMED
-    assert verdicts[0.6, False].verdict is Verdict.OTHER_MOTION and verdicts[0.6, False].amplitude < 0.8
-    assert verdicts[0.62, False].verdict is verdicts[0.62, True].verdict is Verdict.NOT_PERIOD_1
-    assert all(seen.periods_used <= 3000 for seen in verdicts.values())
-
-
-def test_never_more_periods_than_allowed():
-    for periods in (300, 301, 1000, 3000, 50_000):
-        settling = settling_of(periods)
-        window = settling.lyapunov_periods + settling.lyapunov_periods // 10 + settling.block
-        assert settling.max_periods + window == periods
-
-
-def test_without_contact_loss_everything_is_confirmed(tmp_path):
-    plan = small_plan("plane.sweep.min=1.6", "plane.parameter.max=0.05", columns=5, rows=2)
-    path = small_store(tmp_path / "linear.zarr", plan)
-    summary = verification.verify(path, plan, settings(), RUN, silent)
-    group = xr.open_zarr(path, group="verification").load()
-    assert summary.verdicts[Verdict.CONFIRMED] == group.sizes["sample"] == 10 and not summary.failures
-    assert np.all(group.credibility == Credibility.CONFIRMED) and np.all(np.abs(group.amplitude_error) < 1e-3)
-    assert np.all(group.largest_multiplier < 1.0) and np.all(group.lyapunov < 0.0)
 
 
 def test_samples_are_what_direct_integration_gives(made, group):
@@ -247,23 +190,8 @@ def test_rows_at_higher_orders(made, group):
     assert set(np.unique(group.unstable)) == {0, 1}
 
 
-def test_orders_for_maps_of_higher_order():
-    assert orders_of(small_plan(), 5) == (5, 10) and orders_of(small_plan(), 1) == (1, 2)
-    assert orders_of(small_plan("solver=hb", "solver.order=3"), 5) == (6, 12)
-    assert orders_of(small_plan("solver=hb", "solver.order=31"), 5) == (32, 64)
-    assert orders_of(small_plan("solver=hb", "solver.order=32"), 5) == ()
-
-
-def test_a_map_of_order_three(tmp_path):
-    plan = small_plan("solver=hb", "solver.order=3", "plane.sweep.min=0.7", "plane.sweep.max=1.0", columns=5, rows=2)
-    path = small_store(tmp_path / "hb.zarr", plan)
-    starts = read_starts(path, plan, np.array([1, 1]), np.array([0, 4]))
-    assert all(len(start.coefficients) == 7 for start in starts) and starts[-1].column == 4
-    verification.verify(path, plan, settings(samples=6, beside=0), RUN, silent)
-    group = xr.open_zarr(path, group="verification").load()
-    assert group.attrs["orders"] == [6, 12]
-    fine = group.verdict == Verdict.CONFIRMED
-    assert fine.any() and np.all(np.abs(group.amplitude_error[fine]) < 5e-3)
+def test_impact_states_fit_the_mask():
+    assert domain_parts(domain_code(3, 1 << ImpactState.MIRRORED_PERMANENT)) == (3, 32)
 
 
 # The store
@@ -300,28 +228,6 @@ def test_a_second_time_there_is_nothing_to_do_unless_settings_change(made):
     assert (path / "verification/credibility/c/0/0").stat().st_mtime_ns == stamp
     with pytest.raises(AssertionError):
         verification.verify(path, plan, settings(seed=1), never, silent)
-
-
-def test_what_fails_is_recorded(tmp_path, monkeypatch):
-    plan = small_plan("plane.sweep.min=1.6", "plane.parameter.max=0.05", columns=4, rows=3)
-    path = small_store(tmp_path / "plane.zarr", plan)
-
-    def broken(*arguments, **options):
-        raise ArithmeticError("the step is lost")
-
-    def lost_worker(function, tasks):
-        for number, (task, result) in enumerate(RUN(function, tasks)):
-            yield task, OSError("the worker\nis gone") if function is check_rows and number == 0 else result
-
-    monkeypatch.setattr("solver.timedomain.settle", broken)
-    summary = verification.verify(path, plan, settings(samples=5, beside=0), lost_worker, silent)
-    group = xr.open_zarr(path, group="verification").load()
-    assert np.all(group.verdict == Verdict.FAILED)
-    assert set(group.message.values) == {"ArithmeticError: the step is lost"}
-    assert group.row_message[0] == "OSError: the worker is gone" and np.all(group.row_message[1:] == "")
-    assert np.all(group.credibility[0] == Credibility.UNCHECKED)
-    assert np.all(group.credibility[1:] == Credibility.CONFIRMED)
-    assert len(summary.failures) == 6 and "could not be integrated: ArithmeticError" in summary.failures[-1]
 
 
 # Sheets
@@ -392,79 +298,3 @@ def test_figure(made, tmp_path):
         assert box.x1 <= figure.bbox.x1
         line = [j for j in range(len(texts)) if j != i and texts[j].get_position()[1] == texts[i].get_position()[1]]
         assert not any(box.overlaps(boxes[j]) for j in line)
-
-
-# The stage
-
-
-SMALL = ["plane=omega_fe", "plane.sweep.min=0.5", "plane.sweep.max=0.9", "plane.sweep.num=9", "plane.parameter.num=3",
-         "cluster=none", "verify.samples=10", "verify.beside=2", "verify.max_periods=600"]  # fmt: skip
-
-
-def test_the_stage(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main([*SMALL, "stages=[sweep,verify,figures]", "figures.formats=[png]", "figures.dpi=50"]) == 0
-    said = capsys.readouterr().out
-    assert (tmp_path / "outputs/figures/omega_fe/verification.png").stat().st_size > 5000
-    assert "right by integration" in said and "omega_fe.csv, omega_fe.md" in said
-    path = tmp_path / "outputs/store/omega_fe.zarr"
-    before = contents(path)
-    assert any(name.startswith("verification/") for name in before)
-    assert main([*SMALL, "stages=[verify]"]) == 0
-    assert "nothing to do" in capsys.readouterr().out
-    # Settings of the verification are no part of what identifies the sweep.
-    assert main([*SMALL, "verify.seed=3", "stages=[sweep,verify]"]) == 0
-    said = capsys.readouterr().out
-    assert "rows are in" in said and "verify: " in said and said.count("nothing to do") == 1
-    # A sweep that computes rows takes all added groups away.
-    boundaries.trace(path, store.read_plan(path))
-    zarr.open_group(path, mode="r+")["status"][1] = store.FAILED
-    assert main([*SMALL, "stages=[sweep]"]) == 0
-    assert groups.open_group(path, "verification") is None and groups.open_group(path, "boundaries") is None
-    assert set(zarr.open_group(path).group_keys()) == {"branches"} and not (path / "verification").exists()
-
-
-def test_failures_are_the_exit_status(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main([*SMALL, "stages=[sweep]"]) == 0
-
-    def broken(*arguments, **options):
-        raise ArithmeticError("the step is lost")
-
-    monkeypatch.setattr("solver.timedomain.settle", broken)
-    capsys.readouterr()
-    assert main([*SMALL, "stages=[verify]"]) == 1
-    assert "could not be integrated: ArithmeticError: the step is lost" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
-        ("verify.samples=0", "verify.samples = 0 is not allowed: it must be from 1 to 1e+06"),
-        ("verify.beside=-1", "verify.beside = -1 is not allowed: it must be from 0 to 1e+06"),
-        ("verify.seed=-1", "verify.seed = -1 is not allowed: it must be from 0 to"),
-        ("verify.order=33", "verify.order = 33 is not allowed: it must be from 1 to 32"),
-        ("verify.columns=1", "verify.columns = 1 is not allowed: it must be from 2 to 1e+06"),
-        ("verify.delta=1.5", "verify.delta = 1.5 is not allowed: it must be from 0 to 1"),
-        ("verify.delta=nan", "verify.delta = nan is not allowed: it must be from 0 to 1"),
-        ("verify.max_periods=10", "verify.max_periods = 10 is not allowed: it must be from 300 to 1e+07"),
-        ("verify.tolerance=0", "verify.tolerance = 0.0 is not allowed: it must be above 0 and at most 1"),
-        ("verify.samples=many", "verify.samples"),
-        ("verify.sample=5", "verify.sample is not a key of the configuration: did you mean verify.samples?"),
-    ],
-)
-def test_bad_input_is_one_line(tmp_path, monkeypatch, capsys, override, message):
-    monkeypatch.chdir(tmp_path)
-    assert main([*SMALL, "stages=[sweep,verify]", override]) == 2
-    error = capsys.readouterr().err
-    assert message in error and len(error.splitlines()) == 1 and not list(tmp_path.iterdir())
-
-
-def test_without_a_store(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main([*SMALL, "stages=[verify]"]) == 2
-    assert "there is no store at" in capsys.readouterr().err and not list(tmp_path.iterdir())
-
-
-def test_impact_states_fit_the_mask():
-    assert domain_parts(domain_code(3, 1 << ImpactState.MIRRORED_PERMANENT)) == (3, 32)

@@ -17,7 +17,9 @@ from pipeline.regions import thresholds
 from pipeline.store.arrays import arrays_of
 from tests.pipeline.planes import assert_same_contents, assert_same_values, contents, small_plan, small_store
 
-ARGUMENTS = ["plane=omega_b_fe", "plane.sweep.num=30", "plane.parameter.num=8", "plane.parameter2.num=3", "cluster=none"]
+ARGUMENTS = [
+    "plane=omega_b_fe", "plane.sweep.num=30", "plane.parameter.num=8", "plane.parameter2.num=3", "cluster=none",
+]  # fmt: skip
 
 
 def run(folder, *arguments):
@@ -48,7 +50,8 @@ def test_blocks_number_rows_through_and_stay_within_layers():
         seen[planned.place(block)] += 1
     assert np.all(seen == 1)
     row = planned.row(13)
-    assert row == (planned.layer(1), planned.parameter.values[5]) and planned.row_text(13) == "row 13 (f_e = 0.25, b = 1.07714)"
+    assert row == (planned.layer(1), planned.parameter.values[5])
+    assert planned.row_text(13) == "row 13 (f_e = 0.25, b = 1.07714)"
 
 
 def test_a_layer_is_the_plane_that_one_would_ask_for():
@@ -60,7 +63,8 @@ def test_a_layer_is_the_plane_that_one_would_ask_for():
         "plane=b_fe", "plane.omega=null", "plane.parameter2={name:omega,min:0.5,max:0.7,num:3}", "plane.sweep.num=9",
         "plane.parameter.num=4",
     ]))  # fmt: skip
-    assert over.layer(1) == plan(compose(["plane=b_fe", "plane.omega=0.6", "plane.sweep.num=9", "plane.parameter.num=4"]))
+    alone = plan(compose(["plane=b_fe", "plane.omega=0.6", "plane.sweep.num=9", "plane.parameter.num=4"]))
+    assert over.layer(1) == alone
 
 
 def test_schema_with_xarray_alone(volume):
@@ -169,7 +173,8 @@ def test_a_layer_that_is_not_computed_yet_is_computed_alone(volume, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["plane.parameter2.name=b"], "plane.parameter2.name = 'b' is not allowed: the parameter axis has that name already"),
+        (["plane.parameter2.name=b"],
+         "plane.parameter2.name = 'b' is not allowed: the parameter axis has that name already"),
         (["plane.parameter2.name=x"], "plane.parameter2.name = 'x' is not allowed: it must be one of"),
         (["plane.parameter2.name=temperature"], "plane.parameter2.name = 'temperature' is not allowed"),
         (["plane.parameter2.num=1"], "plane.parameter2.num = 1 is not allowed"),
@@ -178,7 +183,8 @@ def test_a_layer_that_is_not_computed_yet_is_computed_alone(volume, tmp_path):
         (["plane.parameter2={name:kappa,min:-1,max:1,num:3}"], "plane.parameter2.min = -1.0 is not allowed"),
         (["plane.max_cells=700"],
          "plane.sweep.num x plane.parameter.num x plane.parameter2.num = 720 is not allowed: it must be at most"),
-        (["store.max_points=10000000", "plane.parameter.num=5000"], "plane.parameter2.num = 30 x 5000 x 3 is not allowed: up to"),
+        (["store.max_points=10000000", "plane.parameter.num=5000"],
+         "plane.parameter2.num = 30 x 5000 x 3 is not allowed: up to"),
         (["plane=omega_fe"], "plane.parameter2.num is not allowed here: this plane has no third axis"),
         (["stages=[boundaries]"], "stages = 'boundaries' is not allowed for a volume: with plane.layer=VALUE"),
         (["figures.window=[0.5,0.7,0.1,0.3]"], "figures.window = [0.5, 0.7, 0.1, 0.3] is not allowed for a volume"),
@@ -192,7 +198,8 @@ def test_mistakes_are_one_line(volume, tmp_path, capsys, arguments, said):
     if arguments[0].startswith("stages"):
         shutil.copytree(volume, tmp_path / "store/omega_b_fe.zarr")
     before = sorted(tmp_path.rglob("*"))
-    given = [argument for argument in ARGUMENTS if "parameter2" not in argument or arguments[0] != "plane.parameter2=null"]
+    flat = arguments[0] == "plane.parameter2=null"
+    given = [argument for argument in ARGUMENTS if "parameter2" not in argument or not flat]
     assert main([*given, f"output.root={tmp_path}", *arguments]) == 2
     line = capsys.readouterr().err
     assert line.count("\n") == 1 and any(part in line for part in said.split("|"))

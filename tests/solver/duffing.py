@@ -5,7 +5,7 @@ q'' + 0.05 q' + q + 0.1 q^3 = 0.18 cos(Omega t), q = c cos(Omega t) + s sin(Omeg
     (1 - Omega^2 + 0.075 a^2) c + 0.05 Omega s = 0.18,    (1 - Omega^2 + 0.075 a^2) s - 0.05 Omega c = 0
     a^2 [(1 - Omega^2 + 0.075 a^2)^2 + (0.05 Omega)^2] = 0.18^2
 
-The second of these is quadratic in Omega^2, so every amplitude below the resonance's has two frequencies in closed form.
+The second of these is quadratic in Omega^2: every amplitude below the resonance's has two frequencies in closed form.
 """
 
 import math

@@ -27,7 +27,7 @@ def force_harmonics(mean, fundamental, b, samples=_SAMPLES):
 
 
 def varied_force(model: Model, variation, mean, fundamental, samples=_SAMPLES):
-    """R_0 and R_1 of (1 + variation s) times f truncated to |k| <= 1, the product formed in time and transformed back."""
+    """R_0 and R_1 of (1 + variation s) times f truncated to |k| <= 1, multiplied in time and transformed back."""
     force_0, force_1 = force_harmonics(mean, fundamental, model.b, samples)
     angle = 2.0 * np.pi * np.arange(64) / 64
     truncated = force_0 + (force_1 * np.exp(1j * angle)).real

@@ -12,7 +12,7 @@ def numbers(low, high):
 
 
 def random_model(seed, **fixed) -> Model:
-    """A gear pair with supports that differ per axis and gear (or partly agree), couplings and harmonics of every kind."""
+    """A gear pair with couplings and harmonics of every kind, supports that differ by axis and gear or partly agree."""
     draw = np.random.default_rng(seed)
 
     def number(low, high):

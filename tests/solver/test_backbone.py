@@ -13,7 +13,9 @@ from tests.solver.strategies import numbers, random_model
 
 def conservative(model):
     """The same pair without damping, excitation and variation."""
-    return model.replace(xi_mesh=0.0, xi_translation=0.0, xi_support=0.0, alpha=0.0, alpha_harmonics=(), f_e=0.0, f_pv=0.0)
+    return model.replace(
+        xi_mesh=0.0, xi_translation=0.0, xi_support=0.0, alpha=0.0, alpha_harmonics=(), f_e=0.0, f_pv=0.0
+    )
 
 
 @given(st.integers(0, 10**9), numbers(0.1, 1.5), numbers(0.01, 4.0), st.sampled_from([1.0, -1.0]))

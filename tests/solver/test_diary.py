@@ -74,10 +74,13 @@ def test_order_h_and_broyden_keep_a_diary_too():
 
 def test_every_reason_has_a_sentence_and_most_are_met():
     # Long steps meet all objections but the rare ones.
-    diary = DiaryContinuation(first_step=2.0, largest_step=5.0, parameter_step=1.0, largest_angle=0.8, largest_distance=0.1)
+    diary = DiaryContinuation(
+        first_step=2.0, largest_step=5.0, parameter_step=1.0, largest_angle=0.8, largest_distance=0.1
+    )
     for f_e in (0.2, 0.6, 1.2):
         sweep_row(published(f_e=f_e), "omega", GRID, continuation=diary)
-    sweep_row(antiphase(f_e=0.12), "omega", GRID, continuation=DiaryContinuation(traces=diary.traces), seeds=LinearSeeds())
+    usual = DiaryContinuation(traces=diary.traces)
+    sweep_row(antiphase(f_e=0.12), "omega", GRID, continuation=usual, seeds=LinearSeeds())
     met = {Outcome(int(one)) for trace in diary.traces for one in np.unique(trace.steps.outcome)}
     assert {Outcome.ACCEPTED, Outcome.NOT_CORRECTED, Outcome.TURNED, Outcome.STRAYED} <= met
     assert all(outcome.sentence.endswith(".") for outcome in Outcome)

@@ -32,8 +32,9 @@ def random_pair(seed) -> GearPair:
     k_m = draw(1e8, 8e8)
     return GearPair(
         teeth=teeth, module=draw(2e-3, 8e-3), shaft_angle=draw(40.0, 150.0), pressure_angle=draw(14.0, 30.0),
-        face_width=draw(4e-3, 8e-3), mass=draw(0.3, 5.0, 2), inertia=draw(2e-4, 2e-2, 2), support_stiffness=draw(5e7, 9e8, 6),
-        support_damping=draw(50.0, 2000.0, 6), mesh_stiffness=k_m, mesh_damping_ratio=draw(0.02, 0.15),
+        face_width=draw(4e-3, 8e-3), mass=draw(0.3, 5.0, 2), inertia=draw(2e-4, 2e-2, 2),
+        support_stiffness=draw(5e7, 9e8, 6), support_damping=draw(50.0, 2000.0, 6),
+        mesh_stiffness=k_m, mesh_damping_ratio=draw(0.02, 0.15),
         half_backlash=draw(1e-5, 1e-4), torque=draw(20.0, 400.0), load_torque=draw(20.0, 400.0),
         mesh_stiffness_harmonics=[(k_m * draw(0.0, 0.3), draw(-3, 3)) for _ in range(3)],
         error_harmonics=[(draw(1e-6, 2e-5), draw(-3, 3)) for _ in range(3)], torque_fluctuation=draw(0.0, 50.0),
@@ -114,7 +115,7 @@ def lagrangian(pair: GearPair):
 
 
 def c_h(pair):
-    """2 xi_h m_e Omega_n = 2 xi_h sqrt(k_m m_e), with m_e from the rotations' share of the mesh's mobility over a3^2."""
+    """2 xi_h m_e Omega_n = 2 xi_h sqrt(k_m m_e), m_e from the rotations' share of the mesh's mobility over a3^2."""
     _, _, _, n = lagrangian(pair)
     mobility = sum(n[6 + g] ** 2 / pair.inertia[g] for g in (0, 1)) / np.cos(np.radians(pair.pressure_angle)) ** 2
     return 2.0 * pair.mesh_damping_ratio * np.sqrt(pair.mesh_stiffness / mobility), 1.0 / mobility
@@ -139,7 +140,8 @@ def test_the_dimensionless_set_is_that_of_the_lagrangian(seed):
     np.testing.assert_allclose(translation + rotation, contact * pair.mesh_stiffness / unit**2, rtol=1e-11, atol=1e-14)
     np.testing.assert_allclose(model_damping[:, 6], contact * mesh_damping / unit, rtol=1e-11, atol=1e-14)
     np.testing.assert_allclose(model_damping[:6, :6], (mobility @ damping)[:6, :6] / unit, rtol=1e-11, atol=1e-14)
-    np.testing.assert_allclose(model_stiffness[:6, :6], (mobility @ stiffness)[:6, :6] / unit**2, rtol=1e-11, atol=1e-14)
+    scaled = (mobility @ stiffness)[:6, :6] / unit**2
+    np.testing.assert_allclose(model_stiffness[:6, :6], scaled, rtol=1e-11, atol=1e-14)
     # Virtual work of the torques; and -e'' on the right-hand side of lambda = n . q - e.
     scale = pair.length_unit * unit**2
     work = [gradient(lambda q: drive * q[6] - load * q[7], np.zeros(8, complex))
@@ -171,7 +173,8 @@ def test_the_identities_hold_by_construction(seed):
     )
     # tan delta_1 = sin Sigma/(u + cos Sigma), and both cones share the cone distance.
     distances = 0.5 * pair.module * np.array(pair.teeth) / np.sin(np.radians(pair.cone_angles))
-    assert distances[0] == pytest.approx(distances[1], rel=1e-12) and sum(pair.cone_angles) == pytest.approx(pair.shaft_angle)
+    assert distances[0] == pytest.approx(distances[1], rel=1e-12)
+    assert sum(pair.cone_angles) == pytest.approx(pair.shaft_angle)
 
 
 def test_motion_of_the_dimensional_pair_is_that_of_the_model():
@@ -199,8 +202,8 @@ def test_motion_of_the_dimensional_pair_is_that_of_the_model():
     settings = dict(method="DOP853", rtol=1e-9)
     physical = solve_ivp(motion, (0.0, end / unit), start, atol=1e-9 * length, **settings)
     scaled = solve_ivp(
-        lambda tau, y: np.r_[y[7:], model_accelerations(model, omega, tau, y[:7], y[7:])], (0.0, end), np.r_[begin, speeds],
-        atol=1e-9, **settings,
+        lambda tau, y: np.r_[y[7:], model_accelerations(model, omega, tau, y[:7], y[7:])],
+        (0.0, end), np.r_[begin, speeds], atol=1e-9, **settings,
     )  # fmt: skip
     place = physical.y[:8, -1]
     gap = n @ place - wave(pair.error_harmonics, end / unit, 0)
@@ -231,8 +234,9 @@ def test_round_trips(seed, value):
 
 
 @pytest.mark.parametrize(("name", "value"), [
-    ("teeth", (20, 0)), ("teeth", (20.0, 20)), ("teeth", (20,)), ("teeth", (True, 20)), ("module", 0.0), ("shaft_angle", 0.0),
-    ("shaft_angle", 180.0), ("pressure_angle", 90.0), ("face_width", 0.12), ("face_width", -1.0), ("mass", (1.0, 0.0)),
+    ("teeth", (20, 0)), ("teeth", (20.0, 20)), ("teeth", (20,)), ("teeth", (True, 20)), ("module", 0.0),
+    ("shaft_angle", 0.0), ("shaft_angle", 180.0), ("pressure_angle", 90.0),
+    ("face_width", 0.12), ("face_width", -1.0), ("mass", (1.0, 0.0)),
     ("inertia", (1.0, 1.0, 1.0)), ("support_stiffness", 0.0), ("support_damping", -1.0), ("mesh_stiffness", -1.0),
     ("mesh_stiffness_harmonics", [(4.1e8, 0.0)]), ("mesh_damping_ratio", -0.1), ("half_backlash", -1e-6),
     ("error_harmonics", [(1.0,)]), ("torque", np.nan), ("reference_length", 0.0),
@@ -258,13 +262,19 @@ def test_blanks_by_quadrature(sizes):
     blank = Blank(*sizes, density=7800.0)
 
     def profile(power):
-        return quad(lambda s: (0.5 * (large + (small - large) * s / width)) ** power - (0.5 * bore) ** power, 0, width)[0]
+        def ring(s):
+            return (0.5 * (large + (small - large) * s / width)) ** power - (0.5 * bore) ** power
+
+        return quad(ring, 0, width)[0]
 
     assert blank.mass == pytest.approx(7800.0 * np.pi * profile(2), rel=1e-10)
     assert blank.inertia == pytest.approx(7800.0 * np.pi / 2 * profile(4), rel=1e-10)
 
 
-@pytest.mark.parametrize("sizes", [(0.08, 0.09, 0.02, 0.0), (0.08, 0.06, 0.02, 0.06), (0.08, 0.06, 0.0, 0.0), (0.08, 0.06, 0.02, -1)])
+@pytest.mark.parametrize(
+    "sizes",
+    [(0.08, 0.09, 0.02, 0.0), (0.08, 0.06, 0.02, 0.06), (0.08, 0.06, 0.0, 0.0), (0.08, 0.06, 0.02, -1)],
+)
 def test_impossible_blanks(sizes):
     with pytest.raises(ParameterError):
         Blank(*sizes)

@@ -1,4 +1,4 @@
-"""Rows of order H: their branches against first order, shooting and direct integration; motions of two forcing periods."""
+"""Rows of order H: their branches against first order, shooting and integration; motions of two forcing periods."""
 
 import numpy as np
 import pytest

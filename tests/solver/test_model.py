@@ -170,7 +170,9 @@ def test_stiffness_variation_counts_all_terms():
     assert model.stiffness_variation(0.0) == pytest.approx(expected[0, 0])
 
 
-@pytest.mark.parametrize("alpha, rotation, lowest", [(0.2, 0.0, 0.8), (1.5, 0.5, -0.5), (0.5, 2.0, 0.0), (-0.3, 1.0, 0.7)])
+@pytest.mark.parametrize(
+    "alpha, rotation, lowest", [(0.2, 0.0, 0.8), (1.5, 0.5, -0.5), (0.5, 2.0, 0.0), (-0.3, 1.0, 0.7)]
+)
 def test_lowest_stiffness(alpha, rotation, lowest):
     assert published(alpha=alpha, variation_rotation=rotation).lowest_stiffness() == pytest.approx(lowest, abs=1e-12)
 

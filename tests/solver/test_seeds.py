@@ -6,7 +6,7 @@ import pytest
 from solver import LinearSeeds, ProvenSeeds, RowError, all_solutions, sweep_row
 from solver.boundaries import SpecialPoint, boundary_curves, row_events
 from tests.conftest import consistent, published
-from tests.solver.test_row import grid
+from tests.solver.rows import grid
 
 
 @pytest.mark.parametrize("alpha", [0.41, 0.42, 0.43, 0.44, 0.45])
@@ -34,7 +34,7 @@ def test_every_column_certified(gear, alpha):
 def test_columns_find_what_few_seeds_miss():
     model = consistent(rotation_coupling=0.93969262, alpha=0.44)
     few, all_columns = ProvenSeeds(columns=2), ProvenSeeds(columns=2, every_column=True)
-    row, whole = sweep_row(model, "omega", grid(200), seeds=few), sweep_row(model, "omega", grid(200), seeds=all_columns)
+    row, whole = (sweep_row(model, "omega", grid(200), seeds=seeds) for seeds in (few, all_columns))
     assert len(row.curves) == 1 and len(whole.curves) == 2 and whole.n_gained == 1 and whole.n_folds == row.n_folds
 
 

@@ -193,7 +193,8 @@ def test_solutions_are_those_of_the_pair_normalised_anew(make, difference):
 
 def test_what_the_pair_refuses():
     base = consistent()
-    with pytest.raises(ParameterError, match="temperature = 60.0 .* law of damping holds: it is for 0 to 150, not for 160"):
+    refused = "temperature = 60.0 .* law of damping holds: it is for 0 to 150, not for 160"
+    with pytest.raises(ParameterError, match=refused):
         PAIR.changes(base, 60.0)
     thin = base.replace(b=0.1)
     with pytest.raises(ParameterError, match=r"temperature = 30.0 .* below 18\.3\d* K, where .* the gears jam"):

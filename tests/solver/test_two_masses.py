@@ -1,7 +1,8 @@
 """Systems that are no bevel pair, each in a few lines: NLvib's two masses with a stop, a spur pair, a geared rotor.
 
-The two masses are the published example of NLvib (Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019):
-masses 1 and 1, springs 0, 1, 1, dampers 0.03 k, a one-sided spring of stiffness 100 with gap 1 on mass 1, force 0.1 on mass 2.
+The two masses are the published example of NLvib (Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems,
+2019): masses 1 and 1, springs 0, 1, 1, dampers 0.03 k, a one-sided spring of stiffness 100 with gap 1 on mass 1, force
+0.1 on mass 2.
 """
 
 import numpy as np
@@ -38,8 +39,8 @@ def traced(order):
 
 
 def test_resonance_of_the_two_masses():
-    # The figure quoted for this example, 0.981 near 0.754, is not that of the parameters quoted with it: order 21, order 41
-    # and shooting (next test) agree on the 0.937 below; the stop's own mass is the one that peaks at 0.754.
+    # The figure quoted for this example, 0.981 near 0.754, is not that of the parameters quoted with it: order 21,
+    # order 41 and shooting (next test) agree on the 0.937 below; the stop's own mass is the one that peaks at 0.754.
     balance, curve = traced(21)
     amplitude = second_mass(balance, curve.points)
     assert curve.points[-1, -1] == 0.5
@@ -82,7 +83,7 @@ def test_period_doubling_around_the_peak_and_neimark_sacker_below():
 
 
 def test_order_21_disputes_the_peak():
-    # Hill's matrix of order 21 does not see the period doubling of a stop this stiff; Floquet about the same orbit does.
+    # Hill's matrix of order 21 does not see the period doubling of a stop this stiff; Floquet about that orbit does.
     balance, curve = traced(21)
     place = int(np.argmax(second_mass(balance, curve.points)))
     found = assess(TWO_MASSES, "omega", curve.points[[place], -1], curve.points[[place], :-1], balance=balance)

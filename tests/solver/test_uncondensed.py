@@ -46,7 +46,7 @@ def test_condensed_solutions_solve_the_uncondensed_balance(name):
 
 @pytest.mark.parametrize("name", PAIRS)
 def test_uncondensed_solutions_are_the_condensed_ones(name):
-    """Solved by SciPy from perturbed starts; all solutions at a frequency are known, so the one reached must be there."""
+    """Solved by SciPy from perturbed starts; all solutions at a frequency are known, the one reached must be there."""
     model, draw, reached = PAIRS[name], np.random.default_rng(5), set()
     known = list(solutions(model))
     for number, (omega, mesh) in enumerate(known):

@@ -1,7 +1,7 @@
 """The dimensionless model against the dimensional one, whose forces are derived from Lambda_n by virtual work.
 
-PHYSICS, section 1: the generalised contact force on every coordinate is -F_n dLambda_n/dq. The gradient is taken here by
-complex steps from Lambda_n itself, so that no force is written down twice.
+PHYSICS, section 1: the generalised contact force on every coordinate is -F_n dLambda_n/dq. The gradient is taken here
+by complex steps from Lambda_n itself, so that no force is written down twice.
 """
 
 from dataclasses import dataclass
@@ -172,7 +172,7 @@ def test_all_three_contact_regimes_are_reached():
 
 
 def test_matrices_and_mesh_vectors_are_those_probed_from_the_dimensional_pair():
-    """Column by column, from unit changes of the state of a pair in free flight, with constant stiffness and no error."""
+    """Column by column, from unit changes of the state of a pair in free flight, of constant stiffness and no error."""
     pair = Pair.random(11)
     pair.stiffness_terms, pair.error_terms = [(0.0, 0.0)], [(0.0, 0.0)]
     model, unit, length, a3 = pair.dimensionless(), pair.frequency_unit, pair.reference_length, pair.normal[2]
@@ -256,7 +256,8 @@ def test_mean_power_of_a_solution_is_what_the_dampers_take(omega):
         x, mesh = x[1] - 1j * x[2], cosine - 1j * sine
         turning = 1j * omega * (mesh - model.direction @ x)
         given_in = 0.5 * (np.conj(turning) * model.load_harmonics(omega)[1]).real / model.rotation
-        taken = np.sum(np.array(model.xi_support) * np.abs(omega * x) ** 2) / 0.5 + model.xi_mesh * abs(omega * mesh) ** 2
+        in_supports = np.sum(np.array(model.xi_support) * np.abs(omega * x) ** 2) / 0.5
+        taken = in_supports + model.xi_mesh * abs(omega * mesh) ** 2
         assert given_in == pytest.approx(taken, rel=1e-9)
 
 

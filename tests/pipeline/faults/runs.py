@@ -15,8 +15,9 @@ from pipeline.__main__ import main
 from tests.pipeline.planes import assert_same_contents, contents
 
 __all__ = [
-    "COMMAND", "KEPT", "ROWS", "Head", "Run", "complete", "continued", "finished", "same", "start", "until", "workers_of",
-]
+    "COMMAND", "KEPT", "ROWS", "Head", "Run", "complete", "continued", "finished", "same", "start", "until",
+    "workers_of",
+]  # fmt: skip
 
 ROOT = Path(__file__).parents[3]
 ROWS = 36
@@ -66,7 +67,7 @@ def finished(folder: Path, *arguments: str, **options) -> Run:
 
 
 def continued(folder: Path, capsys) -> str:
-    """What the same command says that goes on after a harm, which it must do well; in this process, whose kernels are loaded."""
+    """What the same command says that goes on after a harm, which it must do well; in this process, kernels loaded."""
     capsys.readouterr()
     code = main([*COMMAND, "cluster=none", f"output.root={folder / 'outputs'}"])
     said = capsys.readouterr()
@@ -116,7 +117,9 @@ class Head:
         while self.address is None and time.monotonic() < deadline:
             found = re.search(r"tcp://127\.0\.0\.1:\d+", self.process.stderr.readline())
             self.address = found.group() if found else None
-        worker = [sys.executable, "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-dashboard"]
+        worker = [
+            sys.executable, "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-dashboard",
+        ]  # fmt: skip
         self.worker = subprocess.Popen(worker, stderr=subprocess.DEVNULL, **common)
         return self
 

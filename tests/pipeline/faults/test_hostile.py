@@ -49,8 +49,8 @@ class _Bomb:
 
 def test_no_pickle_is_opened(copy, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    document = dict(zarr_format=2, shape=[4], chunks=[1], dtype="|O", fill_value=None, order="C", filters=[{"id": "pickle"}],
-                    compressor=None, dimension_separator=".")  # fmt: skip
+    document = dict(zarr_format=2, shape=[4], chunks=[1], dtype="|O", fill_value=None, order="C",
+                    filters=[{"id": "pickle"}], compressor=None, dimension_separator=".")  # fmt: skip
     (copy / "message/.zarray").write_text(json.dumps(document))
     for place in range(4):
         (copy / f"message/{place}").write_bytes(pickle.dumps([_Bomb()]))
@@ -66,9 +66,12 @@ def test_no_pickle_is_opened(copy, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(("name", "changes"), [
-    ("mean", {"shape": [10**7, 10**6, 8]}), ("mean", {"data_type": "object"}), ("domain", {"codecs": [{"name": "numcodecs.pickle"}]}),
-    ("status", {"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}), ("f_e", {"shape": [10**12]}),
-    ("mine/x", {"shape": [10**12], "data_type": "float64", "node_type": "array", "zarr_format": 3, "codecs": [{"name": "bytes"}],
+    ("mean", {"shape": [10**7, 10**6, 8]}), ("mean", {"data_type": "object"}),
+    ("domain", {"codecs": [{"name": "numcodecs.pickle"}]}),
+    ("status", {"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}),
+    ("f_e", {"shape": [10**12]}),
+    ("mine/x", {"shape": [10**12], "data_type": "float64", "node_type": "array", "zarr_format": 3,
+                "codecs": [{"name": "bytes"}],
                 "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}),
     ("../escaped", {"node_type": "group", "zarr_format": 3}),
 ])  # fmt: skip
@@ -86,10 +89,12 @@ def test_claims_are_compared_with_the_plan_and_cost_nothing(copy, name, changes)
 
 
 @pytest.mark.parametrize("change", [
-    {"sweep": {"name": "omega", "low": 0.05, "high": 2.0, "num": 10**12}}, {"sweep": "x"}, {"sweep": None}, {"max_points": 10**12},
+    {"sweep": {"name": "omega", "low": 0.05, "high": 2.0, "num": 10**12}}, {"sweep": "x"}, {"sweep": None},
+    {"max_points": 10**12},
     {"parameter": {"name": "../../x", "low": 0.0, "high": 1.0, "num": 4}}, {"max_solutions": True},
     {"parameter": {"name": "f_e", "low": float("nan"), "high": 1.0, "num": 4}}, {"gear": {"b": [[[1.0]]]}}, {"gear": 7},
-    {"solver": {"order": 10**9}}, {"omega": {"a": 1}}, {"extra": 1}, {"parameter": {"name": "omega", "low": 1, "high": 2, "num": 4}},
+    {"solver": {"order": 10**9}}, {"omega": {"a": 1}}, {"extra": 1},
+    {"parameter": {"name": "omega", "low": 1, "high": 2, "num": 4}},
 ])  # fmt: skip
 def test_numbers_that_no_plan_has_are_refused(copy, change):
     numbers = {**json.loads(json.loads((copy / "zarr.json").read_text())["attributes"]["numbers"]), **change}
@@ -107,7 +112,8 @@ def test_nested_json_is_refused(copy):
 
 def test_a_stored_configuration_is_text(copy, tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("SECRET_OF_THE_READER", "swordfish")
-    retold(copy, configuration="a: ${oc.env:SECRET_OF_THE_READER}\nb: {_target_: os.mkdir, path: went-off}\n", title="${oc.env:HOME}")
+    stored = "a: ${oc.env:SECRET_OF_THE_READER}\nb: {_target_: os.mkdir, path: went-off}\n"
+    retold(copy, configuration=stored, title="${oc.env:HOME}")
     monkeypatch.chdir(tmp_path)
     code, out, err = run(tmp_path, capsys, "stages=[figures]", "figures.formats=[svg]")
     assert (code, err) == (0, "") and not (tmp_path / "went-off").exists()
@@ -151,7 +157,9 @@ def test_a_store_stays_in_its_folder(name):
         compose([f"store.name='{name}'"])
 
 
-@pytest.mark.parametrize("choice", ["plane=../x", "gear=/etc/passwd", "plane=../gear/published", "plane=omega_fe/../omega_b"])
+@pytest.mark.parametrize(
+    "choice", ["plane=../x", "gear=/etc/passwd", "plane=../gear/published", "plane=omega_fe/../omega_b"]
+)
 def test_group_choices_stay_in_their_folder(choice):
     with pytest.raises(ConfigurationError) as caught:
         compose([choice])
@@ -164,7 +172,8 @@ _LAUGHS = "a0: &a0 [1,1,1,1,1,1,1,1,1,1]\n" + "".join(
 
 
 @pytest.mark.parametrize(("text", "said"), [
-    (_LAUGHS, "repeated ones included"), ("a: &a [*a]\n", "repeated ones included"), ("a: " + "[" * 5000, "nested deeper"),
+    (_LAUGHS, "repeated ones included"), ("a: &a [*a]\n", "repeated ones included"),
+    ("a: " + "[" * 5000, "nested deeper"),
     ("a: !!python/object/apply:os.mkdir [went-off]\n", "names no plain data"), ("a: !evil 1\n", "names no plain data"),
     ("a: [", "must be YAML"), ("b: 1\n" * 300_000, "bytes long"), ("\x00", "must be YAML"),
 ])  # fmt: skip
@@ -181,7 +190,8 @@ def test_configuration_files_are_plain_and_small(tmp_path, monkeypatch, capsys, 
 def test_configuration_files_run_nothing(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "theirs/gear").mkdir(parents=True)
-    (tmp_path / "theirs/gear/odd.yaml").write_text("defaults: [published, _self_]\n_target_: os.mkdir\npath: went-off\n")
+    odd = "defaults: [published, _self_]\n_target_: os.mkdir\npath: went-off\n"
+    (tmp_path / "theirs/gear/odd.yaml").write_text(odd)
     code = main(["--config-dir", "theirs", "gear=odd", "stages=[sweep]"])
     err = capsys.readouterr().err
     assert code == 2 and len(err.splitlines()) == 1 and "gear._target_" in err
@@ -189,7 +199,8 @@ def test_configuration_files_run_nothing(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("text", [
-    "__import__('os').mkdir('x')", "1 m**9999999", "1 " + "m*" * 40 + "m", "1e999 m", "9" * 5000 + " m", "1 m;1", "[1,2] m", "1 m^4^4^4",
+    "__import__('os').mkdir('x')", "1 m**9999999", "1 " + "m*" * 40 + "m", "1e999 m", "9" * 5000 + " m", "1 m;1",
+    "[1,2] m", "1 m^4^4^4",
 ])  # fmt: skip
 def test_units_evaluate_nothing(text):
     with pytest.raises(ConfigurationError) as caught:
@@ -224,8 +235,11 @@ def _older(path: Path, version: int) -> None:
     made.create_group("branches", attributes={"coordinates": "omega"})
     for name, array in arrays.items():
         kind = "str" if array.dtype.kind in "TO" else array.dtype
-        made.create_array(name, shape=array.shape, chunks=array.chunks, dtype=kind, fill_value=array.fill_value,
-                          dimension_names=array.metadata.dimension_names, attributes=dict(array.attrs))[...] = array[...]  # fmt: skip
+        older = made.create_array(
+            name, shape=array.shape, chunks=array.chunks, dtype=kind, fill_value=array.fill_value,
+            dimension_names=array.metadata.dimension_names, attributes=dict(array.attrs),
+        )  # fmt: skip
+        older[...] = array[...]
     store.consolidate(draft)
     shutil.rmtree(path)
     draft.rename(path)

@@ -1,4 +1,4 @@
-"""kill -9 at seeded moments all over the sweep: the store that comes of it in the end is the undisturbed one, bit by bit."""
+"""kill -9 at seeded moments all over the sweep: the store that comes of it is the undisturbed one, bit by bit."""
 
 import os
 import random

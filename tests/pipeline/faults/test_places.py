@@ -47,7 +47,8 @@ def small_disk(tmp_path):
     """A file system of sixteen megabytes; its own mount, which ends with the test."""
     folder = tmp_path / "disk"
     folder.mkdir()
-    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16m", "tmpfs", str(folder)], capture_output=True, text=True)
+    mount = ["mount", "-t", "tmpfs", "-o", "size=16m", "tmpfs", str(folder)]
+    made = subprocess.run(mount, capture_output=True, text=True)
     if made.returncode:
         pytest.skip(f"no file system can be mounted here: {made.stderr.strip()}")
     yield folder
@@ -130,7 +131,8 @@ def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed
     # The others of a multirun have their turn.
     shutil.copytree(undisturbed, first.path.with_name("other.zarr"))
     code, out, err = run_here(tmp_path, capsys, "-m", "stages=[sweep]", "store.name=plane,other")
-    assert code == 2 and len(err.splitlines()) == 1 and "is in use by" in err and "other.zarr already, nothing to do" in out
+    assert code == 2 and len(err.splitlines()) == 1 and "is in use by" in err
+    assert "other.zarr already, nothing to do" in out
     threading.Timer(2.0, first.process.send_signal, [signal.SIGCONT]).start()
     code, out, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.wait=true")
     assert (code, err) == (0, "") and f"is in use by process {first.process.pid}" in out and "nothing to do" in out
@@ -155,7 +157,8 @@ def test_a_lock_that_nobody_holds_is_recognised(tmp_path, undisturbed, capsys):
     path = tmp_path / "outputs/store/plane.zarr"
     shutil.copytree(undisturbed, path)
     lock = path.with_name(".plane.zarr.lock")
-    for text in (json.dumps({"host": "elsewhere", "pid": 7, "since": "2020-01-01T00:00:00+00:00"}), "[" * 10_000, '{"pid": "x"}'):
+    elsewhere = json.dumps({"host": "elsewhere", "pid": 7, "since": "2020-01-01T00:00:00+00:00"})
+    for text in (elsewhere, "[" * 10_000, '{"pid": "x"}'):
         lock.write_text(text)
         code, out, err = run_here(tmp_path, capsys, "stages=[sweep]")
         assert (code, err) == (0, "") and f"ended without letting go of {path}, going on" in out and not lock.exists()

@@ -94,7 +94,9 @@ def test_margins_and_their_gradients(model, omega, balance, seed):
     values, gradient = observed(y)
     low, high = balance.extremes(u)
     np.testing.assert_allclose(values[1:], [low - 0.7, low + 0.7, high - 0.7, high + 0.7], rtol=0, atol=1e-13)
-    expected = np.column_stack([difference(lambda x, row=row: observed(y + x * row)[0], 0.0, 1e-5) for row in np.eye(y.size)])
+    expected = np.column_stack([
+        difference(lambda x, row=row: observed(y + x * row)[0], 0.0, 1e-5) for row in np.eye(y.size)
+    ])  # fmt: skip
     sample = np.sort(balance.displacement(u, np.linspace(0.0, 2.0 * np.pi, 3000)))
     # Two extremes of equal height make a kink.
     assume(sample[0] < sample[1] or balance.harmonics == 1)
@@ -180,7 +182,9 @@ def test_the_degree_is_what_the_signs_of_all_solutions_add_up_to():
     np.testing.assert_array_equal(balance.degree(problem, np.linspace(0.05, 2.0, 40)), 1.0)
 
 
-@pytest.mark.parametrize("bad", [{"order": 0}, {"order": 65}, {"order": 2.0}, {"period": 0}, {"period": 5}, {"order": True}])
+@pytest.mark.parametrize(
+    "bad", [{"order": 0}, {"order": 65}, {"order": 2.0}, {"period": 0}, {"period": 5}, {"order": True}]
+)
 def test_bad_orders_are_refused(bad):
     (name,) = bad
     with pytest.raises(ParameterError, match=f"^{name} = .* is not allowed: it must be a whole number from 1 to"):

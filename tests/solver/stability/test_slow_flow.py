@@ -1,8 +1,9 @@
-"""The weakly nonlinear limit, in which the oscillator is Duffing's: multipliers of both branches from the averaged flow.
+"""The weakly nonlinear limit, in which the oscillator is Duffing's: multipliers of both branches by averaging.
 
-x'' + 2 xi x' + f(x) = F cos(Omega tau) with a gap that is small against the amplitude. With x = Re(A exp(i Omega tau)) and the
-gain N(a) of the gap, 2i Omega A' + (N(|A|) - Omega^2 + 2i xi Omega) A = F for slow A (Krylov and Bogoliubov). About a steady
-motion of amplitude a, r = a N'(a)/2 and p = N - Omega^2 + r, its exponents are -xi +- sqrt(r^2 - p^2)/(2 Omega).
+x'' + 2 xi x' + f(x) = F cos(Omega tau) with a gap that is small against the amplitude. With x = Re(A exp(i Omega tau))
+and the gain N(a) of the gap, 2i Omega A' + (N(|A|) - Omega^2 + 2i xi Omega) A = F for slow A (Krylov and Bogoliubov).
+About a steady motion of amplitude a, r = a N'(a)/2 and p = N - Omega^2 + r, its exponents are
+-xi +- sqrt(r^2 - p^2)/(2 Omega).
 """
 
 import cmath
