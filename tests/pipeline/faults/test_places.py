@@ -9,7 +9,6 @@ import shutil
 import signal
 import subprocess
 import threading
-import time
 
 import pytest
 
@@ -144,11 +143,16 @@ def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed
 def test_waiting_for_a_killed_run_goes_on_with_its_work(tmp_path, undisturbed):
     first = start(tmp_path, "cluster=none")
     until(first, 3)
+    first.process.send_signal(signal.SIGSTOP)
     second = start(tmp_path, "cluster=none", "store.wait=true")
-    time.sleep(3.0)
+    said = []
+    while not said or "waiting" not in said[-1]:
+        said.append(second.process.stdout.readline())
+        assert said[-1], said
+    assert f"is in use by process {first.process.pid} on" in said[-1]
     first.process.kill()
     second.end()
-    assert (second.code, second.err) == (0, "") and f"process {first.process.pid}" in second.out
+    assert (second.code, second.err) == (0, "") and "sweep: continues: " in second.out
     first.end()
     same(first.path, undisturbed)
 
