@@ -46,17 +46,22 @@ class Arcs:
         corners = (self.start, self.start + self.leave / 3.0, self.end - self.arrive / 3.0, self.end)
         return np.stack([corner[:, 3:] for corner in corners], axis=1)
 
+    def turns(self, axis: int) -> np.ndarray:
+        """t where component `axis` (3: x, 4: p) turns round, (m, 2) ascending; 0 where it does so less often."""
+        p, q, u, v = (part[:, axis] for part in (self.start, self.end, self.leave, self.arrive))
+        a, b = 3.0 * (2.0 * (p - q) + u + v), 3.0 * (q - p) - 2.0 * u - v
+        with np.errstate(all="ignore"):
+            root = np.sqrt(b * b - a * u)
+            # The stable one of the two forms of each root.
+            far = -(b + np.where(b < 0.0, -root, root))
+            found = np.stack([far / a, u / far], axis=1)
+        return np.sort(np.where((found > 0.0) & (found < 1.0), found, 0.0), axis=1)
+
     def crossings(self, axis: int, values: np.ndarray) -> "Crossings":
         """Where the arcs meet lines on which component `axis` (3: x, 4: p) has one of the ascending values."""
-        p, q, u, v = (part[:, axis] for part in (self.start, self.end, self.leave, self.arrive))
+        p, q = self.start[:, axis], self.end[:, axis]
         # Cut where the component turns round: between cuts it is monotonic.
-        a, b, c = 3.0 * (2.0 * (p - q) + u + v), 3.0 * (q - p) - 2.0 * u - v, u
-        with np.errstate(all="ignore"):
-            root = np.sqrt(b * b - a * c)
-            far = -(b + np.where(b < 0.0, -root, root))
-            turns = np.sort(np.stack([far / a, c / far], axis=1), axis=1)
-        turns = np.where((turns > 0.0) & (turns < 1.0), turns, 0.0)
-        cuts = np.concatenate([np.zeros((p.size, 1)), np.sort(turns, axis=1), np.ones((p.size, 1))], axis=1)
+        cuts = np.concatenate([np.zeros((p.size, 1)), self.turns(axis), np.ones((p.size, 1))], axis=1)
         number = np.repeat(np.arange(p.size), 3)
         low, high = cuts[:, :-1].ravel(), cuts[:, 1:].ravel()
         number, low, high = (part[high > low] for part in (number, low, high))

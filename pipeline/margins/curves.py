@@ -51,18 +51,11 @@ class Boundaries:
         Between two of these an arc is monotonic in both.
         """
         places, kinds = [self.arcs.start[:, X:], self.arcs.end[:, X:]], [self.kinds, self.kinds]
-        p, q, u, v = (getattr(self.arcs, name)[:, X:] for name in _ENDS)
-        a, b = 3.0 * (2.0 * (p - q) + u + v), 3.0 * (q - p) - 2.0 * u - v
-        for component in (0, 1):
-            for sign in (-1.0, 1.0):
-                with np.errstate(all="ignore"):
-                    root = np.sqrt(b[:, component] ** 2 - a[:, component] * u[:, component])
-                    # The stable one of the two forms of each root.
-                    sum_ = -(b[:, component] + np.where(b[:, component] < 0.0, -root, root))
-                    t = sum_ / a[:, component] if sign < 0.0 else u[:, component] / sum_
-                number = np.flatnonzero((t > 0.0) & (t < 1.0))
-                places.append(self.arcs.at(number, t[number])[:, X:])
-                kinds.append(self.kinds[number])
+        for axis in (X, P):
+            turns = self.arcs.turns(axis)
+            number, which = np.nonzero(turns)
+            places.append(self.arcs.at(number, turns[number, which])[:, X:])
+            kinds.append(self.kinds[number])
         return np.concatenate(places), np.concatenate(kinds)
 
 

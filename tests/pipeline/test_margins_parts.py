@@ -56,6 +56,27 @@ def test_boxes_between_straight_boundaries(ends):
             assert width * (down + up) <= box.area + 2e-3
 
 
+slope = st.floats(-6.0, 6.0).map(lambda value: round(value, 2))
+
+
+@given(st.tuples(unit, unit, unit, unit), st.tuples(slope, slope, slope, slope))
+def test_between_marked_places_an_arc_is_monotonic(ends, slopes):
+    """An arc never goes beyond what is marked of it, in x or in p, and its turns are where its samples turn."""
+    corners = [np.array([[0.0, 0.0, 0.0, *pair]]) for pair in (ends[:2], ends[2:], slopes[:2], slopes[2:])]
+    boundaries = Boundaries(Arcs(*corners), np.array([Event.FOLD]))
+    places, kinds = boundaries.marked
+    assert len(places) == len(kinds) and set(kinds) == {Event.FOLD}
+    t = np.linspace(0.0, 1.0, 2001)
+    samples = boundaries.arcs.at(np.zeros(t.size, int), t)[:, 3:]
+    for axis in (0, 1):
+        assert np.min(places[:, axis]) <= np.min(samples[:, axis]) + 1e-12
+        assert np.max(places[:, axis]) >= np.max(samples[:, axis]) - 1e-12
+        rising = np.diff(samples[:, axis]) > 0.0
+        seen = t[1:-1][rising[1:] != rising[:-1]] if np.ptp(samples[:, axis]) > 1e-6 else []
+        turns = boundaries.arcs.turns(3 + axis)
+        assert all(np.min(np.abs(turns - place)) < 1e-3 for place in seen)
+
+
 def test_severity():
     assert doctest.testmod(pipeline.margins.worst).failed == 0
     assert severity("1/2") > severity("3/0-1") > severity("2/0-1") > severity("1/1") > severity("2/0") > severity("1/0")

@@ -20,6 +20,7 @@ def test_the_example_runs():
     assert doctest.testmod(pipeline.regions).failed == 0
 
 
+@pytest.mark.slow
 def test_thresholds_do_not_depend_on_the_raster(stored):
     """PHYSICS section 7: 12 rows suffice for what the article reads off a fine map."""
     (found,) = pipeline.thresholds(stored, "1/1", window=(0.9, 2.0))

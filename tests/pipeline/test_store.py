@@ -198,12 +198,12 @@ def test_an_unforeseen_error_in_a_row_is_recorded_by_name(tmp_path, monkeypatch)
 
 
 def test_results_do_not_depend_on_blocks_or_order(tmp_path):
-    plan = small_plan(columns=41, rows=20)
+    plan = small_plan(columns=41, rows=12)
     forward = small_store(tmp_path / "forward.zarr", plan)
     backward = small_store(tmp_path / "backward.zarr", plan, list(reversed(plan.blocks)))
-    single = small_plan(columns=41, rows=20)
+    single = small_plan(columns=41, rows=12)
     alone = small_store(tmp_path / "alone.zarr", single, [])
-    for row in range(20):
+    for row in range(12):
         sweep_block(str(alone), single, Block(row, row + 1))
     expected = contents(forward)
     for path in (backward, alone):

@@ -21,7 +21,7 @@ from solver.condensation import axis_vectors
 from solver.crossings import curve_crossings
 from solver.enumeration import Solutions
 from solver.harmonic.first_order import evaluate, linear_solution
-from tests.conftest import MODELS, antiphase, consistent, published
+from tests.conftest import MODELS, antiphase, consistent, published, slow_but
 from tests.solver.dense_search import dense_search
 
 
@@ -89,7 +89,7 @@ def test_five_solutions_between_the_two_folds():
         assert len(all_solutions(antiphase(), omega).mean) == 3
 
 
-@pytest.mark.parametrize("name", sorted(MODELS))
+@pytest.mark.parametrize(("name",), slow_but([("antiphase",)], [(name,) for name in sorted(MODELS)]))
 def test_agrees_with_a_dense_search(name):
     rng = np.random.default_rng(sum(map(ord, name)))
     for _ in range(15):

@@ -45,7 +45,7 @@ def test_five_solutions_of_first_order_are_three_at_order_five():
     assert abs(folds[1][0] / 1.256714 - 1.0) == pytest.approx(0.024, abs=0.002)
 
 
-@pytest.mark.parametrize(("omega", "which"), slow_but([(0.6, 2), (1.3, 0)], [(0.6, 0), (0.6, 2), (0.62, 0), (1.3, 0)]))
+@pytest.mark.parametrize(("omega", "which"), slow_but([(0.6, 2)], [(0.6, 0), (0.6, 2), (0.62, 0), (1.3, 0)]))
 def test_high_orders_are_shooting_s_orbits(omega, which):
     model = published()
     grid = np.array([omega - 0.1, omega, omega + 0.1])
