@@ -52,7 +52,7 @@ class Settings:
         return self.name_of(self.choices["plane"]) if name is None else name
 
     def name_of(self, plane: str) -> str:
-        """Default name of a plane's store: -<gear> but published, -<quality> but paper, -order<H> and -period<nu>."""
+        """Default name of a store: -<gear> unless published, -<quality> unless paper, -order<H> and -period<nu>."""
         extras = [(self.choices["gear"], "published"), (self.choices["quality"], "paper")]
         words = [plane, *(name for name, usual in extras if name != usual)]
         if self.config.solver.balance != "describing_function":
