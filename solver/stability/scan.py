@@ -29,6 +29,8 @@ _TURN = 1.5
 _PARTS = 8
 # Into how many parts the distance between two nodes is divided to see where on the axis the determinant is smallest.
 _LOOKS = 12
+# How far from the straight line between two points of a branch an exponent may be on its way, in units of the frequency.
+_BEND = 0.01
 # Windings are whole, or half next to a fold or a period doubling, up to rounding.
 _CROSSED = 0.75
 
@@ -171,10 +173,10 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
         x = min(max(x, low + margin), high - margin)
         if land_between(setup, left, right, arc, x, found) < 0:
             return -1.0
-        # Another exponent may be close by: the path of this one is known at both ends of the bracket.
+        # Another exponent may be close by: the path of this one is known at both ends of the bracket, and bends between.
         expected = at_low + (x - low) / (high - low) * (at_high - at_low)
         z = _exponent(setup.theta, setup.direction, found[: n + 1], window, expected)
-        if not math.isfinite(z.real) or abs(z - expected) > abs(at_high - at_low) + 1e-6:
+        if not math.isfinite(z.real) or abs(z - expected) > abs(at_high - at_low) + _BEND * (high - low) + 1e-6:
             return -1.0
         if abs(z.imag) <= 1e-13 or (high - low) * arc <= 1e-13:
             break

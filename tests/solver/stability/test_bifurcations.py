@@ -12,6 +12,7 @@ from solver.stability.instability import Instability
 from tests.conftest import antiphase, consistent, published
 from tests.solver.stability.floquet_reference import hill_exponents, multipliers
 from tests.solver.stability.rows import branch
+from tests.solver.strategies import random_model
 
 COUPLING = 0.93969262
 #: The first has a period doubling in permanent contact (PHYSICS, section 8), the second a Neimark-Sacker.
@@ -190,3 +191,13 @@ def test_an_exponent_close_to_the_axis_is_seen_on_its_side(phase):
     (crossing,) = crossings[np.abs(crossings - 1.8) < 0.1]
     behind = np.searchsorted(row.grid, crossing)
     assert row.instability[behind - 1, 0] == Instability.NEIMARK_SACKER != row.instability[behind, 0]
+
+
+def test_an_exponent_that_bends_on_its_way_across_the_axis_is_located():
+    """Between two points of this branch it moves by less than it leaves the straight line between its ends."""
+    balance, model = DescribingFunction(), random_model(206020430, f_pm=0.99964, b=1.99922)
+    row = sweep_row(model, "omega", np.linspace(0.05, 2.0, 14))
+    (y,) = [y for curve in row.curves for y in at(curve, Event.NEIMARK_SACKER) if abs(y[-1] - 0.65) < 0.01]
+    shares = critical_frequencies(balance, balance.problem(model, "omega", 0.05, 2.0), y)
+    assert np.min(np.abs(shares - 0.125)) < 1e-3
+    assert gap(hill_exponents(model, y[-1], y[:-1], np.arange(-1, 2), True), 1j * shares[0] * y[-1]) < 1e-7
