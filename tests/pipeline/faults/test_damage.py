@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 from pipeline import groups, store
 from pipeline.__main__ import main
 from pipeline.store.arrays import arrays_of
+from pipeline.sweep import sweep_block
 from tests.pipeline.faults.runs import COMMAND, continued, same
+from tests.pipeline.planes import small_plan, small_store
 
 _GROUP = "boundaries"
 _SHARED = [word for word in COMMAND if not word.startswith("stages=")]
@@ -220,3 +222,22 @@ def test_chunks_without_a_store_are_made_again(undisturbed, tmp_path, capsys):
     shutil.copytree(undisturbed / "mean/c/3", path / "mean/c/3")
     continued(tmp_path, capsys)
     same(path, undisturbed)
+
+
+@pytest.mark.parametrize("kind", ["flipped", "truncated", "empty"])
+def test_a_last_block_that_fills_its_chunk_in_part_is_mended(tmp_path, kind):
+    """What is written to such a chunk goes into what is read from it."""
+    plan = small_plan(columns=9, rows=17)
+    last = plan.blocks[-1]
+    assert last.stop - last.start < plan.rows_per_block
+    path = small_store(tmp_path / "plane.zarr", plan)
+    whole = Path(shutil.copytree(path, tmp_path / "whole.zarr"))
+    harm(path / f"status/c/{len(plan.blocks) - 1}", kind)
+    harm(path / f"mean/c/{len(plan.blocks) - 1}/0/0", kind)
+    damage = store.find_damage(path)
+    assert {item.block for item in damage} == {last} and len(damage) == 2
+    store.mend(path, damage)
+    assert store.pending_blocks(path, plan) == [last]
+    sweep_block(str(path), plan, last)
+    assert store.find_damage(path) == []
+    same(path, whole)
