@@ -42,8 +42,9 @@ def residual(model: Model):
         f_1 = gain * fundamental
         below, above = stiffness @ mean, (stiffness - omega**2 * mass + 1j * omega * damping) @ (cosine - 1j * sine)
         for vector, share in (
-            (along_translation, model.variation_translation), (along_rotation, model.variation_rotation),
-        ):  # fmt: skip
+            (along_translation, model.variation_translation),
+            (along_rotation, model.variation_rotation),
+        ):
             varying = share * wave
             below = below + vector * (f_0 + 0.5 * (varying * np.conj(f_1)).real)
             above = above + vector * (f_1 + varying * f_0)
@@ -117,11 +118,25 @@ def runge_kutta_sweep(model: Model, grid: np.ndarray, periods: int = PERIODS, st
     for i, omega in enumerate(there_and_back(grid)):
         constant, first = model.load_harmonics(omega)
         numbers = (
-            model.b, wave, phase, model.variation_translation, model.variation_rotation,
-            constant.real, first.real, -first.imag,
-        )  # fmt: skip
+            model.b,
+            wave,
+            phase,
+            model.variation_translation,
+            model.variation_rotation,
+            constant.real,
+            first.real,
+            -first.imag,
+        )
         amplitudes[i] = _integrate(
-            state, omega, periods, steps, inverse @ stiffness, inverse @ damping, translation, rotation,
-            np.ascontiguousarray(inverse[:, 6]), numbers,
-        )  # fmt: skip
+            state,
+            omega,
+            periods,
+            steps,
+            inverse @ stiffness,
+            inverse @ damping,
+            translation,
+            rotation,
+            np.ascontiguousarray(inverse[:, 6]),
+            numbers,
+        )
     return amplitudes

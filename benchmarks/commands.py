@@ -20,9 +20,12 @@ def run(folder: Path, *arguments: str, **environment: str) -> float:
     """Seconds of one command."""
     begin = time.perf_counter()
     result = subprocess.run(
-        [sys.executable, "-m", "pipeline", "plane=omega_fe", *arguments], cwd=folder, capture_output=True, text=True,
+        [sys.executable, "-m", "pipeline", "plane=omega_fe", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
         env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
-    )  # fmt: skip
+    )
     if result.returncode != 0:
         raise SystemExit(result.stdout + result.stderr)
     return time.perf_counter() - begin
@@ -72,6 +75,11 @@ def _stored(path: Path, folder: Path, repeats: int, job: dict[str, float]) -> li
     return [
         Measurement("boundaries", f"all boundary curves of {columns} x {rows}, traced and stored", "s", traced, job),
         Measurement("figure", f"one PNG of {columns} x {rows}, mean of {pictures}", "s", drawing, job),
-        Measurement("cell", f"{columns} x {rows} on disk, branches and boundaries included", "B/cell", (size,),
-                    {"uncompressed": planned.bytes / (rows * columns)}),
-    ]  # fmt: skip
+        Measurement(
+            "cell",
+            f"{columns} x {rows} on disk, branches and boundaries included",
+            "B/cell",
+            (size,),
+            {"uncompressed": planned.bytes / (rows * columns)},
+        ),
+    ]

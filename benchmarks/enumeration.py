@@ -19,9 +19,13 @@ def kernel_times(model) -> np.ndarray:
     """Seconds per point of the compiled kernel alone, the best of five runs each."""
     theta, direction = axis_vectors(model, "omega")
     arrays = (
-        np.empty((1, MOST, 3)), np.empty((1, MOST)), np.empty((1, MOST), np.int8), np.empty(1, np.int64),
-        np.empty(1, np.int8), np.empty(1, np.int8),
-    )  # fmt: skip
+        np.empty((1, MOST, 3)),
+        np.empty((1, MOST)),
+        np.empty((1, MOST), np.int8),
+        np.empty(1, np.int64),
+        np.empty(1, np.int8),
+        np.empty(1, np.int8),
+    )
     times = np.full(POINTS, np.inf)
     for i, omega in enumerate(np.linspace(0.05, 2.0, POINTS)):
         for _ in range(5):

@@ -81,9 +81,15 @@ class Measurement:
         """For JSON."""
         ratios = {name: {"value": value, "ratio": value / self.median} for name, value in self.baselines.items()}
         return {
-            "name": self.name, "what": self.what, "unit": self.unit, "median": self.median, "lowest": min(self.values),
-            "highest": max(self.values), "repeats": len(self.values), "baselines": ratios,
-        }  # fmt: skip
+            "name": self.name,
+            "what": self.what,
+            "unit": self.unit,
+            "median": self.median,
+            "lowest": min(self.values),
+            "highest": max(self.values),
+            "repeats": len(self.values),
+            "baselines": ratios,
+        }
 
 
 def timed(action: Callable[[], object], repeats: int, scale: float = 1.0) -> tuple[float, ...]:

@@ -29,7 +29,7 @@ def measure_numerics(sizes: Sizes) -> tuple[list[Measurement], Baselines]:
     slow = {
         name: _once(lambda sweep=sweep: sweep(model, grid)) / (2 * grid.size)
         for name, sweep in (("fsolve", fsolve_sweep), ("runge_kutta", runge_kutta_sweep))
-    }  # fmt: skip
+    }
     baselines = Baselines(**slow)
     per_point = {name: 1e6 * seconds for name, seconds in slow.items()}
     per_row = {name: 1e3 * seconds for name, seconds in baselines.of(sizes.columns).items()}
@@ -63,9 +63,13 @@ def _enumeration(model, grid: np.ndarray, sizes: Sizes, baselines) -> Measuremen
     theta, direction = axis_vectors(model, "omega")
     size = grid.size
     arrays = (
-        np.empty((size, MOST, 3)), np.empty((size, MOST)), np.empty((size, MOST), np.int8), np.empty(size, np.int64),
-        np.empty(size, np.int8), np.empty(size, np.int8),
-    )  # fmt: skip
+        np.empty((size, MOST, 3)),
+        np.empty((size, MOST)),
+        np.empty((size, MOST), np.int8),
+        np.empty(size, np.int64),
+        np.empty(size, np.int8),
+        np.empty(size, np.int8),
+    )
     values = timed(lambda: enumerate_points(theta, direction, grid, 100.0, *arrays), sizes.repeats, 1e6 / size)
     return Measurement("enumeration", "every solution at a point, proven", "us", values, baselines)
 

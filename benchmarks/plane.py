@@ -19,9 +19,12 @@ def run(folder: Path, *arguments: str, **environment: str) -> tuple[float, float
     command = [sys.executable, "-m", "pipeline", "plane=omega_fe", *arguments]
     begin = time.perf_counter()
     process = subprocess.Popen(
-        command, cwd=folder, stdout=subprocess.PIPE, text=True,
+        command,
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        text=True,
         env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
-    )  # fmt: skip
+    )
     peak, family = 0.0, psutil.Process(process.pid)
     while process.poll() is None:
         try:

@@ -23,12 +23,18 @@ def document(measurements: list[Measurement], quick: bool, seconds: float) -> di
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
         "quick": quick,
         "seconds": seconds,
-        "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform(),
-                    "load": os.getloadavg()[0]},
-        "versions": {"python": platform.python_version(),
-                     **{package: metadata.version(package) for package in _PACKAGES}},
+        "machine": {
+            "processor": _processor(),
+            "cores": os.cpu_count(),
+            "system": platform.platform(),
+            "load": os.getloadavg()[0],
+        },
+        "versions": {
+            "python": platform.python_version(),
+            **{package: metadata.version(package) for package in _PACKAGES},
+        },
         "measurements": [measurement.plain for measurement in measurements],
-    }  # fmt: skip
+    }
 
 
 def _processor() -> str:
@@ -57,9 +63,12 @@ def table(found: dict) -> str:
             f"{' | '.join(ratios)} |"
         )
     machine = found["machine"]
-    lines += ["", f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end; "
-                  f"{found['seconds']:.0f} s in all. "
-                  "Columns three and four: the same job by the baseline, on one core, as a multiple."]  # fmt: skip
+    lines += [
+        "",
+        f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end; "
+        f"{found['seconds']:.0f} s in all. "
+        "Columns three and four: the same job by the baseline, on one core, as a multiple.",
+    ]
     return "\n".join(lines)
 
 

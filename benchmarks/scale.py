@@ -39,9 +39,16 @@ def measure(folder: Path, columns: int, rows: int, layers: int | None, limit: fl
     name = "x".join(str(size) for size in (columns, rows, layers) if size)
     plane = ["plane=omega_b_fe", f"plane.parameter2.num={layers}"] if layers else ["plane=omega_fe"]
     command = [
-        sys.executable, "-m", "pipeline", *plane, f"plane.sweep.num={columns}", f"plane.parameter.num={rows}",
-        f"store.name={name}", "store.max_points=4096", "stages=[sweep]",
-    ]  # fmt: skip
+        sys.executable,
+        "-m",
+        "pipeline",
+        *plane,
+        f"plane.sweep.num={columns}",
+        f"plane.parameter.num={rows}",
+        f"store.name={name}",
+        "store.max_points=4096",
+        "stages=[sweep]",
+    ]
     # Into a file: a pipe that nobody reads would stop the run.
     with (folder / f"{name}.log").open("w") as log:
         process = subprocess.Popen(command, cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, stdout=log)
@@ -126,10 +133,13 @@ def compare(rows: int, repeats: int) -> None:
             for workers in (1, 2):
                 effort = crew(Path(scratch), workers, rows)
                 efforts[workers].append(effort)
-                print(f"  {workers} workers: {effort.wall:6.2f} s, "
-                      f"{1.0 - busy_share(effort, workers):5.1%} not in rows, "
-                      f"processor {effort.workers:.2f} s workers, {effort.client:.2f} s client and scheduler, "
-                      f"load {os.getloadavg()[0]:.1f}", flush=True)  # fmt: skip
+                print(
+                    f"  {workers} workers: {effort.wall:6.2f} s, "
+                    f"{1.0 - busy_share(effort, workers):5.1%} not in rows, "
+                    f"processor {effort.workers:.2f} s workers, {effort.client:.2f} s client and scheduler, "
+                    f"load {os.getloadavg()[0]:.1f}",
+                    flush=True,
+                )
     pairs = list(zip(efforts[1], efforts[2], strict=True))
     by_wall = statistics.median(one.wall / (2 * two.wall) for one, two in pairs)
     by_work = statistics.median(
@@ -142,8 +152,10 @@ def compare(rows: int, repeats: int) -> None:
     for workers in (1, 2):
         idle = statistics.median(1.0 - busy_share(effort, workers) for effort in efforts[workers])
         client = statistics.median(effort.client / effort.workers for effort in efforts[workers])
-        print(f"on {workers}: {idle:.1%} of workers x wall clock not in rows; client and scheduler use {client:.1%} of "
-              f"the workers' processor time")  # fmt: skip
+        print(
+            f"on {workers}: {idle:.1%} of workers x wall clock not in rows; client and scheduler use {client:.1%} of "
+            f"the workers' processor time"
+        )
 
 
 def busy_share(effort: Effort, workers: int) -> float:

@@ -29,9 +29,17 @@ __all__ = ["StoredBasins", "basin_task", "measure", "read_basins", "write_sheet"
 GROUP = "basins"
 
 _PLACES = {"row": "int32", "column": "int32", "x": "float64", "p": "float64", "n_attractors": "int32"}
-_FOUND = {"attractor_code": "int16", "count": "int32", "share": "float64", "share_low": "float64",
-          "share_high": "float64", "period": "int32", "mean": "float64", "amplitude": "float64",
-          "lyapunov": "float64"}  # fmt: skip
+_FOUND = {
+    "attractor_code": "int16",
+    "count": "int32",
+    "share": "float64",
+    "share_low": "float64",
+    "share_high": "float64",
+    "period": "int32",
+    "mean": "float64",
+    "amplitude": "float64",
+    "lyapunov": "float64",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +75,18 @@ def basin_task(plan: Plan, x: float, p: float, options: Basins) -> list[dict]:
     )
     return [
         {
-            "attractor_code": attractor_code(one.attractor), "count": one.count, "share": one.share,
-            "share_low": one.low, "share_high": one.high, "period": one.attractor.period, "mean": one.attractor.mean,
-            "amplitude": one.attractor.amplitude, "lyapunov": one.attractor.lyapunov,
+            "attractor_code": attractor_code(one.attractor),
+            "count": one.count,
+            "share": one.share,
+            "share_low": one.low,
+            "share_high": one.high,
+            "period": one.attractor.period,
+            "mean": one.attractor.mean,
+            "amplitude": one.attractor.amplitude,
+            "lyapunov": one.attractor.lyapunov,
         }
         for one in shares
-    ]  # fmt: skip
+    ]
 
 
 def measure(
@@ -104,8 +118,10 @@ def measure(
     rows = [results[spot] for spot in spots]
     places["n_attractors"] = np.array([len(row) for row in rows], dtype=np.int32)
     most = max(map(len, rows), default=0)
-    found = {name: np.zeros((len(rows), most), kind) if kind.startswith("int") else np.full((len(rows), most), np.nan)
-             for name, kind in _FOUND.items()}  # fmt: skip
+    found = {
+        name: np.zeros((len(rows), most), kind) if kind.startswith("int") else np.full((len(rows), most), np.nan)
+        for name, kind in _FOUND.items()
+    }
     for i, row in enumerate(rows):
         for j, one in enumerate(row):
             for name, values in found.items():
@@ -132,7 +148,8 @@ def _write(path: Path, plan: Plan, found: StoredBasins, options: Basins) -> None
     described = {
         "row": {"long_name": "index of the row; -1: a point that was given"},
         "column": {"long_name": "index of the column; -1: a point that was given"},
-        "x": store.axis_attributes(x), "p": store.axis_attributes(p),
+        "x": store.axis_attributes(x),
+        "p": store.axis_attributes(p),
         "n_attractors": {"long_name": "number of attractors reached", "units": "1"},
         "attractor_code": {"long_name": "kind and impact state of the attractor; 0: none", **attractor_flags()},
         "count": {"long_name": "initial states that reached the attractor", "units": "1"},
@@ -143,17 +160,26 @@ def _write(path: Path, plan: Plan, found: StoredBasins, options: Basins) -> None
         "mean": {"long_name": "mean of the attractor", "units": "1"},
         "amplitude": {"long_name": "amplitude of the fundamental of the attractor", "units": "1"},
         "lyapunov": {"long_name": "largest Lyapunov exponent per unit of time", "units": "1"},
-    }  # fmt: skip
+    }
     # Places are coordinates, and carry other names than the plane's axes, which are coordinates of other dimensions.
     stored = {"x": f"cell_{x}", "p": f"cell_{p}"}
-    variables = {stored.get(name, name): groups.Variable("cell", kind, found.places[name], described[name])
-                 for name, kind in _PLACES.items()}  # fmt: skip
-    variables |= {name: groups.Variable(("cell", "attractor"), kind, found.found[name], described[name])
-                  for name, kind in _FOUND.items()}  # fmt: skip
+    variables = {
+        stored.get(name, name): groups.Variable("cell", kind, found.places[name], described[name])
+        for name, kind in _PLACES.items()
+    }
+    variables |= {
+        name: groups.Variable(("cell", "attractor"), kind, found.found[name], described[name])
+        for name, kind in _FOUND.items()
+    }
     variables["message"] = groups.Variable("cell", "str", found.messages, {"long_name": "why it failed, else empty"})
     settings = {key: value for key, value in dataclasses.asdict(options).items() if value is not None}
-    attributes = {"coordinates": f"cell_{x} cell_{p}", "configuration_hash": plan.digest, "made_from": found.made_from,
-                  "axes": [x, p], **settings}  # fmt: skip
+    attributes = {
+        "coordinates": f"cell_{x} cell_{p}",
+        "configuration_hash": plan.digest,
+        "made_from": found.made_from,
+        "axes": [x, p],
+        **settings,
+    }
     groups.write_group(path, GROUP, attributes, variables)
 
 
@@ -165,9 +191,11 @@ def read_basins(path: Path) -> StoredBasins | None:
     x, p = group.attrs["axes"]
     stored = {"x": f"cell_{x}", "p": f"cell_{p}"}
     return StoredBasins(
-        {name: group[stored.get(name, name)][...] for name in _PLACES}, {name: group[name][...] for name in _FOUND},
-        group["message"][...], group.attrs["made_from"],
-    )  # fmt: skip
+        {name: group[stored.get(name, name)][...] for name in _PLACES},
+        {name: group[name][...] for name in _FOUND},
+        group["message"][...],
+        group.attrs["made_from"],
+    )
 
 
 def write_sheet(found: StoredBasins, plan: Plan, folder: Path, name: str) -> Path:

@@ -146,11 +146,12 @@ class Workforce:
 
         settings = {
             "distributed.nanny.pre-spawn-environ": {
-                **dask.config.get("distributed.nanny.pre-spawn-environ", {}), **_ONE_THREAD,
+                **dask.config.get("distributed.nanny.pre-spawn-environ", {}),
+                **_ONE_THREAD,
             },
             # Whoever gave a task decides whether it is done again after its worker was lost.
             "distributed.scheduler.allowed-failures": 0,
-        }  # fmt: skip
+        }
         with dask.config.set(settings), _deaf_to_interrupts():
             self._cluster = LocalCluster(
                 n_workers=self.config.workers,

@@ -54,7 +54,8 @@ function __bevelmap
     COMMAND --complete (commandline -opc) (commandline -ct) 2> /dev/null
 end
 complete -c bevelmap -f -a '(__bevelmap)'
-complete -c python -c python3 -n '__fish_seen_argument -s m; and __fish_seen_subcommand_from pipeline' -f -a '(__bevelmap)'
+complete -c python -c python3 -f -a '(__bevelmap)' \\
+    -n '__fish_seen_argument -s m; and __fish_seen_subcommand_from pipeline'
 """
 
 SHELLS = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}

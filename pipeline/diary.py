@@ -5,7 +5,6 @@ import io
 from dataclasses import dataclass
 from pathlib import Path
 
-
 from pipeline import store
 from pipeline.plan import Plan
 from pipeline.sweep import balance_of, continuation_of, row_of, seeds_of
@@ -99,9 +98,11 @@ def write_sheets(diary: RowDiary, folder: Path) -> list[Path]:
 def _unknowns(trace: Trace) -> list[str]:
     """Names of the unknowns."""
     first = ["mean", "cos", "sin"]
-    return first if trace.problem.unknowns == 3 else ["mean", *(
-        f"{part}{k}" for k in range(1, (trace.problem.unknowns + 1) // 2) for part in ("cos", "sin")
-    )]  # fmt: skip
+    return (
+        first
+        if trace.problem.unknowns == 3
+        else ["mean", *(f"{part}{k}" for k in range(1, (trace.problem.unknowns + 1) // 2) for part in ("cos", "sin"))]
+    )
 
 
 def _events(trace: Trace) -> list[str]:
@@ -109,10 +110,13 @@ def _events(trace: Trace) -> list[str]:
     curve, before, found = trace.curve, 1, []
     for outcome, after in zip(trace.steps.outcome, trace.steps.points, strict=True):
         here = range(before, after) if outcome == Outcome.ACCEPTED else ()
-        found.append(" ".join(
-            f"{Event(int(curve.event[i])).name.lower()}@{curve.points[i, -1]:.10g}"
-            for i in here if curve.event[i] != Event.NONE
-        ))  # fmt: skip
+        found.append(
+            " ".join(
+                f"{Event(int(curve.event[i])).name.lower()}@{curve.points[i, -1]:.10g}"
+                for i in here
+                if curve.event[i] != Event.NONE
+            )
+        )
         before = after
     return found
 
@@ -126,12 +130,20 @@ def _csv(diary: RowDiary) -> str:
     for number, trace in enumerate(diary.traces):
         steps, events = trace.steps, _events(trace)
         for k in range(steps.outcome.size):
-            writer.writerow([
-                number, k, Outcome(int(steps.outcome[k])).name.lower(), repr(float(steps.length[k])),
-                int(steps.iterations[k]), repr(float(steps.stray[k])), repr(float(steps.turn[k])),
-                int(steps.points[k]), events[k],
-                *(repr(float(value)) for value in (steps.places[k, -1], *steps.places[k, :-1])),
-            ])  # fmt: skip
+            writer.writerow(
+                [
+                    number,
+                    k,
+                    Outcome(int(steps.outcome[k])).name.lower(),
+                    repr(float(steps.length[k])),
+                    int(steps.iterations[k]),
+                    repr(float(steps.stray[k])),
+                    repr(float(steps.turn[k])),
+                    int(steps.points[k]),
+                    events[k],
+                    *(repr(float(value)) for value in (steps.places[k, -1], *steps.places[k, :-1])),
+                ]
+            )
     return stream.getvalue()
 
 
@@ -156,8 +168,11 @@ def _trace_lines(number: int, trace: Trace) -> list[str]:
     towards = "" if trace.heading.ndim else ", towards " + ("larger values" if trace.heading > 0 else "smaller values")
     lines = [f"trace {number}: seed at parameter = {trace.start[-1]:.12g}{towards}; {start}"]
     if steps.outcome.size:
-        lines.append(f"{'step':>5} {'length':>10} {'iter':>4} {'angle':>9} {'parameter':>14}"
-                     + "".join(f" {name:>13}" for name in names[:width]) + "  what")  # fmt: skip
+        lines.append(
+            f"{'step':>5} {'length':>10} {'iter':>4} {'angle':>9} {'parameter':>14}"
+            + "".join(f" {name:>13}" for name in names[:width])
+            + "  what"
+        )
     for k, events in enumerate(_events(trace)):
         outcome = Outcome(int(steps.outcome[k]))
         what = events if outcome is Outcome.ACCEPTED else f"refused: {outcome.sentence}"
@@ -169,8 +184,11 @@ def _trace_lines(number: int, trace: Trace) -> list[str]:
     if not len(curve.points):
         return [*lines, "  no tangent can be told at the seed: nothing was traced"]
     end = curve.ends[1]
-    return [*lines, f"  {len(curve.points)} points, {curve.refused} steps refused; ends at parameter = "
-                    f"{curve.points[-1, -1]:.12g}: {end.sentence}"]  # fmt: skip
+    return [
+        *lines,
+        f"  {len(curve.points)} points, {curve.refused} steps refused; ends at parameter = "
+        f"{curve.points[-1, -1]:.12g}: {end.sentence}",
+    ]
 
 
 def _outcome_lines(diary: RowDiary) -> list[str]:

@@ -45,11 +45,14 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
         most = max(data.size, 1) if data.ndim == 1 else _CHUNK
         with every_chunk():
             group.create_array(
-                key, shape=data.shape,
-                chunks=tuple(min(max(size, 1), most) for size in data.shape), dtype=variable.dtype,
+                key,
+                shape=data.shape,
+                chunks=tuple(min(max(size, 1), most) for size in data.shape),
+                dtype=variable.dtype,
                 dimension_names=[variable.dims] if isinstance(variable.dims, str) else list(variable.dims),
-                compressors=COMPRESSORS, attributes=variable.attributes,
-            )[...] = data  # fmt: skip
+                compressors=COMPRESSORS,
+                attributes=variable.attributes,
+            )[...] = data
     remove_group(path, name)
     draft.rename(path / name)
     store.consolidate(path)

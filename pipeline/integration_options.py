@@ -22,9 +22,14 @@ def _check(key: str, value, low, high) -> None:
 def check_verify(options: Verify) -> None:
     """Raise ConfigurationError, one line, unless these settings are allowed."""
     bounds = {
-        "samples": (1, 10**6), "beside": (0, 10**6), "seed": (0, 2**63 - 1), "order": (1, HIGHEST_ORDER),
-        "columns": (2, 10**6), "delta": (0.0, 1.0), "max_periods": (FEWEST_PERIODS, 10**7),
-    }  # fmt: skip
+        "samples": (1, 10**6),
+        "beside": (0, 10**6),
+        "seed": (0, 2**63 - 1),
+        "order": (1, HIGHEST_ORDER),
+        "columns": (2, 10**6),
+        "delta": (0.0, 1.0),
+        "max_periods": (FEWEST_PERIODS, 10**7),
+    }
     for name, ends in bounds.items():
         _check(f"verify.{name}", getattr(options, name), *ends)
     if not 0.0 < options.tolerance <= 1.0:

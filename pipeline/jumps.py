@@ -117,8 +117,11 @@ def follow(
         return stored, True
     rows = rows_of(plan, options)
     shape = (rows.size, plan.sweep.num)
-    followed = {f"{name}_{way}": np.zeros(shape, kind) if kind == "int16" else np.full(shape, np.nan)
-                for name, kind in _FOLLOWED.items() for way in _WAYS}  # fmt: skip
+    followed = {
+        f"{name}_{way}": np.zeros(shape, kind) if kind == "int16" else np.full(shape, np.nan)
+        for name, kind in _FOLLOWED.items()
+        for way in _WAYS
+    }
     hysteresis, messages = np.zeros(shape, np.int8), np.full(rows.size, "", dtype=object)
     for (_, row, _), result in run(jump_task, [(plan, row, options.max_periods) for row in rows.tolist()]):
         place, failed = int(np.searchsorted(rows, row)), isinstance(result, BaseException)
@@ -140,8 +143,11 @@ def follow(
 
 def _write(path: Path, plan: Plan, found: StoredJumps, options: Jumps) -> None:
     x, p = plan.sweep, plan.parameter
-    words = {"sweep": "attractor", "mean": "mean of the attractor",
-             "amplitude": "amplitude of the fundamental of the attractor"}  # fmt: skip
+    words = {
+        "sweep": "attractor",
+        "mean": "mean of the attractor",
+        "amplitude": "amplitude of the fundamental of the attractor",
+    }
     ways = {"up": "upwards", "down": "downwards"}
     variables = {
         x.name: groups.Variable(x.name, "float64", x.values, store.axis_attributes(x.name)),
@@ -150,28 +156,41 @@ def _write(path: Path, plan: Plan, found: StoredJumps, options: Jumps) -> None:
     }
     for name, kind in _FOLLOWED.items():
         for way, said in ways.items():
-            attributes = {"long_name": f"{words[name]} on the way {said}",
-                          **(attractor_flags() if name == "sweep" else {"units": "1"})}  # fmt: skip
+            attributes = {
+                "long_name": f"{words[name]} on the way {said}",
+                **(attractor_flags() if name == "sweep" else {"units": "1"}),
+            }
             data = found.followed[f"{name}_{way}"]
             variables[f"{name}_{way}"] = groups.Variable(("jump_row", x.name), kind, data, attributes)
     variables["hysteresis"] = groups.Variable(
-        ("jump_row", x.name), "int8", found.hysteresis,
-        {"long_name": "1: the two ways ended on different motions", "flag_values": [0, 1],
-         "flag_meanings": "same different"},
-    )  # fmt: skip
+        ("jump_row", x.name),
+        "int8",
+        found.hysteresis,
+        {
+            "long_name": "1: the two ways ended on different motions",
+            "flag_values": [0, 1],
+            "flag_meanings": "same different",
+        },
+    )
     axis = store.axis_attributes(x.name)
     variables["hysteresis_interval"] = groups.Variable(
-        ("jump_row", "interval", "end"), "float64", found.intervals,
+        ("jump_row", "interval", "end"),
+        "float64",
+        found.intervals,
         {**axis, "long_name": "ends of a stretch of hysteresis"},
-    )  # fmt: skip
+    )
     variables["hysteresis_width"] = groups.Variable(
         "jump_row", "float64", found.widths, {**axis, "long_name": "total width of the hysteresis"}
     )
     said = {"long_name": "why it failed, else empty"}
     variables["message"] = groups.Variable("jump_row", "str", found.messages, said)
     settings = {key: value for key, value in dataclasses.asdict(options).items() if value is not None}
-    attributes = {"coordinates": f"row_{p.name}", "configuration_hash": plan.digest, "made_from": found.made_from,
-                  **settings}  # fmt: skip
+    attributes = {
+        "coordinates": f"row_{p.name}",
+        "configuration_hash": plan.digest,
+        "made_from": found.made_from,
+        **settings,
+    }
     groups.write_group(path, GROUP, attributes, variables)
 
 
@@ -182,9 +201,13 @@ def read_jumps(path: Path) -> StoredJumps | None:
         return None
     followed = {f"{name}_{way}": group[f"{name}_{way}"][...] for name in _FOLLOWED for way in _WAYS}
     return StoredJumps(
-        group["row"][...], followed, group["hysteresis"][...], group["hysteresis_interval"][...], group["message"][...],
+        group["row"][...],
+        followed,
+        group["hysteresis"][...],
+        group["hysteresis_interval"][...],
+        group["message"][...],
         group.attrs["made_from"],
-    )  # fmt: skip
+    )
 
 
 def write_sheets(found: StoredJumps, plan: Plan, folder: Path, name: str) -> list[Path]:

@@ -41,9 +41,15 @@ class Entry:
         """As shown, in the order of the columns."""
         age = "?" if math.isnan(self.age) else _age(self.age)
         texts = (
-            self.name, self.plane, self.gear, self.status, _size(self.size), self.digest, age,
+            self.name,
+            self.plane,
+            self.gear,
+            self.status,
+            _size(self.size),
+            self.digest,
+            age,
             " ".join(self.groups) or "-",
-        )  # fmt: skip
+        )
         return tuple(map(printable, texts))
 
 
@@ -105,9 +111,15 @@ def _described(path: Path, attributes: dict) -> Entry:
 def _entry(path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?") -> Entry:
     said = attributes or {}
     return Entry(
-        path.name.removesuffix(".zarr"), plane, gear, status, _bytes(path),
-        str(said.get("configuration_hash", "?"))[:16], _seconds(said.get("created")), _groups(path),
-    )  # fmt: skip
+        path.name.removesuffix(".zarr"),
+        plane,
+        gear,
+        status,
+        _bytes(path),
+        str(said.get("configuration_hash", "?"))[:16],
+        _seconds(said.get("created")),
+        _groups(path),
+    )
 
 
 def _status(path: Path, plan: Plan) -> str:
@@ -158,7 +170,7 @@ def _gear(plan: Plan) -> str:
     differences = {
         name: [key for key in stored if key not in axes and stored[key] != known.get(key)]
         for name, known in _known_gears().items()
-    }  # fmt: skip
+    }
     name = min(differences, key=lambda one: len(differences[one]))
     changed = differences[name]
     words = [f"{key}={stored[key]:g}" if isinstance(stored[key], int | float) else key for key in changed[:_SHOWN]]

@@ -105,7 +105,8 @@ def _columns(path: str, header: list[str]) -> dict[str, tuple[int, float]]:
         name = match and {"phase": "angle"}.get(match[1].lower(), match[1].lower())
         if name not in COLUMNS or name in found:
             raise _wrong(
-                path, f"its header has {text.strip()[:40]!r}, where each of angle (deg), stiffness (N/um), "
+                path,
+                f"its header has {text.strip()[:40]!r}, where each of angle (deg), stiffness (N/um), "
                 "error (um) may stand once",
             )
         found[name] = place, unit_size(f"{KEY}, unit of {name}", match[2].strip(), COLUMNS[name])

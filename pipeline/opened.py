@@ -290,9 +290,16 @@ def _curves(row: Row, axis: str) -> xr.Dataset:
     for number, curve in enumerate(row.curves):
         mean, cos, sin = row.branch_motions(curve)
         values = (
-            curve.points[:, -1], mean, cos, sin, np.hypot(cos, sin), curve.stable, row.branch_impact(curve),
-            np.full(len(mean), number), curve.event,
-        )  # fmt: skip
+            curve.points[:, -1],
+            mean,
+            cos,
+            sin,
+            np.hypot(cos, sin),
+            curve.stable,
+            row.branch_impact(curve),
+            np.full(len(mean), number),
+            curve.event,
+        )
         for name, value in zip(parts, values, strict=True):
             parts[name].append(value)
     joined = {name: ("point", np.concatenate(values)) for name, values in parts.items()}

@@ -16,14 +16,24 @@ _PREFIX = "gear.physical."
 #: Axis of a plane -> the key whose value it replaces.
 AXIS_KEYS = {
     "mesh_damping": "mesh_damping_ratio",
-    "f_pm": "torque", "f_pv": "torque_fluctuation", "k_support": "support_stiffness", "xi_support": "support_damping",
-}  # fmt: skip
+    "f_pm": "torque",
+    "f_pv": "torque_fluctuation",
+    "k_support": "support_stiffness",
+    "xi_support": "support_damping",
+}
 _BLANK = ("large_diameter", "small_diameter", "width", "bore")
 #: Kind of the physical value of a parameter that may be an axis.
 _KINDS = {
-    "b": "length", "f_e": "length", "alpha": "stiffness", "f_pm": "torque", "f_pv": "torque", "xi_mesh": "damping",
-    "mesh_damping": "damping", "xi_support": "damping", "k_support": "stiffness",
-}  # fmt: skip
+    "b": "length",
+    "f_e": "length",
+    "alpha": "stiffness",
+    "f_pm": "torque",
+    "f_pv": "torque",
+    "xi_mesh": "damping",
+    "mesh_damping": "damping",
+    "xi_support": "damping",
+    "k_support": "stiffness",
+}
 
 
 def describe(config: PhysicalGear) -> dict:

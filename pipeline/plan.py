@@ -13,9 +13,18 @@ from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
 
 __all__ = [
-    "ROLES", "TEMPERATURE", "Axis", "Block", "Plan", "check_numbers", "gear_of", "numbers_digest", "plan", "plan_of",
+    "ROLES",
+    "TEMPERATURE",
+    "Axis",
+    "Block",
+    "Plan",
+    "check_numbers",
+    "gear_of",
+    "numbers_digest",
+    "plan",
+    "plan_of",
     "warnings",
-]  # fmt: skip
+]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
 SCHEMA_VERSION = 3

@@ -81,19 +81,17 @@ class RowProgress:
     def __enter__(self):
         if self.reporter is not None and self.reporter.on_terminal:
             from rich.console import Console
-            from rich.progress import (
-                BarColumn,
-                Progress,
-                TextColumn,
-                TimeRemainingColumn,
-            )
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             self._bar = Progress(
-                TextColumn(self.what), BarColumn(),
+                TextColumn(self.what),
+                BarColumn(),
                 TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {self.unit}"),
-                TextColumn("{task.fields[rate]}"), TimeRemainingColumn(), TextColumn("{task.fields[failed]} failed"),
+                TextColumn("{task.fields[rate]}"),
+                TimeRemainingColumn(),
+                TextColumn("{task.fields[failed]} failed"),
                 console=Console(file=self.reporter.stream),
-            )  # fmt: skip
+            )
             self._task = self._bar.add_task(self.what, total=self.total, rate="", failed=0)
             self._bar.start()
         return self

@@ -104,7 +104,7 @@ def stored_regions(path: Path) -> Regions:
         raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which has regions")
     return regions(
         *frame_of(plan), stored_curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
-    )  # fmt: skip
+    )
 
 
 def stored_curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:

@@ -30,9 +30,20 @@ from solver.mesh_damping import MESH_DAMPING
 from solver.paths import ParameterPath, place_on
 
 __all__ = [
-    "Outcome", "Receipt", "RowTrouble", "balance_of", "continuation_of", "frame_of", "model_at", "point_of", "row_axis",
-    "row_of", "seeds_of", "sweep_block", "sweep_blocks",
-]  # fmt: skip
+    "Outcome",
+    "Receipt",
+    "RowTrouble",
+    "balance_of",
+    "continuation_of",
+    "frame_of",
+    "model_at",
+    "point_of",
+    "row_axis",
+    "row_of",
+    "seeds_of",
+    "sweep_block",
+    "sweep_blocks",
+]
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
 CERTIFY = ("none", "columns", "all")
@@ -236,9 +247,7 @@ def sweep_block(
     return Receipt(block, failures, points, perf_counter() - begin)
 
 
-def sweep_blocks(
-    path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]], ...], limit: float | None
-) -> Outcome:
+def sweep_blocks(path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]], ...], limit: float | None) -> Outcome:
     """Several blocks one after the other, as far as their rows can be computed; see `sweep_block`."""
     receipts = []
     for block, every_column in work:

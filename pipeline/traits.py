@@ -8,8 +8,16 @@ from solver import ImpactState, label_parts
 from solver.boundaries.bands import Line
 
 __all__ = [
-    "RANKS", "TRAITS", "contact_lost", "double_sided", "intervals", "jumping", "labels_with", "share_of", "unstable",
-]  # fmt: skip
+    "RANKS",
+    "TRAITS",
+    "contact_lost",
+    "double_sided",
+    "intervals",
+    "jumping",
+    "labels_with",
+    "share_of",
+    "unstable",
+]
 
 _TOGETHER = {ImpactState.PERMANENT, ImpactState.MIRRORED_PERMANENT}
 

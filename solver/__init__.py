@@ -9,27 +9,12 @@ from solver.branches import LinearSeeds, ProvenSeeds, RowError
 from solver.contact_system import ContactSystem, gear_system
 from solver.continuation import Continuation, Curve, EndReason, Event, Problem
 from solver.correctors import Broyden, Newton
-from solver.enumeration import (
-    Above,
-    Proof,
-    RowSolutions,
-    Solutions,
-    all_solutions,
-    enumerate_row,
-)
+from solver.enumeration import Above, Proof, RowSolutions, Solutions, all_solutions, enumerate_row
 from solver.errors import ParameterError
 from solver.gear import GearPair
 from solver.harmonic.first_order import DescribingFunction, first_order_problem
 from solver.harmonic.uncondensed import translations, uncondensed_balance
-from solver.impact import (
-    ImpactState,
-    domain_code,
-    domain_label,
-    domain_labels,
-    domain_parts,
-    impact_state,
-    label_parts,
-)
+from solver.impact import ImpactState, domain_code, domain_label, domain_labels, domain_parts, impact_state, label_parts
 from solver.mesh_cycle import CycleFit, fit_cycle
 from solver.model import GEOMETRIC, SCALAR_PARAMETERS, Model
 from solver.problem import Balance

@@ -28,8 +28,8 @@ OUTCOME, STEP, ITERATIONS, STRAY, TURN, POINTS, PLACE = range(7)
 # end, the step is refused, until the ends themselves show whether there is one.
 _CLEARANCE = 0.5
 
-# Tangents that have less of p than this at both ends of a step run at constant p, as piecewise linear systems do over whole
-# stretches; the sign of what is left is rounding's.
+# Tangents that have less of p than this at both ends of a step run at constant p, as piecewise linear systems do over
+# whole stretches; the sign of what is left is rounding's.
 _LEVEL = 1e-12
 
 # A sign change of the bordered determinant is taken for a jump until the step is this small, then for a branch point.
@@ -79,7 +79,7 @@ def scaled_distance(left, right, scale):
 @kernel(types.boolean(ARRAY, ARRAY, ARRAY), inline=True)
 def _inside(y, low, high):
     """Whether y lies in the box; its borders belong to it."""
-    for j in range(low.shape[0]):
+    for j in range(low.shape[0]):  # noqa: SIM110 (kernels have no generators)
         if not low[j] <= y[j] <= high[j]:
             return False
     return True
@@ -97,7 +97,9 @@ def _hides_a_pair(setup, left, right, arc, low, high):
     """Would the curve between two points fold twice, or reach a grazing or a border of the box and come back?"""
     n, m = setup.unknowns, setup.monitors
     p = setup.scale[n]
-    if not _level(setup, left, right) and _turns_twice(left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]):
+    if not _level(setup, left, right) and _turns_twice(
+        left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]
+    ):
         return True
     for j in range(n + 1):
         leave, arrive = arc * left[n + 1 + j] * setup.scale[j], arc * right[n + 1 + j] * setup.scale[j]
@@ -265,14 +267,50 @@ def _note(diary, attempt, outcome, step, iterations, error, angle, count, y):
 
 @kernel(
     types.UniTuple(_I, 3)(
-        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY,
-        MATRIX, MATRIX, ARRAY, FLAGS, FLAGS, MATRIX,
+        CORRECTOR,
+        _F,
+        _I,
+        BALANCE,
+        MONITOR,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        _I,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        MATRIX,
+        MATRIX,
+        ARRAY,
+        FLAGS,
+        FLAGS,
+        MATRIX,
     )
-)  # fmt: skip
+)
 def trace(
-    corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, start, heading, settings,
-    low, high, points, tangents, arclength, stable, events, diary,
-):  # fmt: skip
+    corrector,
+    tolerance,
+    limit,
+    balance,
+    monitor,
+    theta,
+    direction,
+    scale,
+    monitors,
+    start,
+    heading,
+    settings,
+    low,
+    high,
+    points,
+    tangents,
+    arclength,
+    stable,
+    events,
+    diary,
+):
     """Follow the curve from `start` (n + 1,) to the side that `heading` (n + 1,) points to until it ends.
 
     It ends where it leaves the box from `low` to `high` (n + 1,), infinite where a component is free; at once if
@@ -286,9 +324,19 @@ def trace(
     """
     n = start.shape[0] - 1
     setup = Setup(
-        corrector, tolerance, limit, balance, monitor, theta, direction, scale, n, monitors,
-        np.empty((3 * n + 6, n + 1)), np.empty((monitors, n + 1)),
-    )  # fmt: skip
+        corrector,
+        tolerance,
+        limit,
+        balance,
+        monitor,
+        theta,
+        direction,
+        scale,
+        n,
+        monitors,
+        np.empty((3 * n + 6, n + 1)),
+        np.empty((monitors, n + 1)),
+    )
     size = point_size(setup)
     here, there, last, guess = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(n + 1)
     found, fractions, kinds = np.zeros((monitors, size)), np.empty(monitors), np.empty(monitors, np.int64)

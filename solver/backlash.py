@@ -43,10 +43,10 @@ def dead_zone(displacement, b):
 
 @kernel(types.UniTuple(_F, 4)(_F, _F), inline=True)
 def _flank(distance, amplitude):
-    """One flank at signed `distance` from the mean: amplitude * G(mu), H(mu), G'(mu), w(mu) with mu = distance/amplitude.
+    """One flank at signed `distance` from the mean: amplitude * G, H, G' and w at mu = distance / amplitude.
 
-    G(mu) = (2/pi)(mu asin mu + sqrt(1 - mu^2)), H(mu) = (2/pi)(asin mu + mu sqrt(1 - mu^2)) for |mu| <= 1, else |mu| and
-    sign(mu). w = (2/pi) sqrt(1 - mu^2) = H'/2 = G - mu G'. Regular at amplitude 0, where mu is infinite.
+    G(mu) = (2/pi)(mu asin mu + sqrt(1 - mu^2)), H(mu) = (2/pi)(asin mu + mu sqrt(1 - mu^2)) for |mu| <= 1, else |mu|
+    and sign(mu). w = (2/pi) sqrt(1 - mu^2) = H'/2 = G - mu G'. Regular at amplitude 0, where mu is infinite.
     """
     if abs(distance) >= amplitude:
         sign = 0.0

@@ -41,8 +41,13 @@ class Blank:
     density: float = STEEL
 
     def __post_init__(self):
-        for name, inclusive in (("large_diameter", False), ("small_diameter", False), ("width", False),
-                                ("bore", True), ("density", False)):  # fmt: skip
+        for name, inclusive in (
+            ("large_diameter", False),
+            ("small_diameter", False),
+            ("width", False),
+            ("bore", True),
+            ("density", False),
+        ):
             object.__setattr__(self, name, _number(name, getattr(self, name), (0.0, inclusive)))
         if self.small_diameter > self.large_diameter:
             raise ParameterError(

@@ -1,8 +1,8 @@
 """Every branch of a row: where continuation starts, and when it has them all.
 
 `ProvenSeeds` starts from the enumeration of all solutions at many values of the swept parameter, so that a branch can
-only be missed if it fits between two of them. `LinearSeeds` starts from the linear pair without backlash at
-both ends, which is what continuation alone can do. The dead zone is a bounded change of a linear force, so the signs of det J over
+only be missed if it fits between two of them. `LinearSeeds` starts from the linear pair without backlash at both ends,
+which is what continuation alone can do. The dead zone is a bounded change of a linear force, so the signs of det J over
 all solutions at a point add up to the sign of the linear system's determinant; where they do not, a branch is missing
 or lies above the amplitude ceiling.
 """
@@ -22,8 +22,15 @@ from solver.model import Model
 from solver.problem import Balance
 
 __all__ = [
-    "LinearSeeds", "ProvenSeeds", "RowError", "RowSpan", "grown_solution", "missing_degree", "proven_solutions", "runs",
-]  # fmt: skip
+    "LinearSeeds",
+    "ProvenSeeds",
+    "RowError",
+    "RowSpan",
+    "grown_solution",
+    "missing_degree",
+    "proven_solutions",
+    "runs",
+]
 
 _PROBES = 97
 _PASSES = 4
@@ -58,9 +65,16 @@ class RowSpan:
         corrector = self.continuation.corrector
         n = problem.unknowns
         found = corrector.kernel(
-            problem.balance, problem.theta, problem.direction, problem.scale, y, np.eye(n + 1)[n], corrector.tolerance,
-            iterations, np.empty((workspace_rows(n), n + 1)),
-        )  # fmt: skip
+            problem.balance,
+            problem.theta,
+            problem.direction,
+            problem.scale,
+            y,
+            np.eye(n + 1)[n],
+            corrector.tolerance,
+            iterations,
+            np.empty((workspace_rows(n), n + 1)),
+        )
         y[n] = start[-1]
         within = np.sqrt(np.sum(y[1:n] ** 2)) <= self.continuation.amplitude_max
         return y if found > 0 and np.all(np.isfinite(y)) and within else None
@@ -188,7 +202,7 @@ class LinearSeeds:
 
     @staticmethod
     def _follow(span: RowSpan, p: float, curves: list[Curve]) -> Curve | None:
-        """Trace the branch through the solution that grows out of the linear one at p and add it, if it is a new one."""
+        """Trace the branch through the solution that grows out of the linear one at p and add it if it is new."""
         start = grown_solution(span, p)
         if start is None or any(_lies_on(span, curve, start) for curve in curves):
             return None

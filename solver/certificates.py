@@ -6,18 +6,19 @@ from numba import types
 from solver.compiled import ARRAY, FLAGS, MATRIX, kernel
 from solver.gain_search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.interval import exact
-from solver.reduction import (
-    GAP,
-    ROWS,
-    determinant_over,
-    motion_over,
-    numerators_at,
-    reduce_balance,
-)
+from solver.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
 
 __all__ = [
-    "AMPLITUDE", "GAIN_BOUNDS", "MEAN", "MOST", "ROOT", "STABLE", "enumerate_point", "enumerate_points", "workspace",
-]  # fmt: skip
+    "AMPLITUDE",
+    "GAIN_BOUNDS",
+    "MEAN",
+    "MOST",
+    "ROOT",
+    "STABLE",
+    "enumerate_point",
+    "enumerate_points",
+    "workspace",
+]
 
 _I, _F = types.int64, types.float64
 
@@ -169,8 +170,8 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
 @kernel(
     types.void(
         ARRAY, ARRAY, ARRAY, _F, types.float64[:, :, ::1], MATRIX, types.int8[:, ::1], types.int64[::1], FLAGS, FLAGS
-    ),
-)  # fmt: skip
+    )
+)
 def enumerate_points(theta, direction, grid, ceiling, unknowns, radius, stable, counts, proof, above):
     """All solutions at many axis values.
 

@@ -1,9 +1,9 @@
 """How the hot kernels are compiled and cached, and the call signatures that they share.
 
-Numba keeps one cache entry per file and looks only at that file's time stamp, so a kernel that calls into a
-second file would go stale when that second file changes. The cache folder of a module is therefore named after a digest
-of its source and of everything in this package that it imports: an edit gives new folders to the modules that can feel it
-and to no others, and two checkouts with equal sources share them.
+Numba keeps one cache entry per file and looks only at that file's time stamp, so a kernel that calls into a second file
+would go stale when that second file changes. The cache folder of a module is therefore named after a digest of its
+source and of everything in this package that it imports: an edit gives new folders to the modules that can feel it and
+to no others, and two checkouts with equal sources share them.
 """
 
 import functools
@@ -22,7 +22,8 @@ ARRAY = types.float64[::1]
 MATRIX = types.float64[:, ::1]
 FLAGS = types.int8[::1]
 
-#: balance(theta, direction, y, residual, jacobian): residual (n,) and jacobian (n, n + 1) at y = (unknowns, axis value).
+#: balance(theta, direction, y, residual, jacobian): residual (n,) and jacobian (n, n + 1) at y = (unknowns, axis
+#: value).
 BALANCE = types.FunctionType(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 
 #: monitor(theta, direction, y, values, gradient): values[0] is the amplitude, the others are event functions;
@@ -47,7 +48,9 @@ def _imports(path: Path) -> set[Path]:
         # What is imported from a package may be a module of it.
         candidates = [base.with_suffix(".py"), base / "__init__.py"]
         candidates += [base / f"{name.strip()}.py" for name in names.split(",") if base.is_dir()]
-        found.update(candidate for candidate in candidates if candidate != _ROOT / "__init__.py" and candidate.is_file())
+        found.update(
+            candidate for candidate in candidates if candidate != _ROOT / "__init__.py" and candidate.is_file()
+        )
     return found
 
 
@@ -98,7 +101,8 @@ def kernel(signature, inline: bool = False, inner: bool = False):
         Let LLVM inline the function at every call (small functions of the inner loop). It is then an inner one.
     inner
         The function is called by other kernels: it is compiled with them and is part of what they keep on disk, so that
-        a process which finds those does not load it (100 functions take a second). The signature says what it is made for.
+        a process which finds those does not load it (100 functions take a second). The signature says what it is made
+        for.
 
     Returns
     -------

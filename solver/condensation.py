@@ -107,7 +107,7 @@ def rotation_coupling(theta, direction, p):
 
 @kernel(
     types.UniTuple(types.complex128, 4)(ARRAY, ARRAY, types.float64, types.complex128, types.complex128), inner=True
-)  # fmt: skip
+)
 def mesh_receptance(theta, direction, p, s, d_s):
     """What the supports add to the mesh row at one complex frequency, and its derivative.
 
@@ -122,11 +122,14 @@ def mesh_receptance(theta, direction, p, s, d_s):
     Returns
     -------
     T, U, dT, dU : complex
-        T = -s^2 sum_j d_j^2 kappa_g/Z_j and U = -s^2 sum_j d_j^2 xi_hg/Z_j with Z_j = k_j + 2 xi_j s + s^2 (for s = i omega
-        those of PHYSICS, section 3), and their derivatives along the axis, s moving by d_s.
+        T = -s^2 sum_j d_j^2 kappa_g/Z_j and U = -s^2 sum_j d_j^2 xi_hg/Z_j with Z_j = k_j + 2 xi_j s + s^2 (for s = i
+        omega those of PHYSICS, section 3), and their derivatives along the axis, s moving by d_s.
     """
     radians = math.pi / 180.0
-    cone, pressure = (theta[CONE] + p * direction[CONE]) * radians, (theta[PRESSURE] + p * direction[PRESSURE]) * radians
+    cone, pressure = (
+        (theta[CONE] + p * direction[CONE]) * radians,
+        (theta[PRESSURE] + p * direction[PRESSURE]) * radians,
+    )
     d_cone, d_pressure = direction[CONE] * radians, direction[PRESSURE] * radians
     sigma, d_sigma = theta[SIGMA] + p * direction[SIGMA], direction[SIGMA]
     cone_cos, cone_sin = math.cos(cone) ** 2, math.sin(cone) ** 2
@@ -145,7 +148,10 @@ def mesh_receptance(theta, direction, p, s, d_s):
         g = j // 3
         kappa, d_kappa = theta[KAPPA + g] + p * direction[KAPPA + g], direction[KAPPA + g]
         xi_g, d_xi_g = theta[XI_TRANSLATION + g] + p * direction[XI_TRANSLATION + g], direction[XI_TRANSLATION + g]
-        xi_j, k_j = theta[XI_SUPPORT + j] + p * direction[XI_SUPPORT + j], theta[K_SUPPORT + j] + p * direction[K_SUPPORT + j]
+        xi_j, k_j = (
+            theta[XI_SUPPORT + j] + p * direction[XI_SUPPORT + j],
+            theta[K_SUPPORT + j] + p * direction[K_SUPPORT + j],
+        )
         if xi_j != xi or k_j != k:
             # Supports that are alike, as they mostly are, share one 1/Z_j. Those that differ may not share d_j either,
             # but an axis moves all supports of one kind together, so that equal supports have equal derivatives.

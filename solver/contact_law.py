@@ -219,8 +219,5 @@ def gain_over(phi, beta, guess):
         share_low, share_high = near_low / (near_low + far_high), near_high / (near_high + far_low)
         lowest = (1.0 - share_high) * near_sine[0] + share_low * far_sine[0]
         highest = (1.0 - share_low) * near_sine[1] + share_high * far_sine[1]
-        by_gap = (
-            max(-4.0 / math.pi * highest - slack, -4.0 / 3.0),
-            min(-4.0 / math.pi * lowest + slack, 0.0),
-        )
+        by_gap = (max(-4.0 / math.pi * highest - slack, -4.0 / 3.0), min(-4.0 / math.pi * lowest + slack, 0.0))
     return (gain_low, gain_high), by_force, by_gap, (cosine_low, cosine_high)

@@ -4,9 +4,10 @@
     lambda = w . y,    s(tau) = sum_l alpha_l cos(l Omega tau + Phi_kl)
     f(lambda) = lambda - front for lambda > front,  lambda + back for lambda < -back,  0 between
 
-A one-sided contact has an infinite back gap. The spur pair of one degree of freedom, the geared rotor, and a mass against
-a stop are instances; so is the bevel pair (`gear_system`), whose supports of equal frequency and damping move only along d
-and merge into one coordinate each, exactly (PHYSICS, section 3): with all of them alike, two coordinates remain of seven.
+A one-sided contact has an infinite back gap. The spur pair of one degree of freedom, the geared rotor, and a mass
+against a stop are instances; so is the bevel pair (`gear_system`), whose supports of equal frequency and damping move
+only along d and merge into one coordinate each, exactly (PHYSICS, section 3): with all of them alike, two coordinates
+remain of seven.
 """
 
 import math
@@ -66,9 +67,13 @@ class ContactSystem:
         if self.varying_force is None:
             object.__setattr__(self, "varying_force", np.zeros(n))
         for name, shape in (
-            ("mass", (n, n)), ("damping", (n, n)), ("stiffness", (n, n)), ("contact", (n,)), ("force", (n,)),
+            ("mass", (n, n)),
+            ("damping", (n, n)),
+            ("stiffness", (n, n)),
+            ("contact", (n,)),
+            ("force", (n,)),
             ("varying_force", (n,)),
-        ):  # fmt: skip
+        ):
             self._set(name, shape, float)
         for name in ("load", "inertial_load"):
             if np.size(getattr(self, name)) == 0:
@@ -132,7 +137,7 @@ class ContactSystem:
 
 
 def gear_system(model: Model) -> ContactSystem:
-    """The bevel pair with supports of equal (xi_j, k_j) merged; coordinates are one u = sum d_j x_j per kind, then lambda.
+    """The bevel pair, supports of equal (xi_j, k_j) merged; coordinates are one u = sum d_j x_j per kind, then lambda.
 
     u'' + 2 xi u' + k u = -sum_j d_j^2 [kappa_g k_t f + 2 xi_hg lambda'] over the supports j of that kind, and all u''
     together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own.
@@ -159,6 +164,15 @@ def gear_system(model: Model) -> ContactSystem:
     for l, (amplitude, phase) in enumerate(errors, start=1):
         inertial[l, -1] = amplitude * np.exp(1j * phase)
     return ContactSystem(
-        mass, damping, stiffness, np.eye(n)[-1], force, model.b, model.b, varying, model.stiffness_harmonics(),
-        load, inertial,
-    )  # fmt: skip
+        mass,
+        damping,
+        stiffness,
+        np.eye(n)[-1],
+        force,
+        model.b,
+        model.b,
+        varying,
+        model.stiffness_harmonics(),
+        load,
+        inertial,
+    )

@@ -192,21 +192,50 @@ class Continuation:
         low, high, along = _box(low, n, -np.inf), _box(high, n, np.inf), _box(heading, n, 0.0)
         points, tangents = np.empty((room, n + 1)), np.empty((room, n + 1))
         length, stable, event = np.empty(room), np.empty(room, np.int8), np.empty(room, np.int8)
-        settings = np.array([
-            self.first_step, self.largest_step, self.smallest_step, self.largest_angle, self.largest_distance,
-            self.parameter_step * (high[n] - low[n]), self.growth, self.amplitude_max,
-        ])  # fmt: skip
+        settings = np.array(
+            [
+                self.first_step,
+                self.largest_step,
+                self.smallest_step,
+                self.largest_angle,
+                self.largest_distance,
+                self.parameter_step * (high[n] - low[n]),
+                self.growth,
+                self.amplitude_max,
+            ]
+        )
         count, reason, refused = arclength.trace(
-            self.corrector.kernel, self.corrector.tolerance, self.corrector.max_iterations, problem.balance,
-            problem.monitor, problem.theta, problem.direction, problem.scale, problem.monitors,
-            np.array(start, dtype=float), along, settings, low, high,
-            points, tangents, length, stable, event, diary,
-        )  # fmt: skip
+            self.corrector.kernel,
+            self.corrector.tolerance,
+            self.corrector.max_iterations,
+            problem.balance,
+            problem.monitor,
+            problem.theta,
+            problem.direction,
+            problem.scale,
+            problem.monitors,
+            np.array(start, dtype=float),
+            along,
+            settings,
+            low,
+            high,
+            points,
+            tangents,
+            length,
+            stable,
+            event,
+            diary,
+        )
         reason = EndReason(reason)
         return Curve(
-            points[:count].copy(), tangents[:count].copy(), length[:count].copy(), stable[:count].copy(),
-            event[:count].copy(), (EndReason.RANGE_LEFT, reason), refused,
-        )  # fmt: skip
+            points[:count].copy(),
+            tangents[:count].copy(),
+            length[:count].copy(),
+            stable[:count].copy(),
+            event[:count].copy(),
+            (EndReason.RANGE_LEFT, reason),
+            refused,
+        )
 
     def trace_both_ways(self, problem: Problem, start: np.ndarray, low, high, heading=1) -> Curve:
         """Follow the curve from a solution in both directions, as one curve in order of arc length; as for `trace`."""

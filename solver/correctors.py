@@ -1,7 +1,7 @@
 """Correctors: from a predicted point back to the solution curve, on the hyperplane through the prediction.
 
-Both solve the bordered system E(y) = 0, normal . (y - y_predicted)/scale = 0 in scaled unknowns. A corrector is a frozen
-object that names its compiled kernel; continuation calls the kernel and never asks which one it is.
+Both solve the bordered system E(y) = 0, normal . (y - y_predicted)/scale = 0 in scaled unknowns. A corrector is a
+frozen object that names its compiled kernel; continuation calls the kernel and never asks which one it is.
 """
 
 import math
@@ -26,7 +26,7 @@ def workspace_rows(unknowns: int) -> int:
 
 @kernel(types.void(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
 def bordered(balance, theta, direction, scale, y, border, jacobian, residual, matrix):
-    """Fill `matrix` (n+1, n+1) with the Jacobian in scaled unknowns above the row `border`, and `residual` (n,) with E(y)."""
+    """Fill `matrix` (n+1, n+1) with the Jacobian in scaled unknowns above row `border`, `residual` (n,) with E(y)."""
     n = y.shape[0] - 1
     balance(theta, direction, y, residual, jacobian)
     for i in range(n):
@@ -53,8 +53,8 @@ def _advance(y, scale, step):
 def _settled(length, previous, tolerance):
     """Is the error left after this step below the tolerance?
 
-    Steps that shrink by a factor q leave less than q/(1 - q) times the last one, and both methods shrink faster from step
-    to step; this spares the step that would only confirm.
+    Steps that shrink by a factor q leave less than q/(1 - q) times the last one, and both methods shrink faster from
+    step to step; this spares the step that would only confirm.
     """
     return length <= tolerance or (length < 0.1 * previous and length * length <= 0.5 * tolerance * previous)
 

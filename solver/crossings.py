@@ -58,26 +58,71 @@ def _meet(setup, left, right, arc, level, found):
 
 @kernel(
     _I(
-        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I,
-        MATRIX, MATRIX, ARRAY, FLAGS, FLAGS, types.boolean, ARRAY, types.int64[::1], MATRIX, FLAGS,
+        CORRECTOR,
+        _F,
+        _I,
+        BALANCE,
+        MONITOR,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        _I,
+        MATRIX,
+        MATRIX,
+        ARRAY,
+        FLAGS,
+        FLAGS,
+        types.boolean,
+        ARRAY,
+        types.int64[::1],
+        MATRIX,
+        FLAGS,
     )
-)  # fmt: skip
+)
 def _crossings(
-    corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors,
-    points, tangents, arclength, stable, events, closed, grid, columns, unknowns, stabilities,
-):  # fmt: skip
-    """Fill columns, unknowns and stabilities; their number, -1 - i if column i failed, or the capacity if it is short."""
+    corrector,
+    tolerance,
+    limit,
+    balance,
+    monitor,
+    theta,
+    direction,
+    scale,
+    monitors,
+    points,
+    tangents,
+    arclength,
+    stable,
+    events,
+    closed,
+    grid,
+    columns,
+    unknowns,
+    stabilities,
+):
+    """Fill columns, unknowns and stabilities; their number, -1 - i if column i failed, or the capacity if too small."""
     n = scale.shape[0] - 1
     setup = Setup(
-        corrector, tolerance, limit, balance, monitor, theta, direction, scale, n, monitors,
-        np.empty((3 * n + 6, n + 1)), np.empty((monitors, n + 1)),
-    )  # fmt: skip
+        corrector,
+        tolerance,
+        limit,
+        balance,
+        monitor,
+        theta,
+        direction,
+        scale,
+        n,
+        monitors,
+        np.empty((3 * n + 6, n + 1)),
+        np.empty((monitors, n + 1)),
+    )
     size = point_size(setup)
     left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
     count, capacity = 0, columns.shape[0]
     for i in range(-1, points.shape[0] - 1):
         before, after = points[max(i, 0), n], points[i + 1, n]
-        # A value belongs to the piece that arrives at it; the first point belongs to no piece, unless the curve is closed.
+        # A value belongs to the piece that arrives at it; the first point belongs to no piece, unless the curve is
+        # closed.
         if i < 0 and closed:
             continue
         low, high = np.searchsorted(grid, min(before, after)), np.searchsorted(grid, max(before, after))
@@ -141,11 +186,26 @@ def curve_crossings(problem: Problem, curve: Curve, grid: np.ndarray, continuati
         columns, unknowns = np.empty(capacity, np.int64), np.empty((capacity, n))
         stable = np.empty(capacity, np.int8)
         count = _crossings(
-            continuation.corrector.kernel, continuation.corrector.tolerance, continuation.corrector.max_iterations,
-            problem.balance, problem.monitor, problem.theta, problem.direction, problem.scale, problem.monitors,
-            curve.points, curve.tangents, curve.arclength, curve.stable, curve.event, curve.closed,
-            grid, columns, unknowns, stable,
-        )  # fmt: skip
+            continuation.corrector.kernel,
+            continuation.corrector.tolerance,
+            continuation.corrector.max_iterations,
+            problem.balance,
+            problem.monitor,
+            problem.theta,
+            problem.direction,
+            problem.scale,
+            problem.monitors,
+            curve.points,
+            curve.tangents,
+            curve.arclength,
+            curve.stable,
+            curve.event,
+            curve.closed,
+            grid,
+            columns,
+            unknowns,
+            stable,
+        )
         if count < 0:
             raise ArithmeticError(f"the curve passes {grid[-1 - count]!r}, but the corrector does not converge there")
         if count <= capacity:

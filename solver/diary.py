@@ -120,13 +120,21 @@ class DiaryContinuation(Continuation):
             # More steps than expected were refused; the kernel does the same again.
             room *= 2
         diary = diary[~np.isnan(diary[:, arclength.OUTCOME])]
-        self.traces.append(Trace(
-            problem, np.array(start, dtype=float), np.array(heading, dtype=float), curve,
-            Steps(
-                diary[:, arclength.OUTCOME].astype(int), diary[:, arclength.STEP], diary[:, arclength.ITERATIONS].astype(int),
-                diary[:, arclength.STRAY], diary[:, arclength.TURN],
-                np.minimum(diary[:, arclength.POINTS].astype(int), len(curve.points)),
-                diary[:, arclength.PLACE :],
-            ),
-        ))  # fmt: skip
+        self.traces.append(
+            Trace(
+                problem,
+                np.array(start, dtype=float),
+                np.array(heading, dtype=float),
+                curve,
+                Steps(
+                    diary[:, arclength.OUTCOME].astype(int),
+                    diary[:, arclength.STEP],
+                    diary[:, arclength.ITERATIONS].astype(int),
+                    diary[:, arclength.STRAY],
+                    diary[:, arclength.TURN],
+                    np.minimum(diary[:, arclength.POINTS].astype(int), len(curve.points)),
+                    diary[:, arclength.PLACE :],
+                ),
+            )
+        )
         return curve

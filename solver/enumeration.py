@@ -186,9 +186,16 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     boxes = found[:count, MEAN:AMPLITUDE].reshape(count, 3, 2).copy()
     motions = undecided[:n_open][:, [ROOT, ROOT + 1, MEAN, MEAN + 1, AMPLITUDE, AMPLITUDE + 1]]
     return Solutions(
-        float(omega), *np.mean(boxes, axis=2).T, found[:count, STABLE].astype(np.int8), boxes,
-        found[:count, GAIN_BOUNDS:MEAN].copy(), motions.reshape(n_open, 3, 2), proof, Above(above), visits,
-    )  # fmt: skip
+        float(omega),
+        *np.mean(boxes, axis=2).T,
+        found[:count, STABLE].astype(np.int8),
+        boxes,
+        found[:count, GAIN_BOUNDS:MEAN].copy(),
+        motions.reshape(n_open, 3, 2),
+        proof,
+        Above(above),
+        visits,
+    )
 
 
 def enumerate_row(
@@ -217,14 +224,16 @@ def enumerate_row(
     counts, proof, above = np.empty(grid.size, np.int64), np.empty(grid.size, np.int8), np.empty(grid.size, np.int8)
     unknowns = np.empty((grid.size, MOST, 3))
     radius, stable = np.empty((grid.size, MOST)), np.empty((grid.size, MOST), np.int8)
-    enumerate_points(
-        theta, direction, grid, float(amplitude_max), unknowns, radius, stable, counts, proof, above
-    )  # fmt: skip
+    enumerate_points(theta, direction, grid, float(amplitude_max), unknowns, radius, stable, counts, proof, above)
     most = max(int(counts.max(initial=0)), 1)
     return RowSolutions(
-        *np.ascontiguousarray(np.moveaxis(unknowns[:, :most], 2, 0)), radius[:, :most].copy(),
-        stable[:, :most].copy(), counts, proof, above,
-    )  # fmt: skip
+        *np.ascontiguousarray(np.moveaxis(unknowns[:, :most], 2, 0)),
+        radius[:, :most].copy(),
+        stable[:, :most].copy(),
+        counts,
+        proof,
+        above,
+    )
 
 
 def _check(amplitude_max, *frequencies):

@@ -77,13 +77,23 @@ class GearPair:
         above, least = (0.0, False), (0.0, True)
         self._set("teeth", _teeth(self.teeth))
         for name, bound in {
-            "module": above, "shaft_angle": above, "pressure_angle": least, "face_width": above,
-            "mesh_stiffness": above, "mesh_damping_ratio": least, "half_backlash": least, "torque": None, "torque_fluctuation": None,
-        }.items():  # fmt: skip
+            "module": above,
+            "shaft_angle": above,
+            "pressure_angle": least,
+            "face_width": above,
+            "mesh_stiffness": above,
+            "mesh_damping_ratio": least,
+            "half_backlash": least,
+            "torque": None,
+            "torque_fluctuation": None,
+        }.items():
             self._set(name, _number(name, getattr(self, name), bound))
         for name, count, bound in (
-            ("mass", 2, above), ("inertia", 2, above), ("support_stiffness", 6, above), ("support_damping", 6, least),
-        ):  # fmt: skip
+            ("mass", 2, above),
+            ("inertia", 2, above),
+            ("support_stiffness", 6, above),
+            ("support_damping", 6, least),
+        ):
             self._set(name, _numbers(name, getattr(self, name), count, bound))
         for name in ("mesh_stiffness_harmonics", "error_harmonics"):
             self._set(name, harmonic_pairs(name, getattr(self, name)))
@@ -95,9 +105,10 @@ class GearPair:
         lowest = self.model().lowest_stiffness() * self.mesh_stiffness
         if lowest < 0.0:
             raise ParameterError(
-                "mesh_stiffness_harmonics", self.mesh_stiffness_harmonics,
+                "mesh_stiffness_harmonics",
+                self.mesh_stiffness_harmonics,
                 f"small enough that the mesh stiffness stays at least 0 all cycle: it falls to {lowest:.4g} N/m",
-            )  # fmt: skip
+            )
 
     def _check_geometry(self):
         if self.shaft_angle >= 180.0:
@@ -185,14 +196,27 @@ class GearPair:
         (alpha, alpha_phase), *alphas = _scaled(self.mesh_stiffness_harmonics, self.mesh_stiffness)
         (f_e, f_e_phase), *errors = _scaled(self.error_harmonics, self.length_unit)
         return Model(
-            b=self.half_backlash / self.length_unit, alpha=alpha, alpha_phase=alpha_phase, alpha_harmonics=alphas,
-            f_e=f_e, f_e_phase=f_e_phase, f_e_harmonics=errors, f_pm=self.load(*self.torques),
-            f_pv=self.load(self.torque_fluctuation, 0.0), kappa=kappa, xi_mesh=self.mesh_damping_ratio,
-            xi_translation=self.mesh_damping_ratio * kappa, xi_support=self.support_damping / (2.0 * mass * unit),
-            k_support=self.support_stiffness / (mass * unit**2), pitch_cone_angle=self.cone_angles[0],
-            pressure_angle=self.pressure_angle, translation_coupling=GEOMETRIC, rotation_coupling=GEOMETRIC,
-            variation_translation=1.0, variation_rotation=1.0,
-        )  # fmt: skip
+            b=self.half_backlash / self.length_unit,
+            alpha=alpha,
+            alpha_phase=alpha_phase,
+            alpha_harmonics=alphas,
+            f_e=f_e,
+            f_e_phase=f_e_phase,
+            f_e_harmonics=errors,
+            f_pm=self.load(*self.torques),
+            f_pv=self.load(self.torque_fluctuation, 0.0),
+            kappa=kappa,
+            xi_mesh=self.mesh_damping_ratio,
+            xi_translation=self.mesh_damping_ratio * kappa,
+            xi_support=self.support_damping / (2.0 * mass * unit),
+            k_support=self.support_stiffness / (mass * unit**2),
+            pitch_cone_angle=self.cone_angles[0],
+            pressure_angle=self.pressure_angle,
+            translation_coupling=GEOMETRIC,
+            rotation_coupling=GEOMETRIC,
+            variation_translation=1.0,
+            variation_rotation=1.0,
+        )
 
 
 def _teeth(value) -> tuple[int, int]:

@@ -68,9 +68,13 @@ def impact_state(lowest, highest, b) -> np.ndarray:
         highest >= -b,
     ]
     codes = [
-        -1, ImpactState.PERMANENT, ImpactState.SINGLE_SIDED, ImpactState.DOUBLE_SIDED, ImpactState.FREE,
+        -1,
+        ImpactState.PERMANENT,
+        ImpactState.SINGLE_SIDED,
+        ImpactState.DOUBLE_SIDED,
+        ImpactState.FREE,
         ImpactState.MIRRORED_SINGLE_SIDED,
-    ]  # fmt: skip
+    ]
     return np.select(conditions, [int(c) for c in codes], default=int(ImpactState.MIRRORED_PERMANENT)).astype(np.int8)
 
 

@@ -15,10 +15,29 @@ from numba import types
 from solver.compiled import kernel
 
 __all__ = [
-    "COMPLEX", "INTERVAL", "above", "absolute", "add", "below", "complex_add", "complex_conjugate",
-    "complex_multiply", "complex_reciprocal", "complex_scale", "complex_subtract", "cosine", "divide", "exact", "hull",
-    "length", "multiply", "sine", "square", "subtract", "symmetric",
-]  # fmt: skip
+    "COMPLEX",
+    "INTERVAL",
+    "above",
+    "absolute",
+    "add",
+    "below",
+    "complex_add",
+    "complex_conjugate",
+    "complex_multiply",
+    "complex_reciprocal",
+    "complex_scale",
+    "complex_subtract",
+    "cosine",
+    "divide",
+    "exact",
+    "hull",
+    "length",
+    "multiply",
+    "sine",
+    "square",
+    "subtract",
+    "symmetric",
+]
 
 INTERVAL = types.UniTuple(types.float64, 2)
 COMPLEX = types.UniTuple(INTERVAL, 2)
@@ -144,10 +163,7 @@ def complex_subtract(x, y):
 @kernel(COMPLEX(COMPLEX, COMPLEX), inner=True)
 def complex_multiply(x, y):
     """x y."""
-    return (
-        subtract(multiply(x[0], y[0]), multiply(x[1], y[1])),
-        add(multiply(x[0], y[1]), multiply(x[1], y[0])),
-    )
+    return (subtract(multiply(x[0], y[0]), multiply(x[1], y[1])), add(multiply(x[0], y[1]), multiply(x[1], y[0])))
 
 
 @kernel(COMPLEX(INTERVAL, COMPLEX), inline=True)

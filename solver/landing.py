@@ -1,11 +1,11 @@
-"""Points of a solution curve between two known ones: landing on the curve, and locating where a function of it vanishes.
+"""Points of a solution curve between two known ones: landing on it, and locating where a function of it vanishes.
 
 A `point` is one array that holds everything known about a place on the curve (n unknowns, m monitor values):
 
     y (n + 1) | unit tangent, scaled (n + 1) | monitor values (m) | their derivatives along the arc (m) | determinant
 
-The determinant is that of the scaled Jacobian bordered by a vector near the tangent; with the tangent's last component it
-gives the sign of det dE/du.
+The determinant is that of the scaled Jacobian bordered by a vector near the tangent; with the tangent's last component
+it gives the sign of det dE/du.
 """
 
 import math
@@ -25,12 +25,9 @@ _I, _F = types.int64, types.float64
 #: What a curve is and how points of it are corrected. unknowns = n, monitors = m; work has `workspace_rows(n)` rows,
 #: gradient is (m, n + 1).
 Setup = namedtuple(
-    "Setup",
-    "corrector tolerance limit balance monitor theta direction scale unknowns monitors work gradient",
+    "Setup", "corrector tolerance limit balance monitor theta direction scale unknowns monitors work gradient"
 )
-SETUP = types.NamedTuple(
-    (CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, _I, MATRIX, MATRIX), Setup
-)  # fmt: skip
+SETUP = types.NamedTuple((CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, _I, MATRIX, MATRIX), Setup)
 
 
 @kernel(_I(SETUP), inline=True)
@@ -43,8 +40,8 @@ def point_size(setup):
 def orient(setup, point, border):
     """Fill in tangent (on the side of `border`) and determinant at the point's y; False if the Jacobian is singular.
 
-    The Jacobian is at hand, so y gets one more Newton correction across `border` on the way: whatever corrector brought it
-    here, what is left of its error is squared.
+    The Jacobian is at hand, so y gets one more Newton correction across `border` on the way: whatever corrector brought
+    it here, what is left of its error is squared.
     """
     n = setup.unknowns
     y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
@@ -86,9 +83,16 @@ def observe_from(setup, point):
 def land(setup, point, normal):
     """Correct the predicted y of `point` on the hyperplane across `normal` and fill in the rest; iterations, or -1."""
     iterations = setup.corrector(
-        setup.balance, setup.theta, setup.direction, setup.scale, point[: setup.unknowns + 1], normal,
-        setup.tolerance, setup.limit, setup.work,
-    )  # fmt: skip
+        setup.balance,
+        setup.theta,
+        setup.direction,
+        setup.scale,
+        point[: setup.unknowns + 1],
+        normal,
+        setup.tolerance,
+        setup.limit,
+        setup.work,
+    )
     if iterations < 0 or not orient(setup, point, normal):
         return -1
     observe_from(setup, point)
@@ -97,7 +101,7 @@ def land(setup, point, normal):
 
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
 def land_between(setup, left, right, arc, x, point):
-    """Land at fraction x of the way from `left` to `right`, guided by the cubic through both ends and their tangents."""
+    """Land at fraction x of the way from `left` to `right`, guided by the cubic through both ends and tangents."""
     n = setup.unknowns
     normal = np.empty(n + 1)
     for j in range(n + 1):

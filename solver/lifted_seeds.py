@@ -1,9 +1,9 @@
-"""Where the branches of a balance of order H start: from all first-order solutions, from guesses of every size, by switching.
+"""Where the branches of a balance of order H start: first-order solutions, guesses of every size, switching.
 
-At order H nothing is proven. What is done instead: at evenly spaced values of the axis every proven first-order solution is
-corrected to order H, and so are motions of one harmonic at a few amplitudes and phases; where the signs of det J do not add
-up to the degree, the solution that grows out of the linear one is added. On a multiple of the forcing period, guesses carry
-subharmonics as well, and branches are switched where a subharmonic one crosses.
+At order H nothing is proven. What is done instead: at evenly spaced values of the axis every proven first-order
+solution is corrected to order H, and so are motions of one harmonic at a few amplitudes and phases; where the signs of
+det J do not add up to the degree, the solution that grows out of the linear one is added. On a multiple of the forcing
+period, guesses carry subharmonics as well, and branches are switched where a subharmonic one crosses.
 """
 
 import dataclasses
@@ -149,9 +149,16 @@ class _Found:
         start = y + _OFF * normal * problem.scale
         corrector = span.continuation.corrector
         count = corrector.kernel(
-            problem.balance, problem.theta, problem.direction, problem.scale, start, normal, corrector.tolerance, 20,
+            problem.balance,
+            problem.theta,
+            problem.direction,
+            problem.scale,
+            start,
+            normal,
+            corrector.tolerance,
+            20,
             np.empty((3 * n + 6, n + 1)),
-        )  # fmt: skip
+        )
         if count < 0 or not span.low <= start[n] <= span.high:
             return
         if all(_far(start, other, problem.scale, span.balance.period) for other in self.curves):
@@ -203,13 +210,16 @@ def _one_phase(span: RowSpan, curve: Curve) -> Curve:
     first = max((int(i) + 1 for i in turned if i < largest), default=0)
     last = min((int(i) for i in turned if i >= largest), default=len(size) - 1)
     ends = tuple(
-        EndReason.JOINED
-        if place != whole or (end is EndReason.STEP_TOO_SMALL and size[place] < _VANISHING)
-        else end
+        EndReason.JOINED if place != whole or (end is EndReason.STEP_TOO_SMALL and size[place] < _VANISHING) else end
         for place, whole, end in zip((first, last), (0, len(size) - 1), curve.ends, strict=True)
     )
     here = slice(first, last + 1)
     return Curve(
-        curve.points[here], curve.tangents[here], curve.arclength[here] - curve.arclength[first],
-        curve.stable[here], curve.event[here], ends, curve.refused,
-    )  # fmt: skip
+        curve.points[here],
+        curve.tangents[here],
+        curve.arclength[here] - curve.arclength[first],
+        curve.stable[here],
+        curve.event[here],
+        ends,
+        curve.refused,
+    )

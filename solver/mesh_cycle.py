@@ -70,9 +70,10 @@ def fit_cycle(angle, value, count: int) -> CycleFit:
     widest = int(np.argmax(steps))
     if steps[widest] >= math.pi / count:
         raise ParameterError(
-            "angle", float(ascending[widest]),
+            "angle",
+            float(ascending[widest]),
             f"followed by another after less than half a period of harmonic {count}, not after {steps[widest]:.4g} rad",
-        )  # fmt: skip
+        )
     turns = np.outer(angle, np.arange(1, count + 1))
     matrix = np.column_stack([np.ones(angle.size), np.cos(turns), np.sin(turns)])
     (mean, *parts), *_ = np.linalg.lstsq(matrix, value, rcond=None)
@@ -81,6 +82,8 @@ def fit_cycle(angle, value, count: int) -> CycleFit:
     # A cos(l theta + Phi) = A cos Phi cos(l theta) - A sin Phi sin(l theta).
     amplitudes, phases = np.hypot(cosines, sines), np.arctan2(-sines, cosines)
     return CycleFit(
-        float(mean), tuple(zip(amplitudes.tolist(), phases.tolist(), strict=True)),
-        float(np.sqrt(np.mean(residual**2))), float(np.max(np.abs(residual))),
-    )  # fmt: skip
+        float(mean),
+        tuple(zip(amplitudes.tolist(), phases.tolist(), strict=True)),
+        float(np.sqrt(np.mean(residual**2))),
+        float(np.max(np.abs(residual))),
+    )

@@ -22,10 +22,25 @@ GEOMETRIC = "geometric"
 
 #: Model fields that are one number (or may be given as one for all gears and axes), so that they can be a plane's axis.
 SCALAR_PARAMETERS = (
-    "b", "alpha", "alpha_phase", "f_e", "f_e_phase", "f_pm", "f_pv", "kappa", "xi_mesh", "xi_translation",
-    "xi_support", "k_support", "pitch_cone_angle", "pressure_angle", "translation_coupling", "rotation_coupling",
-    "variation_translation", "variation_rotation",
-)  # fmt: skip
+    "b",
+    "alpha",
+    "alpha_phase",
+    "f_e",
+    "f_e_phase",
+    "f_pm",
+    "f_pv",
+    "kappa",
+    "xi_mesh",
+    "xi_translation",
+    "xi_support",
+    "k_support",
+    "pitch_cone_angle",
+    "pressure_angle",
+    "translation_coupling",
+    "rotation_coupling",
+    "variation_translation",
+    "variation_rotation",
+)
 
 Harmonics = tuple[tuple[float, float], ...]
 
@@ -94,9 +109,17 @@ class Model:
 
     def __post_init__(self):
         numbers = {
-            "b": (0.0, True), "alpha": None, "alpha_phase": None, "f_e": None, "f_e_phase": None, "f_pm": None,
-            "f_pv": None, "xi_mesh": (0.0, True), "variation_translation": None, "variation_rotation": None,
-        }  # fmt: skip
+            "b": (0.0, True),
+            "alpha": None,
+            "alpha_phase": None,
+            "f_e": None,
+            "f_e_phase": None,
+            "f_pm": None,
+            "f_pv": None,
+            "xi_mesh": (0.0, True),
+            "variation_translation": None,
+            "variation_rotation": None,
+        }
         for name, bound in numbers.items():
             self._set(name, _number(name, getattr(self, name), bound))
         for name, count, bound in (
@@ -145,7 +168,7 @@ class Model:
 
     @property
     def motion_size(self) -> float:
-        """Size of lambda to expect, for the scaling of continuation: b + |f_pm|/c + |f_pv| + |f_e|, or 1 where that is 0.
+        """Size of lambda to expect, to scale continuation: b + |f_pm|/c + |f_pv| + |f_e|, or 1 where that is 0.
 
         It is homogeneous of degree one in (b, f_pm, f_pv, f_e), as lambda itself is.
         """

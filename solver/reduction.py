@@ -54,9 +54,16 @@ from solver.interval import (
 )
 
 __all__ = [
-    "GAP", "LOAD", "ROWS", "determinant_over", "gain_at", "motion_over", "numerators_at", "reduce_balance",
+    "GAP",
+    "LOAD",
+    "ROWS",
+    "determinant_over",
+    "gain_at",
+    "motion_over",
+    "numerators_at",
+    "reduce_balance",
     "slope_over",
-]  # fmt: skip
+]
 
 _F = types.float64
 

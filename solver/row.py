@@ -239,13 +239,25 @@ def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> R
     impact = impact_state(*span.balance.extremes(motions), b[:, None])
     stability = assess(
         span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
-    )  # fmt: skip
+    )
     instability, multiplier = np.full(shape, -1, dtype=np.int8), np.full(shape, np.nan)
     instability[column, place], multiplier[column, place] = stability.kind, stability.modulus
     return Row(
-        span.balance, span.axis, grid, b, tuple(curves), motions, stabilities, impact, instability, multiplier,
-        _open(grid, curves, missing).astype(np.int8), np.full(grid.size, -1, dtype=np.int8), early, everywhere,
-    )  # fmt: skip
+        span.balance,
+        span.axis,
+        grid,
+        b,
+        tuple(curves),
+        motions,
+        stabilities,
+        impact,
+        instability,
+        multiplier,
+        _open(grid, curves, missing).astype(np.int8),
+        np.full(grid.size, -1, dtype=np.int8),
+        early,
+        everywhere,
+    )
 
 
 def _certify(row: Row, solutions: RowSolutions, scale: float) -> Row:

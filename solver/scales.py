@@ -48,8 +48,8 @@ class Scales:
     """The scale of every parameter of one gear pair that has a unit, by `solver.Model`'s names and `omega`.
 
     `omega` is shown as pinion speed; its SI value is in rad/s of the pinion. `mesh_frequency` is Omega as well, in Hz,
-    and `length` that of displacements. f_pm stands for the driving torque with the load torque in the pair's proportion to
-    it, f_pv for the fluctuating driving torque. Support parameters are the pinion's, whose mass they refer to.
+    and `length` that of displacements. f_pm stands for the driving torque with the load torque in the pair's proportion
+    to it, f_pv for the fluctuating driving torque. Support parameters are the pinion's, whose mass they refer to.
 
     Parameters
     ----------

@@ -41,10 +41,22 @@ def published(**changes) -> Model:
     from solver import Model
 
     values = dict(
-        b=1.0, alpha=0.2, f_e=0.2, f_pm=0.5, kappa=0.5, xi_mesh=0.05, xi_translation=0.0125, xi_support=0.01,
-        k_support=1.0, pitch_cone_angle=45.0, pressure_angle=20.0, translation_coupling=0.3173,
-        rotation_coupling=0.7719, variation_translation=1.0, variation_rotation=0.0,
-    )  # fmt: skip
+        b=1.0,
+        alpha=0.2,
+        f_e=0.2,
+        f_pm=0.5,
+        kappa=0.5,
+        xi_mesh=0.05,
+        xi_translation=0.0125,
+        xi_support=0.01,
+        k_support=1.0,
+        pitch_cone_angle=45.0,
+        pressure_angle=20.0,
+        translation_coupling=0.3173,
+        rotation_coupling=0.7719,
+        variation_translation=1.0,
+        variation_rotation=0.0,
+    )
     return Model(**{**values, **changes})
 
 

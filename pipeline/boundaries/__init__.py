@@ -1,16 +1,16 @@
 """Boundaries of a stored plane as curves: traced from the events of its rows, stored beside them, exported as CSV."""
 
-from pipeline.boundaries.group import (
-    StoredBoundaries,
-    StoredCurve,
-    read_boundaries,
-    remove_boundaries,
-    special_places,
-)
+from pipeline.boundaries.group import StoredBoundaries, StoredCurve, read_boundaries, remove_boundaries, special_places
 from pipeline.boundaries.sheets import write_sheets
 from pipeline.boundaries.tracing import Summary, trace
 
 __all__ = [
-    "StoredBoundaries", "StoredCurve", "Summary", "read_boundaries", "remove_boundaries", "special_places", "trace",
+    "StoredBoundaries",
+    "StoredCurve",
+    "Summary",
+    "read_boundaries",
+    "remove_boundaries",
+    "special_places",
+    "trace",
     "write_sheets",
-]  # fmt: skip
+]

@@ -13,9 +13,14 @@ from solver import EndReason, Event
 from solver.boundaries import SpecialPoint
 
 __all__ = [
-    "COMPONENTS", "StoredBoundaries", "StoredCurve", "read_boundaries", "remove_boundaries", "special_places",
+    "COMPONENTS",
+    "StoredBoundaries",
+    "StoredCurve",
+    "read_boundaries",
+    "remove_boundaries",
+    "special_places",
     "write_boundaries",
-]  # fmt: skip
+]
 
 GROUP = "boundaries"
 COMPONENTS = ("mean", "cos", "sin")
@@ -106,21 +111,46 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
     return {
         "row_size": (curve, "int32", {"long_name": "number of points of the boundary", "sample_dimension": point}),
         "kind": (curve, "int8", flags(Event, "what happens along the boundary")),
-        "closed": (curve, "int8", {"long_name": "1: the last point is the first one again", "flag_values": [0, 1],
-                                   "flag_meanings": "open closed"}),
-        "side": (curve, "int8", {
-            "long_name": "side, looking along the curve, on which a fold's pair of solutions exists and on which the "
-                         "margin of a stable grazing is positive",
-            "flag_values": [-1, 0, 1], "flag_meanings": "right unknown left"}),
+        "closed": (
+            curve,
+            "int8",
+            {
+                "long_name": "1: the last point is the first one again",
+                "flag_values": [0, 1],
+                "flag_meanings": "open closed",
+            },
+        ),
+        "side": (
+            curve,
+            "int8",
+            {
+                "long_name": "side, looking along the curve, on which a fold's pair of solutions exists and on which "
+                "the margin of a stable grazing is positive",
+                "flag_values": [-1, 0, 1],
+                "flag_meanings": "right unknown left",
+            },
+        ),
         "end_reason": ((curve, "end"), "int8", flags(EndReason, "why the boundary ends")),
         **{name: (point, "float64", {"long_name": text, "units": units}) for name, (text, units) in quantities.items()},
-        **{f"{name}_slope": (point, "float64", {"long_name": f"derivative by arc length of the {quantities[name][0]}",
-                                                "units": quantities[name][1]})
-           for name in (*COMPONENTS, x, p)},
-        "stable": (point, "int8", {"long_name": "1: the grazing motion is statically stable; 0 along folds",
-                                   "flag_values": [0, 1], "flag_meanings": "unstable stable"}),
+        **{
+            f"{name}_slope": (
+                point,
+                "float64",
+                {"long_name": f"derivative by arc length of the {quantities[name][0]}", "units": quantities[name][1]},
+            )
+            for name in (*COMPONENTS, x, p)
+        },
+        "stable": (
+            point,
+            "int8",
+            {
+                "long_name": "1: the grazing motion is statically stable; 0 along folds",
+                "flag_values": [0, 1],
+                "flag_meanings": "unstable stable",
+            },
+        ),
         "special": (point, "int8", flags(SpecialPoint, "what is special about the point")),
-    }  # fmt: skip
+    }
 
 
 def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> None:
@@ -144,9 +174,10 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> No
     }
     # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
     attributes = {
-        "coordinates": f"{plan.sweep.name} {plan.parameter.name}", "configuration_hash": plan.digest,
+        "coordinates": f"{plan.sweep.name} {plan.parameter.name}",
+        "configuration_hash": plan.digest,
         "events_hash": boundaries.digest,
-    }  # fmt: skip
+    }
     variables = {
         name: groups.Variable(dims, kind, values[name], described)
         for name, (dims, kind, described) in _arrays(plan).items()
@@ -175,8 +206,12 @@ def read_boundaries(path: Path, plan: Plan) -> StoredBoundaries | None:
         ends = tuple(EndReason(int(end)) for end in values["end_reason"][number])
         curves.append(
             StoredCurve(
-                Event(int(values["kind"][number])), ends, int(values["side"][number]), points[here], slopes[here],
+                Event(int(values["kind"][number])),
+                ends,
+                int(values["side"][number]),
+                points[here],
+                slopes[here],
                 *(values[name][here] for name in ("arclength", "stable", "special")),
             )
-        )  # fmt: skip
+        )
     return StoredBoundaries(tuple(curves), group.attrs["events_hash"])

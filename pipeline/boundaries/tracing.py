@@ -8,13 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, RowEvents, read_events
-from pipeline.boundaries.group import (
-    StoredBoundaries,
-    StoredCurve,
-    read_boundaries,
-    special_places,
-    write_boundaries,
-)
+from pipeline.boundaries.group import StoredBoundaries, StoredCurve, read_boundaries, special_places, write_boundaries
 from pipeline.plan import Plan
 from pipeline.sweep import balance_of, continuation_of, frame_of
 from solver import Continuation, EndReason, Event
@@ -24,9 +18,7 @@ __all__ = ["Summary", "first_order_curves", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
-_WORDS = {
-    Event.FOLD: "fold", Event.PERIOD_DOUBLING: "period doubling", Event.NEIMARK_SACKER: "Neimark-Sacker",
-}  # fmt: skip
+_WORDS = {Event.FOLD: "fold", Event.PERIOD_DOUBLING: "period doubling", Event.NEIMARK_SACKER: "Neimark-Sacker"}
 # A start this close to a curve, in scaled unknowns, belongs to it.
 _SAME = 1e-6
 
@@ -96,7 +88,7 @@ def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
     continuation = _with_short_steps(continuation_of(plan.solver))
     curves = bifurcation_curves(
         balance_of(plan.solver), *frame_of(plan), starts, omega=_frequency(plan), continuation=continuation
-    )  # fmt: skip
+    )
     return [to_store(curve, 0) for curve in curves]
 
 
@@ -116,9 +108,8 @@ def _with_short_steps(continuation: Continuation) -> Continuation:
 def to_store(curve: BoundaryCurve, side: int = 0) -> StoredCurve:
     """A traced boundary as it is stored; its side is 0 where it is not known."""
     return StoredCurve(
-        curve.kind, curve.ends, side, curve.points, curve.slopes, curve.arclength,
-        curve.stable, curve.special,
-    )  # fmt: skip
+        curve.kind, curve.ends, side, curve.points, curve.slopes, curve.arclength, curve.stable, curve.special
+    )
 
 
 def _side(curve: BoundaryCurve, events: RowEvents, continuation: Continuation) -> int:

@@ -85,8 +85,13 @@ def draw_backbone(plane: StoredPlane) -> Figure:
     figure.text(right, 1 - 0.05 / height, fixed_parameters(plane.plan, plane.scales), ha="right", va="top", fontsize=8)
     bar = figure.add_axes((_BAR_LEFT / _WIDTH, _BOTTOM / height, _BAR / _WIDTH, _HEIGHT / height))
     # By hand: a colorbar is a mesh of 256 areas, and a PDF would hold each of them.
-    bar.imshow(_COLOURS(np.linspace(0.0, 1.0, 256))[:, None], extent=(0.0, 1.0, row_axis.low, row_axis.high),
-               origin="lower", aspect="auto", interpolation="none")  # fmt: skip
+    bar.imshow(
+        _COLOURS(np.linspace(0.0, 1.0, 256))[:, None],
+        extent=(0.0, 1.0, row_axis.low, row_axis.high),
+        origin="lower",
+        aspect="auto",
+        interpolation="none",
+    )
     bar.set(xticks=[], ylabel=axis_label(row_axis.name, plane.attributes[row_axis.name]))
     bar.yaxis.tick_right()
     bar.yaxis.set_label_position("right")

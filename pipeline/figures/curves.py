@@ -6,12 +6,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.figures.naming import (
-    STATE_NAMES,
-    axis_label,
-    fixed_parameters,
-    value_text,
-)
+from pipeline.figures.naming import STATE_NAMES, axis_label, fixed_parameters, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
 from pipeline.figures.stored import StoredPlane
@@ -105,9 +100,13 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Figure:
             sides = "lr" + "t" * (line == 0) + "b" * (line == len(rows) - 1)
             show_units(axes, plane, sweep.name, "length", sides)
     figure.legend(
-        keys.values(), keys.keys(), loc="lower center", ncols=_COLUMNS, bbox_to_anchor=(0.5, 0.05 / height),
+        keys.values(),
+        keys.keys(),
+        loc="lower center",
+        ncols=_COLUMNS,
+        bbox_to_anchor=(0.5, 0.05 / height),
         columnspacing=1.4,
-    )  # fmt: skip
+    )
     return figure
 
 
@@ -123,10 +122,12 @@ def _draw_row(axes: Axes, plane: StoredPlane, row: int, name: str) -> None:
         axes.add_collection(
             LineCollection(
                 [np.column_stack([x[piece.slice], y[piece.slice]]) for piece in pieces],
-                colors=[_state_colour(ImpactState(piece.impact)) for piece in pieces], linewidth=1.1, **style,
+                colors=[_state_colour(ImpactState(piece.impact)) for piece in pieces],
+                linewidth=1.1,
+                **style,
             ),
             autolim=False,
-        )  # fmt: skip
+        )
     for events, style in _MARKS.values():
         here = np.isin(points["event"], events)
         axes.plot(x[here], y[here], **style)

@@ -4,9 +4,21 @@ import numpy as np
 from matplotlib.axes import Axes
 
 __all__ = [
-    "BETWEEN", "BOTTOM", "HEIGHT", "LEFT", "LEGEND", "PANEL", "RIGHT", "TOP", "WIDTH", "ZOOM_HEIGHT", "enlarged",
-    "mark_window", "shares_of", "zoom_places",
-]  # fmt: skip
+    "BETWEEN",
+    "BOTTOM",
+    "HEIGHT",
+    "LEFT",
+    "LEGEND",
+    "PANEL",
+    "RIGHT",
+    "TOP",
+    "WIDTH",
+    "ZOOM_HEIGHT",
+    "enlarged",
+    "mark_window",
+    "shares_of",
+    "zoom_places",
+]
 
 #: Inches.
 WIDTH, LEFT, PANEL, RIGHT, TOP, BOTTOM = 7.2, 0.56, 4.82, 0.1, 0.36, 0.42
@@ -36,6 +48,13 @@ def enlarged(image: np.ndarray) -> np.ndarray:
 def mark_window(axes: Axes, x: tuple[float, float], letter: str, lift: float = 0.0) -> None:
     """A bar above the panel, `lift` of its height further up, over the stretch that another panel enlarges."""
     above = axes.get_xaxis_transform()
-    axes.plot(x, [1.022 + lift, 1.022 + lift], transform=above, color="black", linewidth=1.6, clip_on=False,
-              solid_capstyle="butt")  # fmt: skip
+    axes.plot(
+        x,
+        [1.022 + lift, 1.022 + lift],
+        transform=above,
+        color="black",
+        linewidth=1.6,
+        clip_on=False,
+        solid_capstyle="butt",
+    )
     axes.text(0.5 * (x[0] + x[1]), 1.035 + lift, f"({letter})", transform=above, ha="center", va="bottom", fontsize=8)

@@ -36,7 +36,7 @@ from pipeline.figures.map_legend import (
     draw_legend,
     legend_entries,
     legend_height,
-)  # fmt: skip
+)
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import label_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
@@ -150,9 +150,13 @@ def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
 def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     """Fill a panel with its labels, lines and marks."""
     axes.imshow(
-        _image(panel.code, plane.labels), extent=(*panel.x, *panel.y), origin="lower", aspect="auto",
-        interpolation="none", zorder=0,
-    )  # fmt: skip
+        _image(panel.code, plane.labels),
+        extent=(*panel.x, *panel.y),
+        origin="lower",
+        aspect="auto",
+        interpolation="none",
+        zorder=0,
+    )
     # Not as patches: matplotlib would look for the extrema of every segment, and the limits are the panel's.
     for kind, outline in panel.lines.items():
         axes.add_artist(PathPatch(outline, fill=False, **LINES[kind][0]))
@@ -162,9 +166,11 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)
     unstable = plane.unstable & ~plane.disputed & (not plane.dynamic)
     for kind, marked in (
-        (FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1),
-        (UNSTABLE_CELLS, unstable), (DISPUTED_CELLS, plane.disputed),
-    ):  # fmt: skip
+        (FAILED_ROWS, failed),
+        (OPEN_CELLS, plane.open == 1),
+        (UNSTABLE_CELLS, unstable),
+        (DISPUTED_CELLS, plane.disputed),
+    ):
         if np.any(marked):
             axes.add_artist(PathPatch(_rectangles(marked, columns, rows), **kind))
     if plane.over_frequency:

@@ -15,37 +15,55 @@ from solver import ImpactState
 from solver.boundaries import SpecialPoint
 
 __all__ = [
-    "DISPUTED_CELLS", "FAILED_ROWS", "LINES", "MARKS", "MODES", "OPEN_CELLS", "UNSTABLE_CELLS", "Entry",
-    "draw_legend", "legend_entries", "legend_height",
-]  # fmt: skip
+    "DISPUTED_CELLS",
+    "FAILED_ROWS",
+    "LINES",
+    "MARKS",
+    "MODES",
+    "OPEN_CELLS",
+    "UNSTABLE_CELLS",
+    "Entry",
+    "draw_legend",
+    "legend_entries",
+    "legend_height",
+]
 
 #: Line kind -> its style and what the legend says of it.
 LINES = {
     "fold": ({"color": "black", "linewidth": 0.65, "linestyle": "solid", "zorder": 3}, "fold: $n$ changes"),
     "grazing": (
-        {"color": "0.2", "linewidth": 0.55, "linestyle": (0, (3.0, 1.6)), "zorder": 2}, "grazing: only $I$ changes",
+        {"color": "0.2", "linewidth": 0.55, "linestyle": (0, (3.0, 1.6)), "zorder": 2},
+        "grazing: only $I$ changes",
     ),
     "period_doubling": (
-        {"color": "#7a0177", "linewidth": 0.9, "linestyle": (0, (1.0, 1.0)), "zorder": 3}, "period doubling",
+        {"color": "#7a0177", "linewidth": 0.9, "linestyle": (0, (1.0, 1.0)), "zorder": 3},
+        "period doubling",
     ),
     "neimark_sacker": (
-        {"color": "#00441b", "linewidth": 0.9, "linestyle": (0, (4.0, 1.0, 1.0, 1.0)), "zorder": 3}, "Neimark–Sacker",
+        {"color": "#00441b", "linewidth": 0.9, "linestyle": (0, (4.0, 1.0, 1.0, 1.0)), "zorder": 3},
+        "Neimark–Sacker",
     ),
-}  # fmt: skip
+}
 UNSTABLE_CELLS = {"facecolor": "none", "edgecolor": "0.1", "linewidth": 0.0, "hatch": "\\\\\\\\\\\\", "zorder": 1}
 DISPUTED_CELLS = {"facecolor": "none", "edgecolor": "0.35", "linewidth": 0.0, "hatch": "++++++", "zorder": 1}
 FAILED_ROWS = {"facecolor": "white", "edgecolor": "0.45", "linewidth": 0.0, "hatch": "//////", "zorder": 1}
 OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "....", "zorder": 1}
 _MODE = {
-    "color": "#8b0a50", "linewidth": 1.0, "zorder": 4,
+    "color": "#8b0a50",
+    "linewidth": 1.0,
+    "zorder": 4,
     "path_effects": [withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
-}  # fmt: skip
+}
 #: Lower and upper mode: mesh-frequency and shaft-frequency resonance.
 MODES = ({**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5))}, {**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5, 1, 1.5))})
 _MARK = {
-    "linestyle": "none", "markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.6, "zorder": 5,
+    "linestyle": "none",
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.6,
+    "zorder": 5,
     "clip_on": False,
-}  # fmt: skip
+}
 MARKS = {
     SpecialPoint.CUSP: {**_MARK, "marker": "^", "markersize": 4.2},
     SpecialPoint.FOLD_GRAZING: {**_MARK, "marker": "D", "markersize": 3.0},
@@ -68,9 +86,7 @@ class Entry:
     mark: dict | None = None
 
 
-def legend_entries(
-    plane: StoredPlane, codes: list[int], lines, marks, modes, shares: bool = True
-) -> list[Entry]:
+def legend_entries(plane: StoredPlane, codes: list[int], lines, marks, modes, shares: bool = True) -> list[Entry]:
     """Everything that the map shows, and nothing else.
 
     Parameters

@@ -23,11 +23,25 @@ def _halo(width: float) -> list:
 _BOX = {"facecolor": "none", "edgecolor": "black", "linewidth": 1.5, "zorder": 6, "path_effects": _halo(3.4)}
 _TOLERANCE = {**_BOX, "linewidth": 1.1, "linestyle": (0, (2.2, 1.4)), "zorder": 7, "path_effects": _halo(2.8)}
 _RANGE = {"color": "black", "linewidth": 1.8, "solid_capstyle": "butt", "zorder": 7, "path_effects": _halo(3.6)}
-_POINT = {"linestyle": "none", "marker": "*", "markersize": 9.5, "markerfacecolor": "white", "markeredgecolor": "black",
-          "markeredgewidth": 0.9, "zorder": 9}  # fmt: skip
+_POINT = {
+    "linestyle": "none",
+    "marker": "*",
+    "markersize": 9.5,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.9,
+    "zorder": 9,
+}
 _WAY = {"color": "black", "linewidth": 0.9, "linestyle": (0, (1.0, 1.2)), "zorder": 6.5, "path_effects": _halo(2.6)}
-_HIT = {"linestyle": "none", "marker": "X", "markersize": 5.6, "markerfacecolor": "black", "markeredgecolor": "white",
-        "markeredgewidth": 0.8, "zorder": 8}  # fmt: skip
+_HIT = {
+    "linestyle": "none",
+    "marker": "X",
+    "markersize": 5.6,
+    "markerfacecolor": "black",
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.8,
+    "zorder": 8,
+}
 #: What is shown is enlarged below where it takes up less than this share of both axes; around it so much of its size.
 _SMALL, _AROUND = 0.5, 0.35
 
@@ -89,10 +103,12 @@ def _window(plane: StoredPlane, answer, places) -> tuple[tuple[float, float], tu
     """The part that holds everything about the design and some places besides, if it is small; else None."""
     design, sides = answer.design, []
     rectangles = [ranges for _, *ranges in _rectangles(answer)]
-    for i, (axis, ends) in enumerate((
-        (plane.plan.sweep, (design.low, design.high)),
-        (plane.plan.parameter, (design.p - design.tolerance, design.p + design.tolerance)),
-    )):  # fmt: skip
+    for i, (axis, ends) in enumerate(
+        (
+            (plane.plan.sweep, (design.low, design.high)),
+            (plane.plan.parameter, (design.p - design.tolerance, design.p + design.tolerance)),
+        )
+    ):
         values = [*ends, *(end for ranges in rectangles for end in ranges[i]), *(place[i] for place in places)]
         low, high = min(values), max(values)
         around = max(_AROUND * (high - low), 0.03 * (axis.high - axis.low))

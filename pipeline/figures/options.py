@@ -16,8 +16,13 @@ NARROWEST = 1e-5
 
 
 def check_options(
-    plan: Plan, curves: list[float] | None, formats: list[str], dpi: int, window: list[float] | None = None,
-    stability: str = "static", units: str = "dimensionless",
+    plan: Plan,
+    curves: list[float] | None,
+    formats: list[str],
+    dpi: int,
+    window: list[float] | None = None,
+    stability: str = "static",
+    units: str = "dimensionless",
 ) -> None:
     """Raise unless these figures can be drawn of this plane.
 
@@ -65,9 +70,7 @@ def check_options(
                 f"figures.formats = {name!r} is not allowed: it must be a list of {', '.join(FORMATS)}"
             )
     if not _LEAST_DPI <= dpi <= _MOST_DPI:
-        raise ConfigurationError(
-            f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}"
-        )
+        raise ConfigurationError(f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}")
     if stability not in STABILITIES:
         raise ConfigurationError(
             f"figures.stability = {stability!r} is not allowed: it must be one of {', '.join(STABILITIES)}"

@@ -13,9 +13,9 @@ from pipeline.boundaries import special_places
 from pipeline.boundaries.events import MARGINS
 from pipeline.boundaries.group import StoredBoundaries
 from pipeline.figures.edges import curves_along, label_edges
-from pipeline.pieces import labels_at
 from pipeline.figures.regions import region_codes
 from pipeline.figures.stored import StoredPlane
+from pipeline.pieces import labels_at
 from pipeline.plan import Axis
 from pipeline.store import COMPLETE
 from solver import Event
@@ -113,7 +113,9 @@ def _polygons(segments: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
 
 
 def _exact_panel(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> Panel:
-    middles = [low + (np.arange(count) + 0.5) / count * (high - low) for (low, high), count in zip((x, y), _FINE)]
+    middles = [
+        low + (np.arange(count) + 0.5) / count * (high - low) for (low, high), count in zip((x, y), _FINE, strict=True)
+    ]
     code, _ = region_codes(plane, *middles)
     return Panel(code, x, y, _lines(plane.boundaries, x, y), _marks(plane.boundaries, x, y))
 
@@ -128,9 +130,11 @@ def lines_of(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float])
 def _lines(boundaries: StoredBoundaries, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
     """Line kind -> the curves of that kind within a window."""
     kinds = {
-        "fold": (Event.FOLD,), "grazing": tuple(MARGINS), "period_doubling": (Event.PERIOD_DOUBLING,),
+        "fold": (Event.FOLD,),
+        "grazing": tuple(MARGINS),
+        "period_doubling": (Event.PERIOD_DOUBLING,),
         "neimark_sacker": (Event.NEIMARK_SACKER,),
-    }  # fmt: skip
+    }
     return _present({kind: _outline(boundaries, events, x, y) for kind, events in kinds.items()})
 
 

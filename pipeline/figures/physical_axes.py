@@ -44,8 +44,9 @@ def show_units(axes: Axes, plane: StoredPlane, x: str | None = None, y: str | No
         Of b, l (physical) and t, r (dimensionless): which sides have tick labels and names.
     """
     for name, axis, low, high, secondary in (
-        (x, axes.xaxis, "b", "t", axes.secondary_xaxis), (y, axes.yaxis, "l", "r", axes.secondary_yaxis),
-    ):  # fmt: skip
+        (x, axes.xaxis, "b", "t", axes.secondary_xaxis),
+        (y, axes.yaxis, "l", "r", axes.secondary_yaxis),
+    ):
         if plane.scales is None or name is None or name not in plane.scales:
             continue
         places = {"b": "bottom", "t": "top", "l": "left", "r": "right"}
@@ -75,4 +76,3 @@ def show_bar_units(bar: Axes, plane: StoredPlane, name: str) -> None:
 
 def _functions(size: float):
     return (lambda value: value * size), (lambda value: value / size)
-

@@ -77,7 +77,8 @@ def _stored_sets(plane: StoredPlane, row: int, x: np.ndarray) -> np.ndarray:
 def _changes(boundaries: StoredBoundaries, plan: Plan, x: np.ndarray, *levels: np.ndarray) -> list[np.ndarray]:
     """What all crossings below each level add to the set of stable motions, (level, x) for every array of levels."""
     line, place, change = (
-        np.concatenate(parts) for parts in zip(*(_upward(curve, plan, x) for curve in boundaries.curves), _NOTHING)
+        np.concatenate(parts)
+        for parts in zip(*(_upward(curve, plan, x) for curve in boundaries.curves), _NOTHING, strict=False)
     )
     results = []
     for ascending in levels:

@@ -53,10 +53,16 @@ _MARKS = {
     Verdict.OTHER_MOTION: {**_MARK, "marker": "^", "markersize": 4.2, "markerfacecolor": "#c1440e"},
     Verdict.NOT_PERIOD_1: {**_MARK, "marker": "D", "markersize": 3.2, "markerfacecolor": "#0b3c6f"},
     Verdict.UNBOUNDED: {**_MARK, "marker": "P", "markersize": 4.4, "markerfacecolor": "black"},
-    Verdict.UNSETTLED: {**_MARK, "marker": "v", "markersize": 4.2, "markerfacecolor": "white",
-                        "markeredgecolor": "black", "markeredgewidth": 0.6},
+    Verdict.UNSETTLED: {
+        **_MARK,
+        "marker": "v",
+        "markersize": 4.2,
+        "markerfacecolor": "white",
+        "markeredgecolor": "black",
+        "markeredgewidth": 0.6,
+    },
     Verdict.FAILED: {**_MARK, "marker": "x", "markersize": 3.8, "markeredgecolor": "black", "markeredgewidth": 0.9},
-}  # fmt: skip
+}
 _WORDS = {
     Verdict.CONFIRMED: "confirmed",
     Verdict.WRONG_IMPACT: "other impact state",
@@ -139,9 +145,13 @@ def _cells(plane: StoredPlane, found: StoredVerification) -> dict[Verdict, np.nd
 def _fill(axes: Axes, plane: StoredPlane, found: StoredVerification, inches, x, y, verdicts) -> None:
     columns, rows = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
     axes.imshow(
-        enlarged(_image(plane, found)), extent=(columns[0], columns[-1], rows[0], rows[-1]), origin="lower",
-        aspect="auto", interpolation="none", zorder=0,
-    )  # fmt: skip
+        enlarged(_image(plane, found)),
+        extent=(columns[0], columns[-1], rows[0], rows[-1]),
+        origin="lower",
+        aspect="auto",
+        interpolation="none",
+        zorder=0,
+    )
     for kind, outline in lines_of(plane, x, y).items():
         axes.add_artist(PathPatch(outline, fill=False, **LINES[kind][0]))
     scale = np.array(inches) / (x[1] - x[0], y[1] - y[0])

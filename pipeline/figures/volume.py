@@ -71,10 +71,13 @@ def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Figure:
 
 def _entries(planes, panels) -> list:
     """What any of the panels shows."""
-    every = replace(planes[0], **{
-        name: np.concatenate([getattr(plane, name) for plane in planes])
-        for name in ("domain", "open", "unstable", "disputed", "status")
-    })  # fmt: skip
+    every = replace(
+        planes[0],
+        **{
+            name: np.concatenate([getattr(plane, name) for plane in planes])
+            for name in ("domain", "open", "unstable", "disputed", "status")
+        },
+    )
     lines = {kind for panel in panels for kind in panel.lines}
     modes = np.any([modes_within(plane, panel) for plane, panel in zip(planes, panels, strict=True)], axis=0)
     return legend_entries(every, [int(code) for code in np.unique(every.domain) if code], lines, (), modes, False)

@@ -39,8 +39,10 @@ def run(job, reporter) -> int:
     paths = figures.draw_design(path, drawn, found, options.formats, options.dpi, options.units)
     for there, files in ((folder, sheets), (drawn, paths)):
         reporter.line(f"margins: {', '.join(file.name for file in files)} in {there.resolve()}")
-    reporter.line(f"margins: {len(found.margins)} distances, {len(found.corners)} sets of tolerances "
-                  f"({perf_counter() - begin:.2f} s)")  # fmt: skip
+    reporter.line(
+        f"margins: {len(found.margins)} distances, {len(found.corners)} sets of tolerances "
+        f"({perf_counter() - begin:.2f} s)"
+    )
     return 0
 
 

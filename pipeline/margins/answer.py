@@ -9,13 +9,8 @@ import numpy as np
 from pipeline.boundaries import read_boundaries
 from pipeline.errors import StoreError
 from pipeline.margins.box import Box, largest_box
-from pipeline.margins.curves import P, X, Boundaries, boundaries_of
-from pipeline.margins.distances import (
-    Margin,
-    margins_of_axis,
-    margins_of_further,
-    nearest_over_range,
-)
+from pipeline.margins.curves import Boundaries, P, X, boundaries_of
+from pipeline.margins.distances import Margin, margins_of_axis, margins_of_further, nearest_over_range
 from pipeline.margins.lines import Line, codes_along, divided
 from pipeline.margins.options import Design
 from pipeline.margins.worst import Corner, corners
@@ -100,8 +95,10 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
             margins += margins_of_further(plan, design, name)
         found = corners(plan, design, stored_curves(path, plan))
         if len(found) > 1:
-            notes.append("Further parameters are looked at with all of them at the ends of their tolerances; between "
-                         "those nothing is proven.")  # fmt: skip
+            notes.append(
+                "Further parameters are looked at with all of them at the ends of their tolerances; between "
+                "those nothing is proven."
+            )
     else:
         order = plan.solver["order"]
         notes.append(
@@ -110,7 +107,7 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
             "without labels, tolerances or parameters that are no axis of the plane."
         )
     box, boxed, said = _box(boundaries, plan, design, row, label, first_order)
-    return Answer(plan, design, label, row, tuple(margins), box, boxed, tuple(found), tuple([*said, *notes]))
+    return Answer(plan, design, label, row, tuple(margins), box, boxed, tuple(found), (*said, *notes))
 
 
 def line_through(boundaries: Boundaries, plan: Plan, design: Design, held: int, labelled: bool) -> Line:
@@ -129,8 +126,10 @@ def _box(boundaries, plan, design, row, label, labelled) -> tuple[Box | None, De
         return None, design, [f"There is no safe box: the design point's label is {label or 'not decided'}."]
     if len(row.within(design.low, design.high)) > 1:
         boxed = dataclasses.replace(design, low=design.x, high=design.x)
-        said.append(f"No safe box holds the operating range {name} = {design.low:g} ... {design.high:g}, which "
-                    "boundaries cross; the box is the largest around the design point.")  # fmt: skip
+        said.append(
+            f"No safe box holds the operating range {name} = {design.low:g} ... {design.high:g}, which "
+            "boundaries cross; the box is the largest around the design point."
+        )
     box = largest_box(boundaries, plan, boxed)
     if not box.area > 0.0:
         return None, boxed, ["There is no safe box: the design point lies on a boundary."]

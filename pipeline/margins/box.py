@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.margins.curves import P, X, Boundaries
+from pipeline.margins.curves import Boundaries, P, X
 from pipeline.margins.options import Design
 from pipeline.plan import Plan
 
@@ -75,8 +75,10 @@ def largest_box(boundaries: Boundaries, plan: Plan, design: Design) -> Box:
         if len(cells) > _MOST_CELLS // 4:
             break
         middle = 0.5 * (cells[:, :2] + cells[:, 2:])
-        parts = [np.column_stack([np.where(pick, middle, cells[:, :2]), np.where(pick, cells[:, 2:], middle)])
-                 for pick in ([False, False], [False, True], [True, False], [True, True])]  # fmt: skip
+        parts = [
+            np.column_stack([np.where(pick, middle, cells[:, :2]), np.where(pick, cells[:, 2:], middle)])
+            for pick in ([False, False], [False, True], [True, False], [True, True])
+        ]
         cells = np.concatenate(parts)
     corner = _polished(area, corner, [side.reach for side in sides])
     left, right = _joined(sides, *corner[:, None])
@@ -102,8 +104,10 @@ def _polished(area, corner: np.ndarray, reach) -> np.ndarray:
     """The best depth and height next to good ones."""
     span, best = np.array(reach) / _FIRST_CUTS, area(*corner[:, None])[0]
     for _ in range(_ROUNDS):
-        tries = [np.unique(np.clip(np.append(c + s * np.linspace(-1.0, 1.0, _GRID), c), 0.0, most))
-                 for c, s, most in zip(corner, span, reach, strict=True)]  # fmt: skip
+        tries = [
+            np.unique(np.clip(np.append(c + s * np.linspace(-1.0, 1.0, _GRID), c), 0.0, most))
+            for c, s, most in zip(corner, span, reach, strict=True)
+        ]
         down, up = (part.ravel() for part in np.meshgrid(*tries, indexing="ij"))
         values = area(down, up)
         if values.max() > best:

@@ -107,9 +107,7 @@ def traced(
     return window, first_order_curves(window, starts)
 
 
-def crossed(
-    plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float
-) -> tuple[np.ndarray, np.ndarray]:
+def crossed(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> tuple[np.ndarray, np.ndarray]:
     """Where one of the plane's axes meets boundaries on its way through a place, and their kinds."""
     if axis == plan.sweep.name or isinstance(row_axis(plan), str):
         points, kinds = swept(plan, axis, ends, x, p)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.boundaries.tracing import to_store
-from pipeline.margins.curves import P, X, Boundaries, boundaries_of, traced
+from pipeline.margins.curves import Boundaries, P, X, boundaries_of, traced
 from pipeline.margins.lines import Line, codes_along, divided, swept
 from pipeline.margins.options import Design, nominal_value
 from pipeline.plan import Axis, Plan
@@ -96,8 +96,9 @@ def margins_of_axis(row: Line, column: Line, plan: Plan, design: Design) -> list
     if design.low == design.high:
         return found
     for upward, end, far, limit in (
-        (False, design.low, design.high, plan.sweep.low), (True, design.high, design.low, plan.sweep.high),
-    ):  # fmt: skip
+        (False, design.low, design.high, plan.sweep.low),
+        (True, design.high, design.low, plan.sweep.high),
+    ):
         # From the far end of the range: a boundary inside of it leaves no distance.
         place, kind, beyond = row.beyond(far, upward) or (None, Event.NONE, 0)
         start = end if place is None or (place > end) == upward and place != end else place

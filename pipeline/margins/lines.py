@@ -152,9 +152,13 @@ def swept(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) 
     kinds : (k,) int array
     """
     row = sweep_row(
-        model_at(plan, p, x), axis, np.array(ends), omega=None if axis == "omega" else _frequency(plan, x, p),
-        continuation=continuation_of(plan.solver), seeds=seeds_of(plan.solver),
-    )  # fmt: skip
+        model_at(plan, p, x),
+        axis,
+        np.array(ends),
+        omega=None if axis == "omega" else _frequency(plan, x, p),
+        continuation=continuation_of(plan.solver),
+        seeds=seeds_of(plan.solver),
+    )
     events = row_events(row, 0.0)
     points = np.array([point[:4] for _, point in events]).reshape(-1, 4)
     return points, np.array([kind for kind, _ in events], dtype=int)

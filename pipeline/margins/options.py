@@ -75,9 +75,10 @@ def design_of(options: Margins, plan: Plan) -> Design:
     for axis, value, size in ((plan.sweep, x, spread), (plan.parameter, p, tolerance)):
         if not axis.low <= value - size <= value + size <= axis.high:
             raise _refused(
-                f"tolerances.{axis.name}", size,
+                f"tolerances.{axis.name}",
+                size,
                 f"so small that {axis.name} = {value:g} +- it stays within {axis.low:g} ... {axis.high:g}",
-            )  # fmt: skip
+            )
     if len(read) > _MOST_FURTHER:
         raise _refused("tolerances", list(tolerances), f"of at most {_MOST_FURTHER} parameters that are no axis")
     if not _LEAST_REACH <= options.reach <= _MOST_REACH:

@@ -25,9 +25,23 @@ KINDS = {
 _MEASURED = ("value", "low", "high", "distance")
 _MARGIN_HEADINGS = ("parameter", "unit", "of", "direction", "distance", "boundary")
 _FIELDS = (
-    "item", "parameter", "unit", "of", "direction", "value", "low", "high", "distance", "boundary", "at", "label",
-    "labels", "share", "physical_unit", *(f"physical_{name}" for name in _MEASURED),
-)  # fmt: skip
+    "item",
+    "parameter",
+    "unit",
+    "of",
+    "direction",
+    "value",
+    "low",
+    "high",
+    "distance",
+    "boundary",
+    "at",
+    "label",
+    "labels",
+    "share",
+    "physical_unit",
+    *(f"physical_{name}" for name in _MEASURED),
+)
 
 
 def tidy(answer: Answer) -> str:
@@ -66,21 +80,44 @@ def _records(answer: Answer):
     for name, value in ((sweep, design.x), (parameter, design.p)):
         yield {"item": "point", "parameter": name, "unit": _unit(name), "value": value, "label": answer.label}
     for stretch in answer.row.within(design.low, design.high) if design.low < design.high else ():
-        yield {"item": "label in range", "parameter": sweep, "unit": _unit(sweep), "low": stretch.low,
-               "high": stretch.high, "label": domain_label(stretch.code)}  # fmt: skip
+        yield {
+            "item": "label in range",
+            "parameter": sweep,
+            "unit": _unit(sweep),
+            "low": stretch.low,
+            "high": stretch.high,
+            "label": domain_label(stretch.code),
+        }
     for margin in answer.margins:
-        record = {"item": "margin", "parameter": margin.name, "unit": _unit(margin.name), "of": _of(margin),
-                  "direction": "up" if margin.upward else "down"}  # fmt: skip
+        record = {
+            "item": "margin",
+            "parameter": margin.name,
+            "unit": _unit(margin.name),
+            "of": _of(margin),
+            "direction": "up" if margin.upward else "down",
+        }
         if margin.place is None:
             yield {**record, "high" if margin.upward else "low": margin.limit, "boundary": "none"}
         else:
-            yield {**record, "value": margin.place, "distance": margin.distance, "boundary": KINDS[margin.kind],
-                   "at": margin.at, "label": domain_label(margin.beyond)}  # fmt: skip
+            yield {
+                **record,
+                "value": margin.place,
+                "distance": margin.distance,
+                "boundary": KINDS[margin.kind],
+                "at": margin.at,
+                "label": domain_label(margin.beyond),
+            }
     if answer.box is not None:
         for name, (low, high) in ((sweep, answer.box.x), (parameter, answer.box.p)):
-            yield {"item": "safe box" if answer.label else "box free of boundaries", "parameter": name,
-                   "unit": _unit(name), "low": low, "high": high, "share": answer.box.area,
-                   "label": answer.label}  # fmt: skip
+            yield {
+                "item": "safe box" if answer.label else "box free of boundaries",
+                "parameter": name,
+                "unit": _unit(name),
+                "low": low,
+                "high": high,
+                "share": answer.box.area,
+                "label": answer.label,
+            }
     for corner in answer.corners:
         shown = " ".join(f"{name}={value:.10g}" for name, value in corner.values.items())
         yield {"item": "tolerances", "parameter": shown, "label": corner.labels[0], "labels": " ".join(corner.labels)}
@@ -110,13 +147,16 @@ def markdown(answer: Answer, name: str) -> str:
     if answer.label:
         parts.append(f"Label at the design point: **{answer.label}**.")
     if design.low < design.high:
-        rows = [[_shown(sweep, one.low, scales), _shown(sweep, one.high, scales), domain_label(one.code) or "-"]
-                for one in answer.row.within(design.low, design.high)]  # fmt: skip
-        parts += [f"## Labels of the operating range, at {parameter} = {p}",
-                  _pipes([f"{sweep} from", "to", "label"], rows)]  # fmt: skip
+        rows = [
+            [_shown(sweep, one.low, scales), _shown(sweep, one.high, scales), domain_label(one.code) or "-"]
+            for one in answer.row.within(design.low, design.high)
+        ]
+        parts += [
+            f"## Labels of the operating range, at {parameter} = {p}",
+            _pipes([f"{sweep} from", "to", "label"], rows),
+        ]
     rows = [_margin_cells(margin, sweep, scales) for margin in answer.margins]
-    parts += ["## Distance to the nearest change of label",
-              _pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]  # fmt: skip
+    parts += ["## Distance to the nearest change of label", _pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]
     if answer.box is not None:
         sides = ((sweep, answer.box.x), (parameter, answer.box.p))
         rows = [[name, _shown(name, low, scales), _shown(name, high, scales)] for name, (low, high) in sides]
@@ -124,13 +164,20 @@ def markdown(answer: Answer, name: str) -> str:
         title += f", {100.0 * answer.box.area:.4g} % of the plane"
         parts += [f"## {title}", _pipes(["parameter", "from", "to"], rows)]
     if answer.corners:
-        rows = [[", ".join(f"{key} = {_shown(key, value, scales)}" for key, value in one.values.items()) or "nominal",
-                 ", ".join(one.labels)]
-                for one in answer.corners]  # fmt: skip
+        rows = [
+            [
+                ", ".join(f"{key} = {_shown(key, value, scales)}" for key, value in one.values.items()) or "nominal",
+                ", ".join(one.labels),
+            ]
+            for one in answer.corners
+        ]
         where = f"{sweep} = {_shown(sweep, design.low, scales)} ... {_shown(sweep, design.high, scales)}, "
         where += f"{parameter} = {p} ± {_shown(parameter, design.tolerance, scales)}"
-        parts += [f"## Labels over {where}, the worst first", _pipes(["further parameters", "labels"], rows),
-                  f"Worst label within the tolerances: **{_worst(answer)}**."]  # fmt: skip
+        parts += [
+            f"## Labels over {where}, the worst first",
+            _pipes(["further parameters", "labels"], rows),
+            f"Worst label within the tolerances: **{_worst(answer)}**.",
+        ]
     if answer.notes:
         parts += ["## Notes", "\n".join(f"- {note}" for note in answer.notes)]
     return "\n\n".join(parts) + "\n"
@@ -161,9 +208,12 @@ def lines(answer: Answer) -> list[str]:
         ends = [[_shown(sweep, end, scales) for end in (one.low, one.high)] for one in parts]
         told = ", ".join(f"{domain_label(one.code)} {' ... '.join(end)}" for one, end in zip(parts, ends, strict=True))
         found.append(f"  labels of the range: {told}")
-    table = [[name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
-             for name, _, of, direction, distance, kind, at, beyond in
-             (_margin_cells(margin, sweep, scales) for margin in answer.margins)]  # fmt: skip
+    table = [
+        [name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
+        for name, _, of, direction, distance, kind, at, beyond in (
+            _margin_cells(margin, sweep, scales) for margin in answer.margins
+        )
+    ]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for row in table:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
@@ -171,8 +221,10 @@ def lines(answer: Answer) -> list[str]:
     if answer.box is not None:
         left, right = (_shown(sweep, end, scales) for end in answer.box.x)
         low, high = (_shown(parameter, end, scales) for end in answer.box.p)
-        found.append(f"  largest {'safe box' if answer.label else 'box free of boundaries'}: {sweep} = {left} ... "
-                     f"{right}, {parameter} = {low} ... {high}")  # fmt: skip
+        found.append(
+            f"  largest {'safe box' if answer.label else 'box free of boundaries'}: {sweep} = {left} ... "
+            f"{right}, {parameter} = {low} ... {high}"
+        )
     if answer.corners:
         found.append(f"  worst label within the tolerances: {_worst(answer)}")
     return [*found, *(f"  note: {note}" for note in answer.notes)]

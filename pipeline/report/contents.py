@@ -79,10 +79,17 @@ def _numbers(found: Sequence[Evaluated]) -> Iterator:
         ("reference", "Reference digits of the three parameter sets."),
     ):
         rows = tuple(
-            (one.statement.text, _values(one.article), _values(one.ours), one.verdict, one.reason,
-             one.statement.quantity.how)
-            for one in found if one.statement.source == source
-        )  # fmt: skip
+            (
+                one.statement.text,
+                _values(one.article),
+                _values(one.ours),
+                one.verdict,
+                one.reason,
+                one.statement.quantity.how,
+            )
+            for one in found
+            if one.statement.source == source
+        )
         yield Grid(caption, ("Statement", "Published", "Ours", "Verdict", "Difference", "How ours is computed"), rows)
 
 
@@ -98,10 +105,13 @@ def _failures(found: Sequence[Evaluated]) -> Iterator:
         "so that fifteen published numbers come out as well as possible at once; no one of them can then be met "
         "exactly. Its maps are rasters, so that a published threshold is known to a step of that raster only."
     )
-    yield Bullets(tuple(
-        f"{one.statement.text}: published {_values(one.article)}, ours {_values(one.ours)}. {reason_of(one)}"
-        for one in found if one.verdict != AGREES
-    ))  # fmt: skip
+    yield Bullets(
+        tuple(
+            f"{one.statement.text}: published {_values(one.article)}, ours {_values(one.ours)}. {reason_of(one)}"
+            for one in found
+            if one.verdict != AGREES
+        )
+    )
 
 
 def _tables(study: dict[str, Source], planes: Planes) -> Iterator:
@@ -155,8 +165,11 @@ def _gears(sources: Sequence[Source], planes: Planes) -> Iterator:
     if not all(divided):
         rows.append(("", *("" if found else "its boundaries do not divide the plane" for found in divided)))
     rows.append(("folds at the default parameters", *(_folds(source.gear) for source in compared)))
-    yield Grid("Shares of the plane's area by label, from the boundary curves, and folds of the default row (Ω).",
-               ("", *(source.gear for source in compared)), tuple(rows))  # fmt: skip
+    yield Grid(
+        "Shares of the plane's area by label, from the boundary curves, and folds of the default row (Ω).",
+        ("", *(source.gear for source in compared)),
+        tuple(rows),
+    )
     for source in compared:
         if source.gear != "published":
             picture = pictures_of(source.path, ("map",), None)["map"]
@@ -186,8 +199,11 @@ def _trust(study: dict[str, Source]) -> Iterator:
     for plane, source in study.items():
         shares = dynamic_shares(source.path, read_plan(source.path))
         rows.append((plane, percent(shares.stable), percent(shares.disputed), percent(shares.unstable)))
-    yield Grid("Cells by the worst that is said of a motion that the label counts.",
-               ("Plane", "All stable", "One disputed", "One dynamically unstable"), tuple(rows))  # fmt: skip
+    yield Grid(
+        "Cells by the worst that is said of a motion that the label counts.",
+        ("Plane", "All stable", "One disputed", "One dynamically unstable"),
+        tuple(rows),
+    )
     for source in study.values():
         if source.verified:
             yield Paragraph(

@@ -9,7 +9,8 @@ from pipeline.report.document import Bullets, Document, Grid, Heading, Listing, 
 __all__ = ["html"]
 
 _STYLE = """
-body { font: 16px/1.5 Georgia, 'Times New Roman', serif; color: #1a1a1a; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+body { font: 16px/1.5 Georgia, 'Times New Roman', serif; color: #1a1a1a;
+  max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1, h2, h3 { font-family: Helvetica, Arial, sans-serif; line-height: 1.25; }
 h2 { margin-top: 2.5rem; border-bottom: 1px solid #bbb; padding-bottom: .2rem; }
 nav li { margin: .1rem 0; }
@@ -34,7 +35,7 @@ def html(document: Document) -> str:
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{escape(document.title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n<main>\n"
-        f"<h1>{escape(document.title)}</h1>\n<nav aria-label=\"Contents\">\n<ol>\n{links}\n</ol>\n</nav>\n{body}\n"
+        f'<h1>{escape(document.title)}</h1>\n<nav aria-label="Contents">\n<ol>\n{links}\n</ol>\n</nav>\n{body}\n'
         "</main>\n</body>\n</html>\n"
     )
 

@@ -12,8 +12,19 @@ from pipeline.layers import cut, layer_of, of_layer
 from pipeline.plan import plan
 from pipeline.progress import Reporter
 from pipeline.stages import (
-    basins, boundaries, check, debug, figures, jumps, listing, margins, report, sweep, tables, verify,
-)  # fmt: skip
+    basins,
+    boundaries,
+    check,
+    debug,
+    figures,
+    jumps,
+    listing,
+    margins,
+    report,
+    sweep,
+    tables,
+    verify,
+)
 from pipeline.stages.job import Job, sweep_command
 from pipeline.store.lock import holding
 
@@ -21,9 +32,16 @@ __all__ = ["PLANE_STAGES", "SHARED_STAGES", "Job", "prepare", "run_plane_stages"
 
 #: What concerns one plane alone, and reads its plan from the store unless it is swept in the same run.
 PLANE_STAGES = (
-    sweep.STAGE, boundaries.STAGE, verify.STAGE, basins.STAGE, jumps.STAGE, margins.STAGE, figures.STAGE, check.STAGE,
+    sweep.STAGE,
+    boundaries.STAGE,
+    verify.STAGE,
+    basins.STAGE,
+    jumps.STAGE,
+    margins.STAGE,
+    figures.STAGE,
+    check.STAGE,
     debug.STAGE,
-)  # fmt: skip
+)
 #: What needs several planes.
 SHARED_STAGES = (tables.STAGE, report.STAGE, listing.STAGE)
 

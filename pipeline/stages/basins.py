@@ -20,9 +20,11 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     with RowProgress(reporter, total, what="basins", unit="places") as bar:
         found, done = basins.measure(path, job.plan, options, workforce.run, bar.advance)
     sheet = basins.write_sheet(found, job.plan, job.settings.output_root / "basins", job.settings.store_name)
-    failures = [f"basins at {job.plan.sweep.name} = {x:.6g}, {job.plan.parameter.name} = {p:.6g} failed: {text}"
-                for x, p, text in zip(found.places["x"], found.places["p"], found.messages, strict=True)
-                if text]  # fmt: skip
+    failures = [
+        f"basins at {job.plan.sweep.name} = {x:.6g}, {job.plan.parameter.name} = {p:.6g} failed: {text}"
+        for x, p, text in zip(found.places["x"], found.places["p"], found.messages, strict=True)
+        if text
+    ]
     say_failures(failures, reporter)
     attractors = int(found.places["n_attractors"].sum())
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"

@@ -1,4 +1,4 @@
-"""The stage debug: one row computed again in this process, with a diary of its continuation; the store is not touched."""
+"""The stage debug: one row computed again in this process, with a diary of its continuation; no store is touched."""
 
 from time import perf_counter
 

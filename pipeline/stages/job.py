@@ -38,8 +38,11 @@ def sweep_command(settings: Settings, plane: str | None = None) -> str:
     """The command that computes a plane with these choices of gear, quality and store."""
     choices, root = settings.choices, settings.config.store.root
     words = ["python -m pipeline", f"plane={plane or choices['plane']}"]
-    words += [f"{group}={choices[group]}" for group, usual in (("gear", "published"), ("quality", "paper"))
-              if choices[group] != usual]  # fmt: skip
+    words += [
+        f"{group}={choices[group]}"
+        for group, usual in (("gear", "published"), ("quality", "paper"))
+        if choices[group] != usual
+    ]
     kept = ("output.root=", "store.root=", "solver=", "solver.order=", "solver.period=")
     words += [override for override in settings.overrides if override.startswith(kept)]
     if plane is None and settings.config.store.name is not None:

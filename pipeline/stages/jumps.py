@@ -22,8 +22,11 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         found, done = jumps.follow(path, job.plan, options, workforce.run, bar.advance)
     sheets = jumps.write_sheets(found, job.plan, job.settings.output_root / "jumps", job.settings.store_name)
     values = job.plan.parameter.values[found.rows]
-    failures = [f"row {row} ({job.plan.parameter.name} = {value:.6g}) could not be followed: {text}"
-                for row, value, text in zip(found.rows, values, found.messages, strict=True) if text]  # fmt: skip
+    failures = [
+        f"row {row} ({job.plan.parameter.name} = {value:.6g}) could not be followed: {text}"
+        for row, value, text in zip(found.rows, values, found.messages, strict=True)
+        if text
+    ]
     say_failures(failures, reporter)
     widest = int(np.argmax(found.widths))
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"

@@ -31,7 +31,7 @@ def _check_store(job: Job) -> None:
     free = shutil.disk_usage(place).free
     if job.plan.bytes > free:
         raise ConfigurationError(
-            f"{' x '.join(f'plane.{role}.num' for role, _ in zip(ROLES, job.plan.axes))} = "
+            f"{' x '.join(f'plane.{role}.num' for role, _ in zip(ROLES, job.plan.axes, strict=False))} = "
             f"{' x '.join(str(axis.num) for axis in job.plan.axes)} is not allowed: "
             f"up to {job.plan.bytes / 1e9:.3g} GB do not fit into the {free / 1e9:.3g} GB free at {place}"
         )

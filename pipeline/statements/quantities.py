@@ -11,9 +11,15 @@ from solver import Continuation, Event, Proof, enumerate_row, label_parts, sweep
 from solver.boundaries.bands import lines
 
 __all__ = [
-    "AllSolutions", "DefaultInterval", "LabelThreshold", "RowFolds", "ShareOfCount", "StoredFolds", "TraitThreshold",
+    "AllSolutions",
+    "DefaultInterval",
+    "LabelThreshold",
+    "RowFolds",
+    "ShareOfCount",
+    "StoredFolds",
+    "TraitThreshold",
     "WorstImpact",
-]  # fmt: skip
+]
 
 _COLUMNS = 400
 

@@ -25,27 +25,53 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
         }
 
     nan = float("nan")
-    certified = spec(cell, "int8", 0, "1: the solutions are proven to be all of them", None,
-                     flag_values=[0, 1], flag_meanings="undecided proven")  # fmt: skip
+    certified = spec(
+        cell,
+        "int8",
+        0,
+        "1: the solutions are proven to be all of them",
+        None,
+        flag_values=[0, 1],
+        flag_meanings="undecided proven",
+    )
     return {
         "n_solutions": spec(cell, "uint8", 255, "number of periodic solutions; 255: not computed"),
         "n_stable": spec(cell, "uint8", 255, "number of statically stable solutions; 255: not computed"),
         "domain": spec(
-            cell, "uint16", 0, "n/I label of the solution domain; 0: not computed", None,
-            **label_flags(labels),
+            cell, "uint16", 0, "n/I label of the solution domain; 0: not computed", None, **label_flags(labels)
         ),
         "mean": spec(solution, "float64", nan, "mean of the mesh displacement"),
         "amplitude": spec(solution, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
         "phase": spec(solution, "float64", nan, "phase of the fundamental of the mesh displacement", "rad"),
-        "stable": spec(solution, "int8", -1, "static stability; -1: no such solution", None,
-                       flag_values=[-1, 0, 1], flag_meanings="no_solution unstable stable"),
+        "stable": spec(
+            solution,
+            "int8",
+            -1,
+            "static stability; -1: no such solution",
+            None,
+            flag_values=[-1, 0, 1],
+            flag_meanings="no_solution unstable stable",
+        ),
         "impact": spec(solution, "int8", -1, "impact state; -1: no such solution", None, **states),
-        "instability": spec(solution, "int8", -1, "dynamic stability: how the motion is unstable; -1: no such solution",
-                            None, **flags(Instability)),
+        "instability": spec(
+            solution,
+            "int8",
+            -1,
+            "dynamic stability: how the motion is unstable; -1: no such solution",
+            None,
+            **flags(Instability),
+        ),
         "multiplier": spec(solution, "float64", nan, "largest modulus of the multipliers"),
         **(_order_h_arrays(spec, solution, point) if plan.solver["balance"] == "galerkin" else {}),
-        "open": spec(cell, "int8", 0, "1: solutions above the amplitude ceiling are not excluded", None,
-                     flag_values=[0, 1], flag_meanings="closed open"),
+        "open": spec(
+            cell,
+            "int8",
+            0,
+            "1: solutions above the amplitude ceiling are not excluded",
+            None,
+            flag_values=[0, 1],
+            flag_meanings="closed open",
+        ),
         **({"certified": certified} if plan.solver["certify"] == "all" else {}),
         "branches/n_folds": spec(row, "int16", -1, "folds of the branches found without looking at the columns"),
         "branches/n_gained": spec(row, "int16", -1, "branches that only the columns brought; -1: not looked at"),
@@ -56,18 +82,39 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
         "branches/sin": spec(point, "float64", nan, "sine amplitude of the mesh displacement"),
         "branches/amplitude": spec(point, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
         "branches/arclength": spec(point, "float64", nan, "arc length along the branch, in scaled unknowns"),
-        "branches/stable": spec(point, "int8", -1, "static stability; -1: no point", None,
-                                flag_values=[-1, 0, 1], flag_meanings="no_point unstable stable"),
+        "branches/stable": spec(
+            point,
+            "int8",
+            -1,
+            "static stability; -1: no point",
+            None,
+            flag_values=[-1, 0, 1],
+            flag_meanings="no_point unstable stable",
+        ),
         "branches/impact": spec(point, "int8", -1, "impact state; -1: no point", None, **states),
         "branches/branch": spec(point, "int16", -1, "which connected curve the point belongs to; -1: no point"),
-        "branches/event": spec(point, "int8", -1, "what is special about the point; -1: no point", None,
-                               **flags(Event)),
-        "branches/end_reason": spec((*row, "branch_number", "end"), "int8", 0, "why the branch ends; 0: no such branch",
-                                    None, **flags(EndReason)),
+        "branches/event": spec(
+            point, "int8", -1, "what is special about the point; -1: no point", None, **flags(Event)
+        ),
+        "branches/end_reason": spec(
+            (*row, "branch_number", "end"),
+            "int8",
+            0,
+            "why the branch ends; 0: no such branch",
+            None,
+            **flags(EndReason),
+        ),
         "message": spec(row, "str", "", "why the row failed, else empty", None),
-        "status": spec(row, "uint8", PENDING, "state of the row", None,
-                       flag_values=[PENDING, COMPLETE, FAILED], flag_meanings="pending complete failed"),
-    }  # fmt: skip
+        "status": spec(
+            row,
+            "uint8",
+            PENDING,
+            "state of the row",
+            None,
+            flag_values=[PENDING, COMPLETE, FAILED],
+            flag_meanings="pending complete failed",
+        ),
+    }
 
 
 def _order_h_arrays(spec, solution: tuple[str, ...], point: tuple[str, ...]) -> dict[str, dict]:
@@ -79,4 +126,4 @@ def _order_h_arrays(spec, solution: tuple[str, ...], point: tuple[str, ...]) -> 
         "highest": spec(solution, "float64", nan, "highest mesh displacement over the period"),
         "motion": spec((*solution, "component"), "float64", nan, harmonics),
         "branches/motion": spec((*point, "component"), "float64", nan, harmonics),
-    }  # fmt: skip
+    }

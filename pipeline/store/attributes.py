@@ -26,9 +26,12 @@ LONG_NAMES = {
     "temperature": "temperature difference between gears and housing",
 }
 UNITS = {
-    "alpha_phase": "rad", "f_e_phase": "rad", "pitch_cone_angle": "degree", "pressure_angle": "degree",
+    "alpha_phase": "rad",
+    "f_e_phase": "rad",
+    "pitch_cone_angle": "degree",
+    "pressure_angle": "degree",
     "temperature": "K",
-}  # fmt: skip
+}
 
 
 def flags(members, labels=None) -> dict:

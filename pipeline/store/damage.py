@@ -166,7 +166,7 @@ def _rows(path: Path, template: Path, plan: Plan) -> Iterator[Damage]:
         # It is written first and last: where it is damaged, or gone and others are there, the block may be stored.
         pending = not any(file.exists() for file in files) or (
             _fault(status) is None and _all_pending(status, path, template, place)
-        )  # fmt: skip
+        )
         for file in files:
             fault = _fault(file)
             if fault is not None and not (pending and fault == "is missing"):

@@ -11,8 +11,14 @@ from pipeline.store.opening import look_over
 from pipeline.store.seal import sealed
 
 __all__ = [
-    "check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "refuse_to_write_older", "root_attributes",
-]  # fmt: skip
+    "check",
+    "plan_from",
+    "read_numbers",
+    "read_plan",
+    "refuse_foreign",
+    "refuse_to_write_older",
+    "root_attributes",
+]
 
 _MOST_BYTES = 2**24
 _CHUNK = re.compile(r"(\w+/){1,2}c(/\d+)+(\.\w+\.partial)?", re.ASCII)
@@ -64,10 +70,14 @@ def _copy(file: Path, *keys: str) -> dict | None:
 
 def _left_over(path: Path) -> bool:
     """Whether only chunks are there: a task wrote them that ran on while the store was taken away."""
-    return path.is_dir() and not (path / "zarr.json").exists() and all(
-        _CHUNK.fullmatch(str(place.relative_to(path)))
-        for place in path.rglob("*")
-        if not place.is_dir() or place.is_symlink()
+    return (
+        path.is_dir()
+        and not (path / "zarr.json").exists()
+        and all(
+            _CHUNK.fullmatch(str(place.relative_to(path)))
+            for place in path.rglob("*")
+            if not place.is_dir() or place.is_symlink()
+        )
     )
 
 
@@ -90,8 +100,14 @@ def plan_from(attributes: dict, path: Path) -> Plan:
     try:
         return believed(json.loads(attributes["numbers"]))
     except (
-        ConfigurationError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError,
-    ) as error:  # fmt: skip
+        ConfigurationError,
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        TypeError,
+        ValueError,
+        RecursionError,
+    ) as error:
         raise StoreError(f"{path} is not allowed: what it says of its plane makes no sense ({_short(error)})") from None
 
 

@@ -29,9 +29,19 @@ _PLACE = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)?", re.ASCII)
 _CODECS = {"bytes", "vlen-utf8", "zstd", "crc32c"}
 #: Bytes per entry of the types that this program writes; of texts, room for a long one.
 _TYPES = {
-    "bool": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "int64": 8, "uint64": 8,
-    "float32": 4, "float64": 8, "string": 200,
-}  # fmt: skip
+    "bool": 1,
+    "int8": 1,
+    "uint8": 1,
+    "int16": 2,
+    "uint16": 2,
+    "int32": 4,
+    "uint32": 4,
+    "int64": 8,
+    "uint64": 8,
+    "float32": 4,
+    "float64": 8,
+    "string": 200,
+}
 #: What all added groups may claim together, in bytes, however small the plane.
 _ADDED_BYTES = 2**30
 #: The first version of the schema whose chunks are all written.

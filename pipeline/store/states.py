@@ -8,9 +8,16 @@ import zarr
 from pipeline.plan import Block, Plan
 
 __all__ = [
-    "COMPLETE", "FAILED", "PENDING", "certified_rows", "failures", "kept_rows", "pending_blocks", "rows_to_certify",
+    "COMPLETE",
+    "FAILED",
+    "PENDING",
+    "certified_rows",
+    "failures",
+    "kept_rows",
+    "pending_blocks",
+    "rows_to_certify",
     "statuses",
-]  # fmt: skip
+]
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
 

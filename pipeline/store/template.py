@@ -33,16 +33,22 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     configuration : str
         The resolved configuration in YAML.
     """
-    create_again(path, plan, sealed({
-        "Conventions": "CF-1.11",
-        "title": f"Solution domain {name}: {' x '.join(axis.name for axis in plan.axes)}",
-        "bevelmap_schema": SCHEMA_VERSION,
-        "configuration": configuration,
-        "numbers": json.dumps(plan.numbers, sort_keys=True),
-        "configuration_hash": plan.digest,
-        "versions": _versions(),
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    }))  # fmt: skip
+    create_again(
+        path,
+        plan,
+        sealed(
+            {
+                "Conventions": "CF-1.11",
+                "title": f"Solution domain {name}: {' x '.join(axis.name for axis in plan.axes)}",
+                "bevelmap_schema": SCHEMA_VERSION,
+                "configuration": configuration,
+                "numbers": json.dumps(plan.numbers, sort_keys=True),
+                "configuration_hash": plan.digest,
+                "versions": _versions(),
+                "created": datetime.now(UTC).isoformat(timespec="seconds"),
+            }
+        ),
+    )
 
 
 def create_again(path: Path, plan: Plan, attributes: dict) -> None:
@@ -58,19 +64,28 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
     places = {axis.name: axis for axis in plan.axes} | {f"branches/{axis.name}": axis for axis in plan.row_axes}
     for place, axis in places.items():
         root.create_array(
-            place, data=axis.values, chunks=(axis.num,), dimension_names=[axis.name], compressors=COMPRESSORS,
+            place,
+            data=axis.values,
+            chunks=(axis.num,),
+            dimension_names=[axis.name],
+            compressors=COMPRESSORS,
             attributes=axis_attributes(axis.name),
-        )  # fmt: skip
+        )
     sizes = sizes_of(plan)
     # A chunk holds rows of one layer.
     along_rows = (1,) * (len(plan.row_axes) - 1) + (plan.rows_per_block,)
     for array, spec in arrays_of(plan).items():
         shape = tuple(sizes[dim] for dim in spec["dims"])
         root.create_array(
-            array, shape=shape, chunks=(*along_rows, *shape[len(along_rows) :]), dtype=spec["dtype"],
-            compressors=COMPRESSORS, fill_value=spec["fill"], dimension_names=list(spec["dims"]),
+            array,
+            shape=shape,
+            chunks=(*along_rows, *shape[len(along_rows) :]),
+            dtype=spec["dtype"],
+            compressors=COMPRESSORS,
+            fill_value=spec["fill"],
+            dimension_names=list(spec["dims"]),
             attributes=spec["attributes"],
-        )  # fmt: skip
+        )
     consolidate(draft)
     draft.rename(path)
 
@@ -78,10 +93,13 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
 def sizes_of(plan: Plan) -> dict[str, int]:
     """Size of every dimension of the plane's own arrays."""
     return {
-        **{axis.name: axis.num for axis in plan.axes}, "solution": plan.max_solutions, "point": plan.max_points,
-        "branch_number": plan.max_branches, "end": 2,
+        **{axis.name: axis.num for axis in plan.axes},
+        "solution": plan.max_solutions,
+        "point": plan.max_points,
+        "branch_number": plan.max_branches,
+        "end": 2,
         "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
-    }  # fmt: skip
+    }
 
 
 def consolidate(path: Path) -> None:

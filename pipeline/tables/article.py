@@ -75,73 +75,142 @@ def _to_no_impact(value: float) -> Entry:
 
 ARTICLE_TABLES = (
     ArticleTable(
-        1, "omega_b", "b", "b", "half backlash",
+        1,
+        "omega_b",
+        "b",
+        "b",
+        "half backlash",
         (
             Column("Amplitude Jump Region", ("jump", "resonance")),
             Column("Tooth Surface Impact", ("impact",)),
             Column("Stability", ("stability",)),
         ),
         (
-            Band("0.1", 0.1, 0.1, (
-                Entry("Near linear, softening", (
-                    Claim("jump not prominent", _MESH), Claim("jump not prominent", _SHAFT),
-                    Claim("below natural", _MESH), Claim("below natural", _SHAFT)),
-                    "both at once only if near linear is said of the jump and softening of the peak"),
-                Entry("Severe bilateral impact", (Claim("double-sided"),), "how much is severe stays open"),
-                Entry("Unstable", (Claim("somewhere none stable"),)))),
-            Band("0.2–0.6", 0.2, 0.6, (
-                Entry("Increasing jump region", (Claim("jump grows"),)),
-                Entry("Transition to unilateral impact", (Claim("double- to single-sided"),)),
-                Entry("Moderate", unclear="a grade between unstable and stable without a measure"))),
-            Band("> 0.98", 0.98, np.inf, (
-                Entry("Stabilized jumps", (Claim("jump settled", _MESH), Claim("jump settled", _SHAFT))),
-                Entry("Reduced impact", (
-                    Claim("double-sided less", _MESH), Claim("double-sided impact ends", _MESH, 0.98)),
-                    "read of double-sided impact at the mesh resonance, which the study's text ends at 0.98"),
-                Entry("Stable", (Claim("everywhere one stable", _MESH), Claim("everywhere one stable", _SHAFT)))),
-                above=True),
+            Band(
+                "0.1",
+                0.1,
+                0.1,
+                (
+                    Entry(
+                        "Near linear, softening",
+                        (
+                            Claim("jump not prominent", _MESH),
+                            Claim("jump not prominent", _SHAFT),
+                            Claim("below natural", _MESH),
+                            Claim("below natural", _SHAFT),
+                        ),
+                        "both at once only if near linear is said of the jump and softening of the peak",
+                    ),
+                    Entry("Severe bilateral impact", (Claim("double-sided"),), "how much is severe stays open"),
+                    Entry("Unstable", (Claim("somewhere none stable"),)),
+                ),
+            ),
+            Band(
+                "0.2–0.6",
+                0.2,
+                0.6,
+                (
+                    Entry("Increasing jump region", (Claim("jump grows"),)),
+                    Entry("Transition to unilateral impact", (Claim("double- to single-sided"),)),
+                    Entry("Moderate", unclear="a grade between unstable and stable without a measure"),
+                ),
+            ),
+            Band(
+                "> 0.98",
+                0.98,
+                np.inf,
+                (
+                    Entry("Stabilized jumps", (Claim("jump settled", _MESH), Claim("jump settled", _SHAFT))),
+                    Entry(
+                        "Reduced impact",
+                        (Claim("double-sided less", _MESH), Claim("double-sided impact ends", _MESH, 0.98)),
+                        "read of double-sided impact at the mesh resonance, which the study's text ends at 0.98",
+                    ),
+                    Entry("Stable", (Claim("everywhere one stable", _MESH), Claim("everywhere one stable", _SHAFT))),
+                ),
+                above=True,
+            ),
         ),
     ),
     ArticleTable(
-        2, "omega_alpha", "alpha", "α", "mesh stiffness variation",
+        2,
+        "omega_alpha",
+        "alpha",
+        "α",
+        "mesh stiffness variation",
         (
             Column("Amplitude Jump", ("jump",)),
             Column("Tooth Surface Impact", ("impact",)),
             Column("Resonance Shift", ("resonance",)),
         ),
         (
-            Band("0–0.25", 0.0, 0.25, (
-                Entry("Prominent in mesh frequency", (Claim("jump prominent", _MESH),)),
-                _BILATERAL_SHAFT,
-                Entry("Softening to hardening", (Claim("softening to hardening"),)))),
-            Band("> 0.4", 0.4, np.inf, (
-                Entry("Reduced in shaft frequency", (
-                    Claim("jump smaller", _SHAFT), Claim("jump ends", _SHAFT, 0.25))),
-                _to_no_impact(0.4),
-                Entry("Stable in mesh frequency", (Claim("peak settled", _MESH),),
-                      "read of the peak's place, of which the column speaks")), above=True),
+            Band(
+                "0–0.25",
+                0.0,
+                0.25,
+                (
+                    Entry("Prominent in mesh frequency", (Claim("jump prominent", _MESH),)),
+                    _BILATERAL_SHAFT,
+                    Entry("Softening to hardening", (Claim("softening to hardening"),)),
+                ),
+            ),
+            Band(
+                "> 0.4",
+                0.4,
+                np.inf,
+                (
+                    Entry(
+                        "Reduced in shaft frequency", (Claim("jump smaller", _SHAFT), Claim("jump ends", _SHAFT, 0.25))
+                    ),
+                    _to_no_impact(0.4),
+                    Entry(
+                        "Stable in mesh frequency",
+                        (Claim("peak settled", _MESH),),
+                        "read of the peak's place, of which the column speaks",
+                    ),
+                ),
+                above=True,
+            ),
         ),
     ),
     ArticleTable(
-        3, "omega_fpm", "f_pm", "f_pm", "mean load",
+        3,
+        "omega_fpm",
+        "f_pm",
+        "f_pm",
+        "mean load",
         (
             Column("Amplitude Jump", ("jump",)),
             Column("Tooth Surface Impact", ("impact",)),
             Column("Resonance Behavior", ("resonance",)),
         ),
         (
-            Band("0.5–0.57", 0.5, 0.57, (
-                Entry("Prominent jumps", (Claim("jump prominent"),)),
-                _BILATERAL_SHAFT,
-                Entry("Softening", (Claim("softening"),)))),
-            Band("0.75–1.0", 0.75, 1.0, (
-                Entry("Reduced jumps", (
-                    Claim("jump smaller", _MESH), Claim("jump smaller", _SHAFT), Claim("jump ends", _SHAFT, 0.57))),
-                _to_no_impact(0.75),
-                Entry("Weak linearity", unclear="it may mean hardly linear as well as weakly nonlinear"))),
+            Band(
+                "0.5–0.57",
+                0.5,
+                0.57,
+                (
+                    Entry("Prominent jumps", (Claim("jump prominent"),)),
+                    _BILATERAL_SHAFT,
+                    Entry("Softening", (Claim("softening"),)),
+                ),
+            ),
+            Band(
+                "0.75–1.0",
+                0.75,
+                1.0,
+                (
+                    Entry(
+                        "Reduced jumps",
+                        (Claim("jump smaller", _MESH), Claim("jump smaller", _SHAFT), Claim("jump ends", _SHAFT, 0.57)),
+                    ),
+                    _to_no_impact(0.75),
+                    Entry("Weak linearity", unclear="it may mean hardly linear as well as weakly nonlinear"),
+                ),
+            ),
         ),
     ),
-)  # fmt: skip
+)
 
 
 def band_rows(band: Band, axis: Axis) -> np.ndarray:

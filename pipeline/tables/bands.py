@@ -128,8 +128,12 @@ def band_at_resonance(
     else:
         height = sum(max(min(stop, high) - max(start, low), 0.0) for start, stop, _ in where["jump"]) / (high - low)
     return BandAtResonance(
-        resonance, band(regions, low, high), tuple(found), height,
-        {name: edges(ranges, *regions.plane.p_range) for name, ranges in where.items()}, tuple(peaks),
+        resonance,
+        band(regions, low, high),
+        tuple(found),
+        height,
+        {name: edges(ranges, *regions.plane.p_range) for name, ranges in where.items()},
+        tuple(peaks),
         tuple(not any(map(contact_lost, line.labels)) for row, line in zip(peaks, at_rows, strict=True) if row.peak),
         failed,
-    )  # fmt: skip
+    )

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
+from pipeline.numerals import percent, signed
 from pipeline.tables.bands import BandAtResonance
 from pipeline.tables.classes import IMPACTS, NEAR_LINEAR, PROMINENT_JUMP, jump_trend, ranks, settled
 from pipeline.tables.edges import nearest_edge
-from pipeline.numerals import percent, signed
 from solver import ImpactState
 
 __all__ = ["READINGS", "Claim", "Entry", "Verdict", "judge"]
@@ -209,12 +209,16 @@ _RULES: dict[str, Rule] = {
     "below natural": lambda claim, band, _: (_every_shift(band, 0.0), _shift(band)),
     "softening to hardening": _hardens,
     "peak settled": lambda claim, band, _: (
-        settled([0.0], [row.shift if row.peak else np.nan for row in band.peaks]), _shift(band)),
+        settled([0.0], [row.shift if row.peak else np.nan for row in band.peaks]),
+        _shift(band),
+    ),
     "somewhere none stable": lambda claim, band, _: (
         band.without_stable > 0.0,
-        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region"),
+        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region",
+    ),
     "everywhere one stable": lambda claim, band, _: (
         band.without_stable == 0.0,
-        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region"),
+        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region",
+    ),
     **{f"{what} ends": _ends(what) for what in ("jump", "contact loss", "double-sided impact")},
-}  # fmt: skip
+}

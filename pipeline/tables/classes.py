@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pipeline.tables.bands import BandAtResonance
 from pipeline.numerals import percent
+from pipeline.tables.bands import BandAtResonance
 from pipeline.traits import RANKS, share_of
 from solver import label_parts
 

@@ -42,9 +42,7 @@ def band_edges(all_edges: Sequence[Edge], first: float, last: float) -> tuple[Ed
     below = [edge for edge in all_edges if edge.value < first][-1:]
     above = [edge for edge in all_edges if edge.value > last][:1]
     return tuple(
-        Edge(edge.appears, edge.value, place)
-        for place, found in (("below", below), ("above", above))
-        for edge in found
+        Edge(edge.appears, edge.value, place) for place, found in (("below", below), ("above", above)) for edge in found
     )
 
 

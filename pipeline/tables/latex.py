@@ -9,11 +9,30 @@ __all__ = ["escape", "latex"]
 
 #: What the texts may hold beyond plain ASCII words, longest first where one begins another.
 _SIGNS = {
-    "f_pm": r"$f_{pm}$", "λ_a": r"$\lambda_a$", "1/√2": r"$1/\sqrt{2}$", "Ω": r"$\Omega$", "α": r"$\alpha$",
-    "±": r"$\pm$", "−": r"$-$", "–": "--", "“": "``", "”": "''", "\\": r"\textbackslash{}", "<": "$<$", ">": "$>$",
-    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", " %": r"~\%", "%": r"\%", "_": r"\_", "&": r"\&",
-    "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}",
-}  # fmt: skip
+    "f_pm": r"$f_{pm}$",
+    "λ_a": r"$\lambda_a$",
+    "1/√2": r"$1/\sqrt{2}$",
+    "Ω": r"$\Omega$",
+    "α": r"$\alpha$",
+    "±": r"$\pm$",
+    "−": r"$-$",
+    "–": "--",
+    "“": "``",
+    "”": "''",
+    "\\": r"\textbackslash{}",
+    "<": "$<$",
+    ">": "$>$",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    " %": r"~\%",
+    "%": r"\%",
+    "_": r"\_",
+    "&": r"\&",
+    "#": r"\#",
+    "$": r"\$",
+    "{": r"\{",
+    "}": r"\}",
+}
 _PATTERN = re.compile("|".join(re.escape(sign) for sign in _SIGNS))
 
 # Room between columns, taken off the width that the columns share.

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from pipeline.agreement import THRESHOLD_AGREES
+from pipeline.numerals import percent
 from pipeline.tables import wording
 from pipeline.tables.claims import READINGS
 from pipeline.tables.classes import RULES
-from pipeline.numerals import percent
 from pipeline.tables.table import Line, Table
 
 __all__ = ["Sheet", "class_sheet", "label_sheet", "measured_sheet", "notes", "title"]
@@ -46,9 +46,15 @@ def measured_sheet(table: Table) -> Sheet:
     """One row per band and resonance with what was measured."""
     sign = table.article.sign
     headings = (
-        sign, "Resonance", "Jumps in Ω", "Widest jump", "Impact states I", "Labels n/I", "Peak shift",
+        sign,
+        "Resonance",
+        "Jumps in Ω",
+        "Widest jump",
+        "Impact states I",
+        "Labels n/I",
+        "Peak shift",
         "Appears and ends",
-    )  # fmt: skip
+    )
     rows = []
     for line in table.lines:
         if line.measured is None:
@@ -56,9 +62,13 @@ def measured_sheet(table: Table) -> Sheet:
         else:
             band = line.measured
             cells = (
-                wording.jumps(band), wording.jump_size(band), wording.impact_states(band), wording.labels(band),
-                wording.peak_shift(band), wording.changes(band, sign),
-            )  # fmt: skip
+                wording.jumps(band),
+                wording.jump_size(band),
+                wording.impact_states(band),
+                wording.labels(band),
+                wording.peak_shift(band),
+                wording.changes(band, sign),
+            )
         rows.append((_band(line), f"{line.resonance.name}, Ω = {line.resonance.natural:.4f}", *cells))
     widths = (0.09, 0.12, 0.17, 0.10, 0.10, 0.15, 0.10, 0.17)
     return Sheet(f"{title(table)}, as measured", headings, widths, tuple(rows))
@@ -85,8 +95,13 @@ def class_sheet(table: Table) -> Sheet:
             wording = f"“{mesh.band.entries[i].wording}”"
             rows.append((mesh.band.text, column.heading, wording, *ours, mesh.verdicts[i].text))
     headings = (
-        table.article.sign, "Column", "Article's wording", "Mesh resonance", "Shaft resonance", "Against the article",
-    )  # fmt: skip
+        table.article.sign,
+        "Column",
+        "Article's wording",
+        "Mesh resonance",
+        "Shaft resonance",
+        "Against the article",
+    )
     widths = (0.08, 0.12, 0.15, 0.20, 0.20, 0.25)
     return Sheet(f"{title(table)}, in words", headings, widths, tuple(rows), ("Ours", 3, 5))
 
@@ -150,8 +165,11 @@ def notes(table: Table) -> tuple[str, ...]:
         f"Against the article: an entry agrees if all that it is taken to say holds, at one of the resonances named; a "
         f"threshold within {percent(THRESHOLD_AGREES)} of the article's.",
         *_readings(table),
-        *([f"In {unbounded} rows a branch leaves through the amplitude ceiling; what lies above is not excluded."]
-          if unbounded else []),
+        *(
+            [f"In {unbounded} rows a branch leaves through the amplitude ceiling; what lies above is not excluded."]
+            if unbounded
+            else []
+        ),
     )
 
 

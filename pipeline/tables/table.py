@@ -158,11 +158,12 @@ def _labels(whole: Regions, parts: list[Regions | None]) -> tuple[LabelRange, ..
     """Where every label exists."""
     return tuple(
         LabelRange(
-            label, whole.shares[label],
+            label,
+            whole.shares[label],
             tuple(tuple((low, high) for low, high, _ in part.ranges((label,))) if part else () for part in parts),
         )
         for label in whole.labels
-    )  # fmt: skip
+    )
 
 
 def _gap(article: ArticleTable, band: Band, plan: Plan, resonance: Resonance) -> str:

@@ -58,29 +58,61 @@ def _text(value) -> str:
 
 
 _NUMBERS = (
-    "low", "high", "rows", "failed_rows", "jump_height", "intervals_per_line", "jump_low", "jump_high",
-    "jump_first_low", "jump_first_high", "jump_last_low", "jump_last_high",
-    "widest", "widest_relative", "first_width_relative", "last_width_relative",
+    "low",
+    "high",
+    "rows",
+    "failed_rows",
+    "jump_height",
+    "intervals_per_line",
+    "jump_low",
+    "jump_high",
+    "jump_first_low",
+    "jump_first_high",
+    "jump_last_low",
+    "jump_last_high",
+    "widest",
+    "widest_relative",
+    "first_width_relative",
+    "last_width_relative",
     *(f"{what}_{kind}" for what in ("jump", "contact_loss", "double_sided_impact") for kind in ("appears", "ends")),
-    "peak_rows", "peak_omega_first", "peak_omega_last", "peak_amplitude_first", "peak_amplitude_last",
-    "shift_percent_first", "shift_percent_last", "shift_percent_min", "shift_percent_max",
-    *_STATE_NAMES, "share_several_stable", "share_without_stable", "share_error", "open_rows",
-)  # fmt: skip
+    "peak_rows",
+    "peak_omega_first",
+    "peak_omega_last",
+    "peak_amplitude_first",
+    "peak_amplitude_last",
+    "shift_percent_first",
+    "shift_percent_last",
+    "shift_percent_min",
+    "shift_percent_max",
+    *_STATE_NAMES,
+    "share_several_stable",
+    "share_without_stable",
+    "share_error",
+    "open_rows",
+)
 
 
 def _numbers(band: BandAtResonance) -> dict[str, object]:
     """Every number of `_NUMBERS`; shares and relative widths as fractions, of 1 and of the natural frequency."""
     peaks, shifts = [row.peak for row in band.with_peak], [100.0 * row.shift for row in band.with_peak]
     numbers = {
-        "low": band.region.low, "high": band.region.high, "rows": len(band.peaks), "failed_rows": band.failed,
-        "jump_height": band.jump_height, "intervals_per_line": band.intervals_per_line,
-        "widest_relative": max(band.widths), "widest": max(band.widths) * band.resonance.natural,
-        "first_width_relative": band.widths[0], "last_width_relative": band.widths[-1],
-        "peak_rows": len(peaks), "open_rows": sum(row.open for row in band.peaks),
-        "share_several_stable": band.several, "share_without_stable": band.without_stable,
+        "low": band.region.low,
+        "high": band.region.high,
+        "rows": len(band.peaks),
+        "failed_rows": band.failed,
+        "jump_height": band.jump_height,
+        "intervals_per_line": band.intervals_per_line,
+        "widest_relative": max(band.widths),
+        "widest": max(band.widths) * band.resonance.natural,
+        "first_width_relative": band.widths[0],
+        "last_width_relative": band.widths[-1],
+        "peak_rows": len(peaks),
+        "open_rows": sum(row.open for row in band.peaks),
+        "share_several_stable": band.several,
+        "share_without_stable": band.without_stable,
         "share_error": band.region.error,
         **{name: band.state_share(state) for name, state in zip(_STATE_NAMES, ImpactState, strict=True)},
-    }  # fmt: skip
+    }
     intervals = {"jump": band.envelope, "jump_first": _ends(band, band.first), "jump_last": _ends(band, band.last)}
     for name, ends in intervals.items():
         numbers[f"{name}_low"], numbers[f"{name}_high"] = ends
@@ -91,11 +123,15 @@ def _numbers(band: BandAtResonance) -> dict[str, object]:
                 numbers[f"{trait.replace(' ', '_').replace('-', '_')}_{kind}"] = edge.value
     if peaks:
         numbers |= {
-            "peak_omega_first": peaks[0].omega, "peak_omega_last": peaks[-1].omega,
-            "peak_amplitude_first": peaks[0].amplitude, "peak_amplitude_last": peaks[-1].amplitude,
-            "shift_percent_first": shifts[0], "shift_percent_last": shifts[-1],
-            "shift_percent_min": min(shifts), "shift_percent_max": max(shifts),
-        }  # fmt: skip
+            "peak_omega_first": peaks[0].omega,
+            "peak_omega_last": peaks[-1].omega,
+            "peak_amplitude_first": peaks[0].amplitude,
+            "peak_amplitude_last": peaks[-1].amplitude,
+            "shift_percent_first": shifts[0],
+            "shift_percent_last": shifts[-1],
+            "shift_percent_min": min(shifts),
+            "shift_percent_max": max(shifts),
+        }
     return numbers
 
 

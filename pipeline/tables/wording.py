@@ -1,8 +1,8 @@
 """How measured things read in a cell: intervals, shares, shifts, edges; one wording for every format for readers."""
 
+from pipeline.numerals import percent, signed
 from pipeline.tables.bands import BandAtResonance
 from pipeline.tables.edges import band_edges
-from pipeline.numerals import percent, signed
 from solver import ImpactState
 from solver.boundaries.bands import Line
 

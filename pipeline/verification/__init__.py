@@ -8,6 +8,14 @@ from pipeline.verification.starts import read_labels
 from pipeline.verification.verdicts import Verdict
 
 __all__ = [
-    "Credibility", "StoredVerification", "Summary", "Verdict", "read_labels", "read_verification", "region_lines",
-    "tasks_of", "verify", "write_sheets",
-]  # fmt: skip
+    "Credibility",
+    "StoredVerification",
+    "Summary",
+    "Verdict",
+    "read_labels",
+    "read_verification",
+    "region_lines",
+    "tasks_of",
+    "verify",
+    "write_sheets",
+]

@@ -21,11 +21,29 @@ __all__ = ["StoredVerification", "digest_of", "read_verification", "write_verifi
 
 GROUP = "verification"
 
-_INTEGERS = {"row": "int32", "column": "int32", "solution": "int32", "stratified": "int8", "beside": "int8",
-             "start_impact": "int8", "kind": "int8", "period": "int32", "impact": "int8", "periods_used": "int32",
-             "verdict": "int8"}  # fmt: skip
-_NUMBERS = ("start_mean", "start_amplitude", "mean", "amplitude", "mean_error", "amplitude_error", "lyapunov",
-            "largest_multiplier")  # fmt: skip
+_INTEGERS = {
+    "row": "int32",
+    "column": "int32",
+    "solution": "int32",
+    "stratified": "int8",
+    "beside": "int8",
+    "start_impact": "int8",
+    "kind": "int8",
+    "period": "int32",
+    "impact": "int8",
+    "periods_used": "int32",
+    "verdict": "int8",
+}
+_NUMBERS = (
+    "start_mean",
+    "start_amplitude",
+    "mean",
+    "amplitude",
+    "mean_error",
+    "amplitude_error",
+    "lyapunov",
+    "largest_multiplier",
+)
 _LAYERS = {"domain_low": "uint16", "domain_high": "uint16", "unstable": "int8", "credibility": "int8"}
 
 
@@ -62,10 +80,25 @@ def digest_of(plan: Plan, domain: np.ndarray, settings: Verify) -> str:
 
 def sample_arrays(starts: list[Start], seen: list[Seen], stratified, beside) -> dict[str, np.ndarray]:
     """Starts and what became of them, as arrays."""
-    of_start = {"row": "row", "column": "column", "solution": "solution", "start_mean": "mean",
-                "start_amplitude": "amplitude", "start_impact": "impact"}  # fmt: skip
-    of_seen = ("verdict", "kind", "period", "mean", "amplitude", "impact", "lyapunov", "largest_multiplier",
-               "periods_used")  # fmt: skip
+    of_start = {
+        "row": "row",
+        "column": "column",
+        "solution": "solution",
+        "start_mean": "mean",
+        "start_amplitude": "amplitude",
+        "start_impact": "impact",
+    }
+    of_seen = (
+        "verdict",
+        "kind",
+        "period",
+        "mean",
+        "amplitude",
+        "impact",
+        "lyapunov",
+        "largest_multiplier",
+        "periods_used",
+    )
     values = {name: np.array([getattr(start, source) for start in starts]) for name, source in of_start.items()}
     values |= {name: np.array([getattr(one, name) for one in seen]) for name in of_seen}
     values |= {"stratified": np.asarray(stratified), "beside": np.asarray(beside)}
@@ -81,8 +114,10 @@ def write_verification(path: Path, plan: Plan, found: StoredVerification, settin
     """Put a verification into its store, in place of what was there."""
     described = _attributes(plan, found)
     row, column = plan.parameter, plan.sweep
-    variables = {axis.name: groups.Variable(axis.name, "float64", axis.values, store.axis_attributes(axis.name))
-                 for axis in (row, column)}  # fmt: skip
+    variables = {
+        axis.name: groups.Variable(axis.name, "float64", axis.values, store.axis_attributes(axis.name))
+        for axis in (row, column)
+    }
     for name, data in found.samples.items():
         kind = "str" if name == "message" else _INTEGERS.get(name, "float64")
         variables[name] = groups.Variable("sample", kind, data, described[name])
@@ -94,9 +129,12 @@ def write_verification(path: Path, plan: Plan, found: StoredVerification, settin
         variables[name] = groups.Variable((row.name, column.name), kind, found.layers[name], described[name])
     variables["row_message"] = groups.Variable(row.name, "str", found.row_messages, described["row_message"])
     attributes = {
-        "coordinates": f"sample_{column.name} sample_{row.name}", "configuration_hash": plan.digest,
-        "made_from": found.made_from, "orders": list(found.orders), **dataclasses.asdict(settings),
-    }  # fmt: skip
+        "coordinates": f"sample_{column.name} sample_{row.name}",
+        "configuration_hash": plan.digest,
+        "made_from": found.made_from,
+        "orders": list(found.orders),
+        **dataclasses.asdict(settings),
+    }
     groups.write_group(path, GROUP, attributes, variables)
 
 
@@ -120,8 +158,10 @@ def _attributes(plan: Plan, found: StoredVerification) -> dict[str, dict]:
         return said(text, flag_values=[0, 1], flag_meanings="no yes")
 
     states = store.flags(ImpactState, [state.symbol for state in ImpactState])
-    most = max(plan.max_solutions, *(int(domain_parts(found.layers[f"domain_{end}"])[0].max(initial=0))
-                                     for end in ("low", "high")))  # fmt: skip
+    most = max(
+        plan.max_solutions,
+        *(int(domain_parts(found.layers[f"domain_{end}"])[0].max(initial=0)) for end in ("low", "high")),
+    )
     names = [f"at order {order}" for order in found.orders] or ["at no order: the map's own is too high"] * 2
     labels = store.label_flags(domain_labels(most))
     return {
@@ -147,8 +187,11 @@ def _attributes(plan: Plan, found: StoredVerification) -> dict[str, dict]:
         "message": said("why the integration failed, else empty"),
         "domain_low": said(f"n/I label {names[0]}; 0: none", **labels),
         "domain_high": said(f"n/I label {names[1]}; 0: none", **labels),
-        "unstable": said("a solution counted by the label is dynamically unstable at the higher order; -1: unknown",
-                         flag_values=[-1, 0, 1], flag_meanings="unknown stable unstable"),
+        "unstable": said(
+            "a solution counted by the label is dynamically unstable at the higher order; -1: unknown",
+            flag_values=[-1, 0, 1],
+            flag_meanings="unknown stable unstable",
+        ),
         "credibility": said("how far the map's label can be trusted", **store.flags(Credibility)),
         "row_message": said("why the row could not be swept at the higher orders, else empty"),
-    }  # fmt: skip
+    }

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.integration_options import HIGHEST_ORDER
 from pipeline.plan import Plan
 from pipeline.schema import Verify
 from pipeline.verification.credibility import Credibility, Samples, credibility
@@ -17,7 +18,6 @@ from pipeline.verification.group import (
     sample_arrays,
     write_verification,
 )
-from pipeline.integration_options import HIGHEST_ORDER
 from pipeline.verification.sampling import choose_cells
 from pipeline.verification.starts import Start, read_labels, read_starts
 from pipeline.verification.tasks import check_rows, follow_starts
@@ -157,15 +157,19 @@ def _lost(error: BaseException) -> str:
 def _summary(plan: Plan, domain: np.ndarray, found: StoredVerification, found_done: bool) -> Summary:
     verdicts = Counter(found.samples["verdict"].tolist())
     judged = found.layers["credibility"][domain != 0]
-    failures = [f"row {row} ({plan.parameter.name} = {plan.parameter.values[row]:.6g}) could not be swept again: {text}"
-                for row, text in enumerate(found.row_messages) if text]  # fmt: skip
+    failures = [
+        f"row {row} ({plan.parameter.name} = {plan.parameter.values[row]:.6g}) could not be swept again: {text}"
+        for row, text in enumerate(found.row_messages)
+        if text
+    ]
     failed = np.flatnonzero(found.samples["verdict"] == Verdict.FAILED)
     failures += [_failed(plan, found.samples, int(i)) for i in failed]
     return Summary(
         {kind: verdicts.get(int(kind), 0) for kind in Verdict},
         {kind: float(np.mean(judged == kind)) if judged.size else 0.0 for kind in Credibility},
-        tuple(failures), found_done,
-    )  # fmt: skip
+        tuple(failures),
+        found_done,
+    )
 
 
 def _failed(plan: Plan, samples: dict[str, np.ndarray], i: int) -> str:

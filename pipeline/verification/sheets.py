@@ -112,11 +112,28 @@ def _write(path: Path, text: str) -> Path:
 def _csv(lines: list[Line]) -> str:
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(["label", "cells", "samples", "confirmed_samples", "confirmed_share", "confirmed_low",
-                     "confirmed_high", *(kind.name.lower() for kind in Credibility)])  # fmt: skip
+    writer.writerow(
+        [
+            "label",
+            "cells",
+            "samples",
+            "confirmed_samples",
+            "confirmed_share",
+            "confirmed_low",
+            "confirmed_high",
+            *(kind.name.lower() for kind in Credibility),
+        ]
+    )
     for line in lines:
-        writer.writerow([line.label, line.cells, line.samples, line.confirmed,
-                         *map(_number, (line.share, line.low, line.high, *line.classes.values()))])  # fmt: skip
+        writer.writerow(
+            [
+                line.label,
+                line.cells,
+                line.samples,
+                line.confirmed,
+                *map(_number, (line.share, line.low, line.high, *line.classes.values())),
+            ]
+        )
     return file.getvalue()
 
 

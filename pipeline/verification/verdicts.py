@@ -82,10 +82,16 @@ def seen_of(attractor: Attractor, mean: float, amplitude: float, impact: int, ro
     failed = attractor.kind is AttractorKind.FAILED
     return Seen(
         _verdict(attractor, mean, amplitude, impact, room, period),
-        int(attractor.kind), attractor.period, int(attractor.impact), attractor.periods_used, attractor.mean,
-        attractor.amplitude, attractor.lyapunov, attractor.largest_multiplier,
+        int(attractor.kind),
+        attractor.period,
+        int(attractor.impact),
+        attractor.periods_used,
+        attractor.mean,
+        attractor.amplitude,
+        attractor.lyapunov,
+        attractor.largest_multiplier,
         attractor.status.sentence if failed else "",
-    )  # fmt: skip
+    )
 
 
 _ENDINGS = {

@@ -53,6 +53,12 @@ def assembled(plane: Plane, kind: Event, pieces: list[Piece], ends: tuple[EndRea
             # What ends elsewhere ends where contact does.
             codes[place] = SpecialPoint.BORDER if outside else SpecialPoint.DOUBLE_GRAZING
     return BoundaryCurve(
-        kind, points, np.concatenate(slopes), np.concatenate(lengths),
-        np.concatenate(stable).astype(np.int8), codes, ends, tuple(pieces),
-    )  # fmt: skip
+        kind,
+        points,
+        np.concatenate(slopes),
+        np.concatenate(lengths),
+        np.concatenate(stable).astype(np.int8),
+        codes,
+        ends,
+        tuple(pieces),
+    )

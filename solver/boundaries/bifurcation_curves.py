@@ -177,9 +177,16 @@ class _Tracer:
         shown = point[[0, *self.plane.balance.fundamental, -2, -1]]
         nothing = np.zeros(1, np.int8)
         return BoundaryCurve(
-            self.kind, shown[None], np.zeros((1, 5)), np.zeros(1), nothing, nothing,
-            (EndReason.STEP_TOO_SMALL,) * 2, (), self.plane.seen(self.kind),
-        )  # fmt: skip
+            self.kind,
+            shown[None],
+            np.zeros((1, 5)),
+            np.zeros(1),
+            nothing,
+            nothing,
+            (EndReason.STEP_TOO_SMALL,) * 2,
+            (),
+            self.plane.seen(self.kind),
+        )
 
     def boundary(self, point: np.ndarray) -> Chain | None:
         """The whole curve through a start (n + 2,), as far as it can be followed; None if there is none."""
@@ -227,11 +234,16 @@ class _Tracer:
         if not np.all(np.isfinite(tangent)):
             return None
         iterations = corrector.kernel(
-            problem.balance, problem.theta, problem.direction, problem.scale, y,
+            problem.balance,
+            problem.theta,
+            problem.direction,
+            problem.scale,
+            y,
             np.ascontiguousarray(normal if abs(tangent @ normal) > 0.01 else tangent),
-            corrector.tolerance, 2 * corrector.max_iterations,
+            corrector.tolerance,
+            2 * corrector.max_iterations,
             np.empty((workspace_rows(y.size - 1), y.size)),
-        )  # fmt: skip
+        )
         inside = np.clip(y, low, high)
         moved = (np.abs(y - before) / problem.scale)[self.plane.components(self.kind)]
         if iterations < 0 or np.max(moved) > reach or np.max(np.abs(y - inside) / problem.scale) > reach:

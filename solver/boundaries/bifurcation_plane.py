@@ -103,7 +103,7 @@ def _balance(theta, direction, y, residual, jacobian):
             _balance_h(here, along, motion, residual[:n], part)
         jacobian[:n, column] = part[:, n]
     jacobian[:n, :n] = part[:, :n]
-    if kind == _FOLD or kind == _DOUBLING or kind == _NEIMARK_SACKER:
+    if kind in (_FOLD, _DOUBLING, _NEIMARK_SACKER):
         window, share = int(theta[WINDOW]), 0.0 if kind == _FOLD else 0.5
         distance, sense = 1.0, 1.0 if window == WHOLE else -1.0
         if kind == _NEIMARK_SACKER:
@@ -122,8 +122,9 @@ def _balance(theta, direction, y, residual, jacobian):
             jacobian[n, n] = slopes[n].real
             jacobian[n + 1, n] = (slopes[n].imag - sense * value.imag / distance) / distance
             jacobian[n + 1, total - 2], jacobian[n + 1, total - 1] = (
-                slopes[n + 1].imag / distance, slopes[n + 2].imag / distance,
-            )  # fmt: skip
+                slopes[n + 1].imag / distance,
+                slopes[n + 2].imag / distance,
+            )
         return
     values, gradient = np.empty(5), np.empty((5, n + 1))
     for column in range(total - 2, total):
@@ -149,9 +150,7 @@ def _monitor(theta, direction, y, values, gradient):
     if values.shape[0] > 1:
         here, along_x, along_p = _at(theta, direction, y)
         slopes = np.empty(n + 3, np.complex128)
-        values[1] = determinant_slopes(
-            here, along_x, along_p, y[:n], 0.0, WHOLE, theta[TRUNCATED] != 0.0, slopes
-        ).real  # fmt: skip
+        values[1] = determinant_slopes(here, along_x, along_p, y[:n], 0.0, WHOLE, theta[TRUNCATED] != 0.0, slopes).real
 
 
 @dataclass(frozen=True)
@@ -196,6 +195,7 @@ class BifurcationPlane:
             object.__setattr__(self, name, (low, high))
         if "omega" not in (self.x_axis, self.p_axis) and (self.omega is None or not 0.0 < self.omega < np.inf):
             raise ParameterError("omega", self.omega, "a finite number above 0, as no axis is the frequency")
+
         def system_at(p):
             if not isinstance(self.system, Model):
                 return self.system

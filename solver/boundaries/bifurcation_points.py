@@ -45,9 +45,16 @@ def named_points(
             # What a Neimark-Sacker leaves elsewhere is the range of its second frequency.
             codes[place] = SpecialPoint.BORDER if outside else SpecialPoint.RESONANCE
     return BoundaryCurve(
-        kind, points, np.concatenate(slopes), np.concatenate(lengths), np.concatenate(stable).astype(np.int8),
-        codes, ends, tuple(pieces), plane.seen(kind),
-    )  # fmt: skip
+        kind,
+        points,
+        np.concatenate(slopes),
+        np.concatenate(lengths),
+        np.concatenate(stable).astype(np.int8),
+        codes,
+        ends,
+        tuple(pieces),
+        plane.seen(kind),
+    )
 
 
 def _departure(kind: Event, before: Curve, after: Curve) -> SpecialPoint:

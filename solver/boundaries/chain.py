@@ -18,9 +18,14 @@ def reversed_piece(piece: Piece) -> Piece:
     """The same piece, the other way."""
     curve = piece.curve
     back = Curve(
-        curve.points[::-1].copy(), -curve.tangents[::-1], curve.arclength[-1] - curve.arclength[::-1],
-        curve.stable[::-1].copy(), curve.event[::-1].copy(), curve.ends[::-1], curve.refused,
-    )  # fmt: skip
+        curve.points[::-1].copy(),
+        -curve.tangents[::-1],
+        curve.arclength[-1] - curve.arclength[::-1],
+        curve.stable[::-1].copy(),
+        curve.event[::-1].copy(),
+        curve.ends[::-1],
+        curve.refused,
+    )
     return Piece(piece.problem, back)
 
 

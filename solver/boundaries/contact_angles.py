@@ -256,6 +256,4 @@ def determinant(known, theta, y, gradient, square):
         for column in range(3):
             _put(slope, constant, d_f_0[column], d_f_1[column], moves[column], change, column)
         gradient[slot] = _contract(cofactor, change)
-    return (
-        square[0, 0] * cofactor[0, 0] + square[0, 1] * cofactor[0, 1] + square[0, 2] * cofactor[0, 2]
-    )
+    return square[0, 0] * cofactor[0, 0] + square[0, 1] * cofactor[0, 1] + square[0, 2] * cofactor[0, 2]

@@ -45,10 +45,10 @@ def _foot(left, right, leave, arrive, scale, arc, factors, level, seed):
     types.void(
         CORRECTOR, _F, _I, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, MATRIX, types.boolean[::1], ARRAY
     )
-)  # fmt: skip
+)
 def _distances(
-    corrector, tolerance, limit, balance, theta, direction, scale, points, tangents, arclength, targets, seen, nearest,
-):  # fmt: skip
+    corrector, tolerance, limit, balance, theta, direction, scale, points, tangents, arclength, targets, seen, nearest
+):
     n = scale.shape[0] - 1
     work = np.empty((3 * n + 6, n + 1))
     factors, normal, seed, found = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
@@ -123,8 +123,18 @@ def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continu
     if len(targets):
         corrector = continuation.corrector
         _distances(
-            corrector.kernel, corrector.tolerance, corrector.max_iterations, problem.balance, problem.theta,
-            problem.direction, problem.scale, curve.points, curve.tangents, curve.arclength,
-            np.ascontiguousarray(targets, dtype=float), mask, nearest,
-        )  # fmt: skip
+            corrector.kernel,
+            corrector.tolerance,
+            corrector.max_iterations,
+            problem.balance,
+            problem.theta,
+            problem.direction,
+            problem.scale,
+            curve.points,
+            curve.tangents,
+            curve.arclength,
+            np.ascontiguousarray(targets, dtype=float),
+            mask,
+            nearest,
+        )
     return nearest

@@ -210,5 +210,3 @@ class Plane:
             slot, angle = _GRAZED[kind]
             y[slot] = angle
         return y
-
-

@@ -13,20 +13,40 @@ _I, _F = types.int64, types.float64
 
 
 @kernel(
-    _I(
-        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, MATRIX, MATRIX, ARRAY, types.int64[::1], MATRIX
-    )
-)  # fmt: skip
+    _I(CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, MATRIX, MATRIX, ARRAY, types.int64[::1], MATRIX)
+)
 def _refined(
-    corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors, points, tangents, arclength,
-    parts, result,
-):  # fmt: skip
+    corrector,
+    tolerance,
+    limit,
+    balance,
+    monitor,
+    theta,
+    direction,
+    scale,
+    monitors,
+    points,
+    tangents,
+    arclength,
+    parts,
+    result,
+):
     """Fill `result` with the points and parts[i] - 1 more after point i; -1 - i if one of those cannot be found."""
     n = scale.shape[0] - 1
     setup = Setup(
-        corrector, tolerance, limit, balance, monitor, theta, direction, scale, n, monitors,
-        np.empty((3 * n + 6, n + 1)), np.empty((monitors, n + 1)),
-    )  # fmt: skip
+        corrector,
+        tolerance,
+        limit,
+        balance,
+        monitor,
+        theta,
+        direction,
+        scale,
+        n,
+        monitors,
+        np.empty((3 * n + 6, n + 1)),
+        np.empty((monitors, n + 1)),
+    )
     size = point_size(setup)
     left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
     count = 0
@@ -69,10 +89,21 @@ def refined(problem: Problem, curve: Curve, parts: np.ndarray, continuation: Con
     result = np.empty((1 + int(np.sum(parts)), problem.unknowns + 1))
     corrector = continuation.corrector
     count = _refined(
-        corrector.kernel, corrector.tolerance, corrector.max_iterations, problem.balance, problem.monitor,
-        problem.theta, problem.direction, problem.scale, problem.monitors,
-        curve.points, curve.tangents, curve.arclength, np.ascontiguousarray(parts, dtype=np.int64), result,
-    )  # fmt: skip
+        corrector.kernel,
+        corrector.tolerance,
+        corrector.max_iterations,
+        problem.balance,
+        problem.monitor,
+        problem.theta,
+        problem.direction,
+        problem.scale,
+        problem.monitors,
+        curve.points,
+        curve.tangents,
+        curve.arclength,
+        np.ascontiguousarray(parts, dtype=np.int64),
+        result,
+    )
     if count < 0:
         raise ArithmeticError(f"the corrector fails after point {-1 - count} of the curve")
     return result

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
-from solver.boundaries.plane import Plane
 from solver.boundaries.labelling import Labeller
+from solver.boundaries.plane import Plane
 from solver.boundaries.slabs import RegionError, RowCrossings, Slab, slabs
 from solver.boundaries.widths import slab_areas
 from solver.continuation import EndReason, Event
@@ -286,8 +286,11 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
             Frontier((domain_label(a), domain_label(b)), kind, length)
             for (a, b, kind), length in sorted(borders.items())
         ),
-        tuple(parts), plane, curves, amplitude_max,
-    )  # fmt: skip
+        tuple(parts),
+        plane,
+        curves,
+        amplitude_max,
+    )
 
 
 def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:

@@ -2,15 +2,7 @@
 
 import numpy as np
 
-from solver.boundaries.contact_angles import (
-    BACK,
-    FRONT,
-    P,
-    X,
-    angle_rows,
-    determinant,
-    plane_coefficients,
-)
+from solver.boundaries.contact_angles import BACK, FRONT, P, X, angle_rows, determinant, plane_coefficients
 from solver.boundaries.curve import SpecialPoint
 from solver.continuation import Curve, Problem
 

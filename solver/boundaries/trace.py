@@ -169,9 +169,16 @@ class Tracer:
         # Held at its own p, so that a start on the border stays there, unless the boundary is level.
         normal = np.eye(7)[P] if abs(tangent[P]) > 0.01 else tangent
         iterations = corrector.kernel(
-            problem.balance, problem.theta, problem.direction, problem.scale, y, normal,
-            corrector.tolerance, 2 * corrector.max_iterations, np.empty((workspace_rows(6), 7)),
-        )  # fmt: skip
+            problem.balance,
+            problem.theta,
+            problem.direction,
+            problem.scale,
+            y,
+            normal,
+            corrector.tolerance,
+            2 * corrector.max_iterations,
+            np.empty((workspace_rows(6), 7)),
+        )
         inside = np.clip(y, low, high)
         moved = np.abs(y - before)[list(SEEN)] / problem.scale[list(SEEN)]
         if iterations < 0 or np.max(moved) > 10.0 * _SAME or np.max(np.abs(y - inside) / problem.scale) > _SAME:
@@ -219,7 +226,12 @@ class _Leg:
     def reversed(self) -> "_Leg":
         curve = self.curve
         back = Curve(
-            curve.points[::-1].copy(), -curve.tangents[::-1], curve.arclength[-1] - curve.arclength[::-1],
-            curve.stable[::-1].copy(), curve.event[::-1].copy(), curve.ends[::-1], curve.refused,
-        )  # fmt: skip
+            curve.points[::-1].copy(),
+            -curve.tangents[::-1],
+            curve.arclength[-1] - curve.arclength[::-1],
+            curve.stable[::-1].copy(),
+            curve.event[::-1].copy(),
+            curve.ends[::-1],
+            curve.refused,
+        )
         return _Leg(self.zones, self.problem, back)

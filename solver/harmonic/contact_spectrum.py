@@ -1,9 +1,9 @@
-"""When a periodic motion is in contact, and the Fourier coefficients of that: exact, without sampling (PHYSICS, section 4).
+"""When a periodic motion is in contact, and the Fourier coefficients of that: exact, not sampled (PHYSICS, section 4).
 
-A motion is the array u = (Lambda_0, c_1, s_1, ..., c_H, s_H), lambda(theta) = Lambda_0 + sum_k c_k cos k theta + s_k sin
-k theta. Its crossings of the two flanks are isolated by bisection of the period with the bound |lambda''| <= sum_k k^2
-|Lambda_k|: a piece is left alone once lambda cannot reach a flank in it, or is monotone in it. What is missed is at most a
-contact shorter than 1e-9 of a radian on either side, whose force is below rounding.
+A motion is the array u = (Lambda_0, c_1, s_1, ..., c_H, s_H), lambda(theta) = Lambda_0 + sum_k c_k cos k theta + s_k
+sin k theta. Its crossings of the two flanks are isolated by bisection of the period with the bound |lambda''| <= sum_k
+k^2 |Lambda_k|: a piece is left alone once lambda cannot reach a flank in it, or is monotone in it. What is missed is at
+most a contact shorter than 1e-9 of a radian on either side, whose force is below rounding.
 """
 
 import cmath
@@ -118,8 +118,8 @@ def contact_arcs(u, front, back, angles, zones):
                 ends[depth] = centre
                 depth += 1
                 continue
-            # Of a piece that reaches no flank only the zone matters, and that is the centre's: at an end that just touches a
-            # flank rounding may have seen another.
+            # Of a piece that reaches no flank only the zone matters, and that is the centre's: at an end that just
+            # touches a flank rounding may have seen another.
             first, value_right = value, value
             if not clear:
                 first = displacement(u, left)[0]
@@ -190,7 +190,7 @@ def contact_spectrum(count, angles, zones, contact, ahead, behind):
 
 @kernel(types.UniTuple(_F, 4)(ARRAY), inner=True)
 def extremes(u):
-    """Lowest and highest lambda over a period and the angles where they are taken: (low, its angle, high, its angle)."""
+    """Lowest and highest lambda over a period and where they are taken: (low, its angle, high, its angle)."""
     size = u.shape[0]
     slope = np.empty(size)
     slope[0] = 0.0

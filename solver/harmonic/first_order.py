@@ -1,15 +1,15 @@
 """First-order balance with describing functions on the condensed mesh coordinate.
 
-Unknowns (lambda_m, lambda_c, lambda_s) with lambda = lambda_m + lambda_c cos(Omega tau) + lambda_s sin(Omega tau), that is
-Lambda_1 = lambda_c - i lambda_s. f is truncated to its mean f_0 and fundamental f_1 = N_a Lambda_1 *before* it is multiplied by
-the stiffness ("describing function", PHYSICS section 4). With S_l = alpha_l exp(i Phi_kl):
+Unknowns (lambda_m, lambda_c, lambda_s) with lambda = lambda_m + lambda_c cos(Omega tau) + lambda_s sin(Omega tau), that
+is Lambda_1 = lambda_c - i lambda_s. f is truncated to its mean f_0 and fundamental f_1 = N_a Lambda_1 *before* it is
+multiplied by the stiffness ("describing function", PHYSICS section 4). With S_l = alpha_l exp(i Phi_kl):
 
     E_0 = c (f_0 + eps_r Re(S_1 conj f_1)/2) - f_pm
     E_1 = D Lambda_1 + (c - T) f_1 + (c eps_r - T eps_t)(S_1 f_0 + S_2 conj(f_1)/2) - F_1
     D = -Omega^2 + 2i Omega (c xi_h - U),    F_1 = f_pv + f_e Omega^2 exp(i Phi_1)
 
-The rows are (E_0, Re E_1, -Im E_1), for which a statically stable solution has a positive Jacobian determinant. Harmonics of
-the stiffness above the second and of the transmission error above the first do not reach this balance.
+The rows are (E_0, Re E_1, -Im E_1), for which a statically stable solution has a positive Jacobian determinant.
+Harmonics of the stiffness above the second and of the transmission error above the first do not reach this balance.
 """
 
 import cmath
@@ -264,7 +264,7 @@ class DescribingFunction:
 
 
 def evaluate(model: Model, omega: float, unknowns) -> tuple[np.ndarray, np.ndarray]:
-    """Residual (3,) and Jacobian (3, 3) of the balance at (lambda_m, lambda_c, lambda_s) for one model and frequency."""
+    """Residual (3,) and Jacobian (3, 3) of the balance at (lambda_m, lambda_c, lambda_s), one model and frequency."""
     theta, direction = axis_vectors(model, "omega")
     residual, jacobian = np.empty(3), np.empty((3, 4))
     balance(theta, direction, np.append(np.asarray(unknowns, dtype=float), omega), residual, jacobian)

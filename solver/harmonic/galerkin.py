@@ -1,13 +1,15 @@
 """Harmonic balance of order H on the contact coordinate, with exact Fourier coefficients of the contact force.
 
-With theta = Omega tau/nu, lambda = Lambda_0 + Re sum_{k=1}^{H} Lambda_k exp(i k theta), Lambda_k = c_k - i s_k, the unknowns
-are (Lambda_0, c_1, s_1, ..., c_H, s_H). The force of a motion with the contact spectra chi, chi+ (front) and chi- (back) is
+With theta = Omega tau/nu, lambda = Lambda_0 + Re sum_{k=1}^{H} Lambda_k exp(i k theta), Lambda_k = c_k - i s_k, the
+unknowns are (Lambda_0, c_1, s_1, ..., c_H, s_H). The force of a motion with the contact spectra chi, chi+ (front) and
+chi- (back) is
 
     f_k = sum_m chi_(k-m) L_m - front chi+_k + back chi-_k,    L_0 = Lambda_0, L_m = Lambda_m/2, L_-m = conj L_m
 
-for every k (PHYSICS, section 4), and q = s f follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows are E_0, then
-Re E_k and -Im E_k with E_k = D_k Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable solution has a positive
-Jacobian determinant. f vanishes where contact switches, so that the derivatives of f are those at fixed contact.
+for every k (PHYSICS, section 4), and q = s f follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows are E_0,
+then Re E_k and -Im E_k with E_k = D_k Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable solution
+has a positive Jacobian determinant. f vanishes where contact switches, so that the derivatives of f are those at fixed
+contact.
 """
 
 import math
@@ -132,8 +134,8 @@ def monitor(theta, direction, y, values, gradient):
 def linear_solution(theta, direction, p, unknowns):
     """Solution of the balance without backlash (f = lambda), and the sign of its Jacobian's determinant.
 
-    As the dead zone of a two-sided gap differs from lambda by at most the gap, the sign is the topological degree of the
-    balance for every gap: the signs of det J over all solutions add up to it.
+    As the dead zone of a two-sided gap differs from lambda by at most the gap, the sign is the topological degree of
+    the balance for every gap: the signs of det J over all solutions add up to it.
     """
     base, along = theta.copy(), direction.copy()
     n = unknowns.shape[0]
@@ -171,10 +173,11 @@ class Galerkin:
     Parameters
     ----------
     order : int
-        H of PHYSICS: harmonics of the mesh frequency, 1 to 64. Order 1 differs from `DescribingFunction`, which truncates the
-        force before it is multiplied by the stiffness.
+        H of PHYSICS: harmonics of the mesh frequency, 1 to 64. Order 1 differs from `DescribingFunction`, which
+        truncates the force before it is multiplied by the stiffness.
     period : int
-        nu: motions may repeat after that many forcing periods only; 1 to 4. There are then nu * order harmonics of Omega/nu.
+        nu: motions may repeat after that many forcing periods only; 1 to 4. There are then nu * order harmonics of
+        Omega/nu.
     """
 
     order: int = 5

@@ -1,12 +1,13 @@
 """What one harmonic of the motion and of the contact force means for the contact coordinate: the exact condensation.
 
-Everything but lambda is linear, so that a motion like exp(s tau) obeys, with the force f and the modulated force q = s f,
+Everything but lambda is linear, so that a motion like exp(s tau) obeys, with the force f and the modulated force q = s
+f,
 
     D Lambda + A f + B q = G
 
-Gear pair (PHYSICS, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the mesh row.
-Other systems, closed by a contact of stiffness 1 so that a free rigid motion does no harm, Z = K + s C + s^2 M + h w^T:
-A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A.
+Gear pair (PHYSICS, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the mesh
+row. Other systems, closed by a contact of stiffness 1 so that a free rigid motion does no harm, Z = K + s C + s^2 M + h
+w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A.
 """
 
 import cmath
@@ -86,8 +87,10 @@ def _system_impedance(theta, direction, p, s, d_s, l):
     square = n * n
     mass, damping, stiffness = theta[start:], theta[start + square :], theta[start + 2 * square :]
     contact, force, varying = (
-        theta[start + 3 * square :], theta[start + 3 * square + n :], theta[start + 3 * square + 2 * n :],
-    )  # fmt: skip
+        theta[start + 3 * square :],
+        theta[start + 3 * square + n :],
+        theta[start + 3 * square + 2 * n :],
+    )
     fixed = start + 3 * square + 3 * n
     inertial = fixed + 2 * n * (loads + 1)
     forward, backward, change = np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX)

@@ -2,9 +2,9 @@
 
     theta = (kind | H, nu, N, L, n | sign | Omega, front gap, back gap | N pairs (alpha_l, Phi_kl) | load of the kind)
 
-H harmonics of the base frequency Omega/nu are balanced; N harmonics of the stiffness and L of the load are of Omega itself.
-Gear pair: the 34 numbers of `solver.condensation`, then L pairs (f_el, Phi_l). Other systems: M, C, K, w, h, h_v, then
-F_l and F^i_l for l = 0 ... L with real and imaginary part of every coordinate in turn.
+H harmonics of the base frequency Omega/nu are balanced; N harmonics of the stiffness and L of the load are of Omega
+itself. Gear pair: the 34 numbers of `solver.condensation`, then L pairs (f_el, Phi_l). Other systems: M, C, K, w, h,
+h_v, then F_l and F^i_l for l = 0 ... L with real and imaginary part of every coordinate in turn.
 """
 
 import numpy as np
@@ -16,20 +16,31 @@ from solver.errors import ParameterError
 from solver.model import Model
 
 __all__ = [
-    "BACK", "FRONT", "GEAR", "HARMONICS", "KIND", "LOADS", "OMEGA", "PAIRS", "PERIOD", "SIGN", "STIFFNESSES",
-    "SYSTEM_AXES", "packed",
-]  # fmt: skip
+    "BACK",
+    "FRONT",
+    "GEAR",
+    "HARMONICS",
+    "KIND",
+    "LOADS",
+    "OMEGA",
+    "PAIRS",
+    "PERIOD",
+    "SIGN",
+    "STIFFNESSES",
+    "SYSTEM_AXES",
+    "packed",
+]
 
 KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, DEGREES, SIGN, OMEGA, FRONT, BACK, PAIRS = range(11)
 GEAR, SYSTEM = 0.0, 1.0
 
-#: What may be varied of a `ContactSystem`: the frequency, both gaps, the first harmonic of the stiffness, and a factor on
-#: the oscillating part of the load.
+#: What may be varied of a `ContactSystem`: the frequency, both gaps, the first harmonic of the stiffness, and a factor
+#: on the oscillating part of the load.
 SYSTEM_AXES = ("omega", "gap", "alpha", "excitation")
 
 
 def packed(system: Model | ContactSystem, axis: str, omega: float | None, order: int, period: int):
-    """`theta` with the axis at 0, and the direction of the axis, for a balance of order H/nu on the period nu 2 pi/Omega.
+    """`theta` with the axis at 0, and the direction of the axis, for a balance of order H/nu on nu periods 2 pi/Omega.
 
     Parameters
     ----------
@@ -83,7 +94,9 @@ def _system(system: ContactSystem, axis: str, omega: float | None):
     closed = system.stiffness + np.outer(system.force, system.contact)
     sign = np.sign(np.linalg.det(closed))
     if sign == 0.0:
-        raise ParameterError("stiffness", system.stiffness, "such that closing the contact makes the system statically stable")
+        raise ParameterError(
+            "stiffness", system.stiffness, "such that closing the contact makes the system statically stable"
+        )
     head = np.zeros(PAIRS)
     head[[KIND, STIFFNESSES, LOADS, DEGREES, SIGN]] = SYSTEM, len(pairs), size - 1, system.degrees, sign
     head[OMEGA], head[FRONT], head[BACK] = omega or 0.0, system.front_gap, system.back_gap
@@ -101,7 +114,5 @@ def _system(system: ContactSystem, axis: str, omega: float | None):
     if axis == "excitation":
         for load, load_along in zip(loads, along[-2:], strict=True):
             load_along[1:], load[1:] = load[1:], 0.0
-    rests = [
-        np.concatenate([part.view(float).ravel() for part in parts]) for parts in ([*constant, *loads], along)
-    ]
+    rests = [np.concatenate([part.view(float).ravel() for part in parts]) for parts in ([*constant, *loads], along)]
     return np.concatenate([head, pairs.ravel()]), rests[0], np.concatenate([head_along, pairs_along.ravel()]), rests[1]

@@ -1,15 +1,16 @@
 """The balance linearised about a motion: Hill's matrix on the contact coordinate alone, at any complex frequency.
 
-A perturbation exp(s tau) sum_k l_k exp(i k theta), theta = Omega tau/nu, of a motion with the contact spectrum chi changes the
-force by chi * l, exactly (f vanishes where contact switches). With s_k = s + i k Omega/nu and psi the spectrum of s(tau) chi,
+A perturbation exp(s tau) sum_k l_k exp(i k theta), theta = Omega tau/nu, of a motion with the contact spectrum chi
+changes the force by chi * l, exactly (f vanishes where contact switches). With s_k = s + i k Omega/nu and psi the
+spectrum of s(tau) chi,
 
     D(s_k) l_k + sum_m [A(s_k) chi_(k-m) + B(s_k) psi_(k-m)] l_m = 0
 
-The motion's exponents are the s for which this matrix is singular; the linear coordinates are condensed into D, A and B, so
-that it has the size of the harmonics kept. At s = 0 over k = -H ... H it is the balance's Jacobian in complex form, hence
-singular at folds; at s = i Omega/(2 nu) over k = -H ... H - 1 it is singular at period doublings, and its determinant is real:
-rows k and -1 - k are conjugates. For the describing function f is truncated to the harmonics kept before it is multiplied by
-s(tau), as in the balance itself.
+The motion's exponents are the s for which this matrix is singular; the linear coordinates are condensed into D, A and
+B, so that it has the size of the harmonics kept. At s = 0 over k = -H ... H it is the balance's Jacobian in complex
+form, hence singular at folds; at s = i Omega/(2 nu) over k = -H ... H - 1 it is singular at period doublings, and its
+determinant is real: rows k and -1 - k are conjugates. For the describing function f is truncated to the harmonics kept
+before it is multiplied by s(tau), as in the balance itself.
 """
 
 import numpy as np

@@ -30,18 +30,22 @@ def _force_harmonics(model: Model, variation: float, unknowns) -> tuple[np.ndarr
     unit = fundamental / amplitude if amplitude > 0.0 else 0j
     f_0, gain, f_0_m, f_0_a, _, gain_m, gain_a, _ = describing_functions(mean, amplitude, model.b)
     f = np.array([f_0, gain * fundamental])
-    d_f = np.array([
-        [f_0_m, f_0_a * unit.real, -f_0_a * unit.imag],
-        [gain_m * unit, gain + gain_a * unit.real * unit, -1j * gain - gain_a * unit.imag * unit],
-    ])  # fmt: skip
+    d_f = np.array(
+        [
+            [f_0_m, f_0_a * unit.real, -f_0_a * unit.imag],
+            [gain_m * unit, gain + gain_a * unit.real * unit, -1j * gain - gain_a * unit.imag * unit],
+        ]
+    )
     harmonics = [a * cmath.exp(1j * phase) for a, phase in model.stiffness_harmonics()] + [0j]
     first, second = variation * harmonics[0], variation * harmonics[1]
 
     def product(mean_part, first_part):
-        return np.array([
-            mean_part + 0.5 * (first * np.conj(first_part)).real,
-            first_part + first * mean_part + 0.5 * second * np.conj(first_part),
-        ])
+        return np.array(
+            [
+                mean_part + 0.5 * (first * np.conj(first_part)).real,
+                first_part + first * mean_part + 0.5 * second * np.conj(first_part),
+            ]
+        )
 
     return product(f[0], f[1]), product(d_f[0], d_f[1])
 

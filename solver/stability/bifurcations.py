@@ -51,9 +51,13 @@ def _watched(balance: Balance, problem: Problem) -> Problem:
     theta, direction = hill_vectors(balance, problem)
     truncated = float(balance.truncated)
     return Problem(
-        problem.balance, monitor, np.concatenate([problem.theta, theta, [theta.size, truncated]]),
-        np.concatenate([problem.direction, direction, [0.0, 0.0]]), problem.scale, monitors=1,
-    )  # fmt: skip
+        problem.balance,
+        monitor,
+        np.concatenate([problem.theta, theta, [theta.size, truncated]]),
+        np.concatenate([problem.direction, direction, [0.0, 0.0]]),
+        problem.scale,
+        monitors=1,
+    )
 
 
 def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
@@ -96,10 +100,24 @@ def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continua
     after, kinds, fractions = np.empty(_MOST, np.int64), np.empty(_MOST, np.int8), np.empty(_MOST)
     points, tangents = np.empty((_MOST, size)), np.empty((_MOST, size))
     count = scan(
-        corrector.kernel, corrector.tolerance, corrector.max_iterations, watched.balance, watched.monitor,
-        watched.theta, watched.direction, watched.scale, curve.points, curve.tangents, curve.arclength, curve.event,
-        after, kinds, fractions, points, tangents,
-    )  # fmt: skip
+        corrector.kernel,
+        corrector.tolerance,
+        corrector.max_iterations,
+        watched.balance,
+        watched.monitor,
+        watched.theta,
+        watched.direction,
+        watched.scale,
+        curve.points,
+        curve.tangents,
+        curve.arclength,
+        curve.event,
+        after,
+        kinds,
+        fractions,
+        points,
+        tangents,
+    )
     if count < 0:
         place = curve.points[-1 - count, -1]
         raise ArithmeticError(f"a bifurcation next to the axis value {place:.9g} is bracketed but cannot be located")
@@ -138,17 +156,18 @@ def critical_frequencies(balance: Balance, problem: Problem, y: np.ndarray, tole
     """
     theta, direction = hill_vectors(balance, problem)
     found = np.empty(64)
-    count = critical_shares(
-        theta, direction, np.asarray(y, dtype=float), balance.truncated, tolerance, found
-    )
+    count = critical_shares(theta, direction, np.asarray(y, dtype=float), balance.truncated, tolerance, found)
     shares = np.sort(found[:count])
     return shares[np.diff(shares, prepend=-1.0) > 1e-6]
 
 
 def doubled(
-    balance: Balance, problem: Problem, point: np.ndarray, continuation: Continuation | None = None,
+    balance: Balance,
+    problem: Problem,
+    point: np.ndarray,
+    continuation: Continuation | None = None,
     amplitude: float = 0.02,
-) -> tuple[Balance, Problem, np.ndarray]:  # fmt: skip
+) -> tuple[Balance, Problem, np.ndarray]:
     """Switch to the branch of twice the period at a period doubling.
 
     Parameters
@@ -205,9 +224,16 @@ def doubled(
     model = wide.balance_problem(theta, direction, scale)
     start += amplitude * normal * scale
     iterations = corrector.kernel(
-        model.balance, model.theta, model.direction, scale, start, normal, corrector.tolerance,
-        4 * corrector.max_iterations, np.empty((workspace_rows(2 * n - 1), 2 * n)),
-    )  # fmt: skip
+        model.balance,
+        model.theta,
+        model.direction,
+        scale,
+        start,
+        normal,
+        corrector.tolerance,
+        4 * corrector.max_iterations,
+        np.empty((workspace_rows(2 * n - 1), 2 * n)),
+    )
     if iterations < 0:
         raise BranchSwitchError(f"no motion of twice the period was found next to the axis value {point[-1]:.9g}")
     return wide, model, start

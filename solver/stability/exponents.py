@@ -73,11 +73,9 @@ def gathered_phase(hill, window, matrix, phases):
     phases : (NODES,) array
         Filled with the phase gathered from the centre of the window, at evenly spaced distances from it.
 
-    Notes
-    -----
-    A piece is taken for straight once the determinant at its middle is `_CAUTION` times closer to its chord than the chord
-    is to 0. A parabola would stay clear of 0 even with a fourth of that; but next to an exponent close to the axis the
-    determinant may make a loop between the places that are looked at, which only closer ones show.
+    Notes ----- A piece is taken for straight once the determinant at its middle is `_CAUTION` times closer to its chord
+    than the chord is to 0. A parabola would stay clear of 0 even with a fourth of that; but next to an exponent close
+    to the axis the determinant may make a loop between the places that are looked at, which only closer ones show.
     """
     ends, values = np.empty(_DEPTH + 2), np.empty(_DEPTH + 2, np.complex128)
     left = 0.0

@@ -37,7 +37,7 @@ _TURN = 2.0 * math.pi
 @kernel(
     types.void(MATRIX, MATRIX, ARRAY, ARRAY, ARRAY, COMPLEX, _F, types.boolean, _F, _F, MATRIX, _CUBE, MATRIX, ARRAY),
     inner=True,
-)  # fmt: skip
+)
 def _advance(damping, stiffness, force, varying, contact, phasors, omega, closed, begin, end, state, y, reach, wave):
     """Advance the 2n solutions in the columns of `state` (displacements above velocities) from one time to another.
 
@@ -135,9 +135,21 @@ def _monodromies(damping, stiffness, force, varying, contact, phasors, which, om
             if end > begin:
                 scale = period / omega[k]
                 _advance(
-                    damping[g], stiffness[g], force[g], varying[g], contact[g], phasors[g], omega[k], zone != 0,
-                    begin * scale, end * scale, state, y, reach, wave,
-                )  # fmt: skip
+                    damping[g],
+                    stiffness[g],
+                    force[g],
+                    varying[g],
+                    contact[g],
+                    phasors[g],
+                    omega[k],
+                    zone != 0,
+                    begin * scale,
+                    end * scale,
+                    state,
+                    y,
+                    reach,
+                    wave,
+                )
             if piece < count:
                 zone, begin = zones[piece], angles[piece]
 

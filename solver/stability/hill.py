@@ -25,8 +25,14 @@ from solver.stability.floquet import SYSTEMS
 from solver.stability.system_row import SystemRow
 
 __all__ = [
-    "COMPLEX_MATRIX", "Truncation", "apart", "centred_exponents", "coupling", "hill_matrices", "window_exponents",
-]  # fmt: skip
+    "COMPLEX_MATRIX",
+    "Truncation",
+    "apart",
+    "centred_exponents",
+    "coupling",
+    "hill_matrices",
+    "window_exponents",
+]
 
 COMPLEX_MATRIX = types.complex128[:, ::1]
 _I, _F = types.int64, types.float64
@@ -94,9 +100,7 @@ def _couple(matrix, row, column, n, force, varying, contact, near, varied, real,
 _FLAG = types.boolean
 
 
-@kernel(
-    types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, _FLAG, _FLAG, types.float64[:, :, ::1])
-)  # fmt: skip
+@kernel(types.void(*SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, _FLAG, _FLAG, types.float64[:, :, ::1]))
 def _hill_matrices(
     damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, half, found
 ):
@@ -163,9 +167,16 @@ def hill_matrices(row: SystemRow, motions: np.ndarray, truncation: Truncation, h
     size = row.states * (2 * truncation.harmonics + (0 if half else 1))
     found = np.empty((len(motions), size, size))
     _hill_matrices(
-        *row.systems, row.which, row.omega, row.gaps, np.ascontiguousarray(motions, dtype=float), truncation.period,
-        truncation.truncated, half, found,
-    )  # fmt: skip
+        *row.systems,
+        row.which,
+        row.omega,
+        row.gaps,
+        np.ascontiguousarray(motions, dtype=float),
+        truncation.period,
+        truncation.truncated,
+        half,
+        found,
+    )
     return found
 
 

@@ -39,9 +39,21 @@ from solver.harmonic.layout import BACK, FRONT, GEAR, KIND, PAIRS, PERIOD, STIFF
 from solver.harmonic.perturbation import COMPLEX_MATRIX
 
 __all__ = [
-    "HALF", "HILL", "LINEAR", "WHOLE", "Hill", "contact_matrices", "determinant", "fill_matrix", "hill_of",
-    "linear_numbers", "linear_terms", "magnitude", "motion_spectra", "spectrum_sizes",
-]  # fmt: skip
+    "HALF",
+    "HILL",
+    "LINEAR",
+    "WHOLE",
+    "Hill",
+    "contact_matrices",
+    "determinant",
+    "fill_matrix",
+    "hill_of",
+    "linear_numbers",
+    "linear_terms",
+    "magnitude",
+    "motion_spectra",
+    "spectrum_sizes",
+]
 
 _I, _F, _C, _B = types.int64, types.float64, types.complex128, types.boolean
 _ANGLES, _ZONES = ARRAY, types.int64[::1]

@@ -74,10 +74,23 @@ def _receptances(s, damping, stiffness, force, varying, contact, work):
 
 
 @kernel(
-    _C(_C, _F, _I, MATRIX, MATRIX, ARRAY, ARRAY, ARRAY, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX,
-       types.complex128[:, :, ::1]),
+    _C(
+        _C,
+        _F,
+        _I,
+        MATRIX,
+        MATRIX,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        COMPLEX_MATRIX,
+        COMPLEX_MATRIX,
+        COMPLEX_MATRIX,
+        COMPLEX_MATRIX,
+        types.complex128[:, :, ::1],
+    ),
     inner=True,
-)  # fmt: skip
+)
 def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, varied, matrix, vectors, work):
     """The root next to s over the harmonics lowest ..., with its vector left in vectors[0]; nan if none is found."""
     size = near.shape[0]
@@ -86,7 +99,7 @@ def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, va
         for i in range(size):
             A, B, d_A, d_B = _receptances(
                 s + 1j * (lowest + i) * base, damping, stiffness, force, varying, contact, work
-            )  # fmt: skip
+            )
             through, modulated = 0j, 0j
             for j in range(size):
                 matrix[i, j] = A * near[i, j] + B * varied[i, j]
@@ -112,10 +125,21 @@ def _root(s, base, lowest, damping, stiffness, force, varying, contact, near, va
 
 
 @kernel(
-    _F(_F, MATRIX, MATRIX, ARRAY, ARRAY, ARRAY, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX, COMPLEX_MATRIX,
-       types.complex128[:, :, ::1]),
+    _F(
+        _F,
+        MATRIX,
+        MATRIX,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        COMPLEX_MATRIX,
+        COMPLEX_MATRIX,
+        COMPLEX_MATRIX,
+        COMPLEX_MATRIX,
+        types.complex128[:, :, ::1],
+    ),
     inner=True,
-)  # fmt: skip
+)
 def _determinant(base, damping, stiffness, force, varying, contact, near, varied, matrix, right, work):
     """Determinant of the matrix over -H ... H at s = 0, where it is real."""
     size = near.shape[0]
@@ -132,11 +156,24 @@ def _determinant(base, damping, stiffness, force, varying, contact, near, varied
     types.void(
         *SYSTEMS, types.int64[::1], ARRAY, MATRIX, MATRIX, _I, types.boolean, COMPLEX_MATRIX, COMPLEX_MATRIX, ARRAY
     )
-)  # fmt: skip
+)
 def _follow(
-    damping, stiffness, force, varying, contact, phasors, which, omega, gaps, motions, period, truncated, starts, found,
+    damping,
+    stiffness,
+    force,
+    varying,
+    contact,
+    phasors,
+    which,
+    omega,
+    gaps,
+    motions,
+    period,
+    truncated,
+    starts,
+    found,
     signs,
-):  # fmt: skip
+):
     """Fill found (k, 2n) with the roots next to starts (k, 2n), nan where Newton's method does not settle.
 
     signs (k,) is filled with the sign of the matrix's determinant over -H ... H at s = 0.
@@ -157,10 +194,19 @@ def _follow(
                 vectors[:] = 0.0
                 signs[k] = np.sign(
                     _determinant(
-                        base, damping[g], stiffness[g], force[g], varying[g], contact[g], near, varied, matrix,
-                        vectors[1:2], work,
+                        base,
+                        damping[g],
+                        stiffness[g],
+                        force[g],
+                        varying[g],
+                        contact[g],
+                        near,
+                        varied,
+                        matrix,
+                        vectors[1:2],
+                        work,
                     )
-                )  # fmt: skip
+                )
             for r in range(starts.shape[1]):
                 s = starts[k, r]
                 # Half-odd multiples are for exponents whose mirror image lies an odd number of harmonics away, if kept.
@@ -179,9 +225,20 @@ def _follow(
                 kept, least = complex(math.nan, math.nan), math.inf
                 for _ in range(3):
                     s = _root(
-                        s, base, -order, damping[g], stiffness[g], force[g], varying[g], contact[g], near, varied,
-                        matrix, vectors, work,
-                    )  # fmt: skip
+                        s,
+                        base,
+                        -order,
+                        damping[g],
+                        stiffness[g],
+                        force[g],
+                        varying[g],
+                        contact[g],
+                        near,
+                        varied,
+                        matrix,
+                        vectors,
+                        work,
+                    )
                     turn, weight = 0.0, 0.0
                     for i in range(width):
                         share = abs(vectors[0, i]) ** 2
@@ -257,9 +314,17 @@ def condensed_exponents(
     starts = _images(row, motions, truncation, starts)
     found, signs = np.empty_like(starts), np.empty(len(motions))
     _follow(
-        *row.systems, row.which, row.omega, row.gaps, np.ascontiguousarray(motions, dtype=float), truncation.period,
-        truncation.truncated, starts, found, signs,
-    )  # fmt: skip
+        *row.systems,
+        row.which,
+        row.omega,
+        row.gaps,
+        np.ascontiguousarray(motions, dtype=float),
+        truncation.period,
+        truncation.truncated,
+        starts,
+        found,
+        signs,
+    )
     with np.errstate(over="ignore", invalid="ignore"):
         real = found.real
         complete = np.abs(np.sum(real, axis=1) + row.decay) <= defect * np.sum(np.abs(real), axis=1)

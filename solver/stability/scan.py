@@ -29,7 +29,8 @@ _TURN = 1.5
 _PARTS = 8
 # Into how many parts the distance between two nodes is divided to see where on the axis the determinant is smallest.
 _LOOKS = 12
-# How far from the straight line between two points of a branch an exponent may be on its way, in units of the frequency.
+# How far from the straight line between two points of a branch an exponent may be on its way, in units of the
+# frequency.
 _BEND = 0.01
 # Windings are whole, or half next to a fold or a period doubling, up to rounding.
 _CROSSED = 0.75
@@ -173,7 +174,8 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
         x = min(max(x, low + margin), high - margin)
         if land_between(setup, left, right, arc, x, found) < 0:
             return -1.0
-        # Another exponent may be close by: the path of this one is known at both ends of the bracket, and bends between.
+        # Another exponent may be close by: the path of this one is known at both ends of the bracket, and bends
+        # between.
         expected = at_low + (x - low) / (high - low) * (at_high - at_low)
         z = _exponent(setup.theta, setup.direction, found[: n + 1], window, expected)
         if not math.isfinite(z.real) or abs(z - expected) > abs(at_high - at_low) + _BEND * (high - low) + 1e-6:
@@ -231,14 +233,44 @@ def _record(count, i, kind, x, found, n, after, kinds, fractions, points, tangen
 
 @kernel(
     _I(
-        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, FLAGS,
-        types.int64[::1], FLAGS, ARRAY, MATRIX, MATRIX,
+        CORRECTOR,
+        _F,
+        _I,
+        BALANCE,
+        MONITOR,
+        ARRAY,
+        ARRAY,
+        ARRAY,
+        MATRIX,
+        MATRIX,
+        ARRAY,
+        FLAGS,
+        types.int64[::1],
+        FLAGS,
+        ARRAY,
+        MATRIX,
+        MATRIX,
     )
-)  # fmt: skip
+)
 def scan(
-    corrector, tolerance, limit, balance, monitor, theta, direction, scale, branch, branch_tangents, arclength, events,
-    after, kinds, fractions, points, tangents,
-):  # fmt: skip
+    corrector,
+    tolerance,
+    limit,
+    balance,
+    monitor,
+    theta,
+    direction,
+    scale,
+    branch,
+    branch_tangents,
+    arclength,
+    events,
+    after,
+    kinds,
+    fractions,
+    points,
+    tangents,
+):
     """Locate the bifurcations of a branch: fill the last five arrays; their number, or -1 - i if one near point i is
     lost.
 
@@ -247,9 +279,19 @@ def scan(
     """
     n = scale.shape[0] - 1
     setup = Setup(
-        corrector, tolerance, limit, balance, monitor, theta, direction, scale, n, 1,
-        np.empty((3 * n + 6, n + 1)), np.empty((1, n + 1)),
-    )  # fmt: skip
+        corrector,
+        tolerance,
+        limit,
+        balance,
+        monitor,
+        theta,
+        direction,
+        scale,
+        n,
+        1,
+        np.empty((3 * n + 6, n + 1)),
+        np.empty((1, n + 1)),
+    )
     size, total = point_size(setup), branch.shape[0]
     left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
     phases, ends = np.empty((total, 2, NODES)), np.empty((total, 2), _COMPLEX)
@@ -280,9 +322,17 @@ def scan(
                     continue
             if first == i - 1:
                 x = _crossing(
-                    setup, left, right, arc, window, phases[first, window], ends[first, window],
-                    phases[i, window], ends[i, window], found,
-                )  # fmt: skip
+                    setup,
+                    left,
+                    right,
+                    arc,
+                    window,
+                    phases[first, window],
+                    ends[first, window],
+                    phases[i, window],
+                    ends[i, window],
+                    found,
+                )
                 if x == -2.0:
                     return -1 - i
                 if x >= 0.0:

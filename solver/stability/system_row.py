@@ -132,6 +132,10 @@ def _stack(systems, stiffness_harmonics, which, omega, gaps) -> SystemRow:
     arrays = (parts[..., :n], parts[..., n : 2 * n], parts[..., 2 * n], parts[..., 2 * n + 1])
     contact = np.array([one.contact for one in systems])
     return SystemRow(
-        *(np.ascontiguousarray(array) for array in arrays), contact, pairs[..., 0] * np.exp(1j * pairs[..., 1]),
-        np.ascontiguousarray(which, dtype=np.int64), np.ascontiguousarray(omega), np.ascontiguousarray(gaps),
-    )  # fmt: skip
+        *(np.ascontiguousarray(array) for array in arrays),
+        contact,
+        pairs[..., 0] * np.exp(1j * pairs[..., 1]),
+        np.ascontiguousarray(which, dtype=np.int64),
+        np.ascontiguousarray(omega),
+        np.ascontiguousarray(gaps),
+    )

@@ -232,9 +232,15 @@ def checked_tolerance(tolerance: float) -> float:
 
 
 def integrate(
-    system: ContactSystem, omega: float, state, start: float, stop: float, *, tolerance: float = 1e-10,
+    system: ContactSystem,
+    omega: float,
+    state,
+    start: float,
+    stop: float,
+    *,
+    tolerance: float = 1e-10,
     max_steps: int = 100_000,
-) -> Trajectory:  # fmt: skip
+) -> Trajectory:
     """Motion from one state.
 
     Parameters
@@ -282,6 +288,11 @@ def integrate(
     following = np.append(zones[1:], end)[:count]
     switches = np.flatnonzero(following != zones)
     return Trajectory(
-        times[: count + 1].copy(), states[: count + 1].copy(), zones, times[switches + 1], following[switches],
-        Status(status), table[:count].copy(),
-    )  # fmt: skip
+        times[: count + 1].copy(),
+        states[: count + 1].copy(),
+        zones,
+        times[switches + 1],
+        following[switches],
+        Status(status),
+        table[:count].copy(),
+    )

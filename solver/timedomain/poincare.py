@@ -35,14 +35,25 @@ MAX_STEPS = 100_000
 
 @kernel(
     types.int64(
-        PACKED, ARRAY, types.float64, types.float64, types.float64, types.int64, MATRIX, types.float64, types.float64,
-        MATRIX, ARRAY, types.int64[::1], WORK,
+        PACKED,
+        ARRAY,
+        types.float64,
+        types.float64,
+        types.float64,
+        types.int64,
+        MATRIX,
+        types.float64,
+        types.float64,
+        MATRIX,
+        ARRAY,
+        types.int64[::1],
+        WORK,
     ),
     inner=True,
-)  # fmt: skip
+)
 def _period(
     packed, state, tolerance, longest, ceiling, max_steps, tangents, base, offset, sums, extremes, switches, work
-):  # fmt: skip
+):
     """Carry a state, and the rows of `tangents` with it, over one forcing period.
 
     No step is longer than `longest`. Where `extremes` (2,) is not empty it is widened, and Fourier integrals with
@@ -81,9 +92,7 @@ def _period(
 
 
 @kernel(
-    types.void(
-        PACKED, MATRIX, types.float64, types.float64, types.int64, types.float64[:, :, ::1], types.int64[::1]
-    )
+    types.void(PACKED, MATRIX, types.float64, types.float64, types.int64, types.float64[:, :, ::1], types.int64[::1])
 )
 def _advance(packed, states, tolerance, ceiling, max_steps, sections, status):
     """Sections (k, periods, 2 n) of k states, which are overwritten; nan after the first period that fails."""
@@ -93,7 +102,18 @@ def _advance(packed, states, tolerance, ceiling, max_steps, sections, status):
         for count in range(sections.shape[1]):
             if status[row] == COMPLETE:
                 status[row] = _period(
-                    packed, states[row], tolerance, math.inf, ceiling, max_steps, none, 0.0, 0.0, none, ends, switches,
+                    packed,
+                    states[row],
+                    tolerance,
+                    math.inf,
+                    ceiling,
+                    max_steps,
+                    none,
+                    0.0,
+                    0.0,
+                    none,
+                    ends,
+                    switches,
                     work,
                 )
             for i in range(states.shape[1]):
@@ -111,7 +131,18 @@ def _measure(packed, state, periods, tolerance, ceiling, base, sums, extremes, s
     span = 2.0 * math.pi / packed.numbers[0]
     for count in range(periods):
         status = _period(
-            packed, state, tolerance, math.inf, ceiling, MAX_STEPS, none, base, count * span, sums, extremes, switches,
+            packed,
+            state,
+            tolerance,
+            math.inf,
+            ceiling,
+            MAX_STEPS,
+            none,
+            base,
+            count * span,
+            sums,
+            extremes,
+            switches,
             work,
         )
         if status != COMPLETE:
@@ -225,16 +256,21 @@ def advance(
     current = checked_states(system, states)
     sections = np.empty((len(current), checked_count("periods", periods), current.shape[1]))
     status = np.empty(len(current), np.int64)
-    _advance(
-        pack(system, omega), current, checked_tolerance(tolerance), float(ceiling), MAX_STEPS, sections, status
-    )
+    _advance(pack(system, omega), current, checked_tolerance(tolerance), float(ceiling), MAX_STEPS, sections, status)
     return Sections(sections, status)
 
 
 def measure(
-    system: ContactSystem, omega: float, state, periods: int, *, divisor: int = 1, order: int = 4,
-    tolerance: float = 1e-10, ceiling: float = math.inf,
-) -> Measurement:  # fmt: skip
+    system: ContactSystem,
+    omega: float,
+    state,
+    periods: int,
+    *,
+    divisor: int = 1,
+    order: int = 4,
+    tolerance: float = 1e-10,
+    ceiling: float = math.inf,
+) -> Measurement:
     """Extremes, contact switches and Fourier harmonics 0 ... order of lambda over a window from tau = 0.
 
     The harmonics are those of the multiples of Omega / divisor; they are amplitudes of lines of the spectrum where
@@ -249,10 +285,19 @@ def measure(
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
     switches = np.zeros(1, np.int64)
-    status = Status(_measure(
-        pack(system, omega), current, periods, checked_tolerance(tolerance), float(ceiling), omega / divisor, sums,
-        extremes, switches,
-    ))  # fmt: skip
+    status = Status(
+        _measure(
+            pack(system, omega),
+            current,
+            periods,
+            checked_tolerance(tolerance),
+            float(ceiling),
+            omega / divisor,
+            sums,
+            extremes,
+            switches,
+        )
+    )
     if status is not Status.COMPLETE:
         return Measurement(current, np.full(len(sums), np.nan + 0j), math.nan, math.nan, 0, status)
     harmonics = (sums[:, 0] - 1j * sums[:, 1]) * omega / (math.pi * periods)
@@ -261,9 +306,8 @@ def measure(
 
 
 def monodromy(
-    system: ContactSystem, omega: float, state, periods: int = 1, *, tolerance: float = 1e-12,
-    ceiling: float = math.inf,
-) -> tuple[np.ndarray, np.ndarray, Status]:  # fmt: skip
+    system: ContactSystem, omega: float, state, periods: int = 1, *, tolerance: float = 1e-12, ceiling: float = math.inf
+) -> tuple[np.ndarray, np.ndarray, Status]:
     """The state (2 n,) after some periods from tau = 0 and its derivative (2 n, 2 n) by the initial state.
 
     Raises
@@ -275,16 +319,27 @@ def monodromy(
     # Rows of the kernel's array are columns of the matrix.
     tangents = np.eye(current.size)
     status = _tangents(
-        pack(system, omega), current, checked_count("periods", periods), checked_tolerance(tolerance),
-        float(ceiling), tangents, np.empty(0),
-    )  # fmt: skip
+        pack(system, omega),
+        current,
+        checked_count("periods", periods),
+        checked_tolerance(tolerance),
+        float(ceiling),
+        tangents,
+        np.empty(0),
+    )
     return current, tangents.T.copy(), Status(status)
 
 
 def growth(
-    system: ContactSystem, omega: float, state, periods: int, *, tolerance: float = 1e-10, ceiling: float = math.inf,
+    system: ContactSystem,
+    omega: float,
+    state,
+    periods: int,
+    *,
+    tolerance: float = 1e-10,
+    ceiling: float = math.inf,
     direction=None,
-) -> tuple[np.ndarray, np.ndarray, Status]:  # fmt: skip
+) -> tuple[np.ndarray, np.ndarray, Status]:
     """Logarithm of the growth of one small deviation in every period, renormalised after each.
 
     Their mean over Omega / 2 pi is the largest Lyapunov exponent (G. Benettin, L. Galgani, A. Giorgilli,

@@ -84,9 +84,7 @@ def length_scale(system: ContactSystem, omega: float) -> float:
     return max(*gaps, float(deflection)) or 1.0
 
 
-def settle(
-    system: ContactSystem, omega: float, states, *, settling: Settling | None = None
-) -> tuple[Attractor, ...]:
+def settle(system: ContactSystem, omega: float, states, *, settling: Settling | None = None) -> tuple[Attractor, ...]:
     """Follow motions from tau = 0 until it is known where they settle.
 
     Parameters
@@ -218,28 +216,45 @@ class _Settler:
         largest = orbit.largest_multiplier
         rate = math.log(largest) * self.omega / (2.0 * math.pi * q) if largest > 0.0 else -math.inf
         return Attractor(
-            AttractorKind(min(q, int(AttractorKind.PERIOD_HIGHER))), q, used, float(found.harmonics[0].real),
-            float(abs(found.harmonics[2 * q])), float(half), found.lowest, found.highest,
-            self._impact(found.lowest, found.highest), rate, 0.0, largest, orbit.state, points, Status.COMPLETE,
-        )  # fmt: skip
+            AttractorKind(min(q, int(AttractorKind.PERIOD_HIGHER))),
+            q,
+            used,
+            float(found.harmonics[0].real),
+            float(abs(found.harmonics[2 * q])),
+            float(half),
+            found.lowest,
+            found.highest,
+            self._impact(found.lowest, found.highest),
+            rate,
+            0.0,
+            largest,
+            orbit.state,
+            points,
+            Status.COMPLETE,
+        )
 
     def _aperiodic(self, current, used) -> Attractor:
         settling, begin = self.settling, used
         window = settling.lyapunov_periods
         # A tenth of the window lets the deviation turn into the direction that grows fastest.
         logarithms, end, status = growth(
-            self.system, self.omega, current, window + window // 10, tolerance=settling.tolerance,
-            ceiling=self.ceiling,
-        )  # fmt: skip
+            self.system, self.omega, current, window + window // 10, tolerance=settling.tolerance, ceiling=self.ceiling
+        )
         if status is not Status.COMPLETE:
             return self._ended(current, used, status)
         batches = logarithms[window // 10 :][: window - window % 20].reshape(20, -1).mean(axis=1)
         exponent, error = float(batches.mean()), float(batches.std(ddof=1) / math.sqrt(batches.size))
         even = window - window % 2
         found = measure(
-            self.system, self.omega, current, even, divisor=2, order=2, tolerance=settling.tolerance,
+            self.system,
+            self.omega,
+            current,
+            even,
+            divisor=2,
+            order=2,
+            tolerance=settling.tolerance,
             ceiling=self.ceiling,
-        )  # fmt: skip
+        )
         sections = advance(
             self.system, self.omega, end, settling.block, tolerance=settling.tolerance, ceiling=self.ceiling
         )
@@ -260,19 +275,31 @@ class _Settler:
             kind = AttractorKind.QUASI_PERIODIC
         rate = self.omega / (2.0 * math.pi)
         return Attractor(
-            kind, 0, used, float(found.harmonics[0].real), float(abs(found.harmonics[2])),
-            float(abs(found.harmonics[1])), found.lowest, found.highest, self._impact(found.lowest, found.highest),
-            exponent * rate, error * rate, math.nan, sections.states[0, -1], sections.states[0], Status.COMPLETE,
-        )  # fmt: skip
+            kind,
+            0,
+            used,
+            float(found.harmonics[0].real),
+            float(abs(found.harmonics[2])),
+            float(abs(found.harmonics[1])),
+            found.lowest,
+            found.highest,
+            self._impact(found.lowest, found.highest),
+            exponent * rate,
+            error * rate,
+            math.nan,
+            sections.states[0, -1],
+            sections.states[0],
+            Status.COMPLETE,
+        )
 
     def _approaching(self, early, late, elapsed) -> bool:
         """Whether a motion far from a stable orbit of 1 or 2 periods still approaches it, slowly.
 
         An exponent so close to 0 looks like that of a torus; the distance to the orbit tells them apart.
         """
-        first = advance(
-            self.system, self.omega, early, self.settling.block, tolerance=self.settling.tolerance
-        ).states[0]
+        first = advance(self.system, self.omega, early, self.settling.block, tolerance=self.settling.tolerance).states[
+            0
+        ]
         for period in (1, 2):
             orbit = shoot(self.system, self.omega, late[-1], period)
             if orbit.status is not ShootingStatus.CONVERGED or not orbit.stable:

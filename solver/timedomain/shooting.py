@@ -85,9 +85,16 @@ class PeriodicOrbit:
 
 
 def shoot(
-    system: ContactSystem, omega: float, state, period: int = 1, *, order: int = 4, tolerance: float = 1e-10,
-    integration_tolerance: float = 1e-13, max_iterations: int = 30,
-) -> PeriodicOrbit:  # fmt: skip
+    system: ContactSystem,
+    omega: float,
+    state,
+    period: int = 1,
+    *,
+    order: int = 4,
+    tolerance: float = 1e-10,
+    integration_tolerance: float = 1e-13,
+    max_iterations: int = 30,
+) -> PeriodicOrbit:
     """Periodic orbit near a state.
 
     Parameters
@@ -148,9 +155,18 @@ def shoot(
     # Of a conjugate pair the one above the axis comes first.
     values = values[np.lexsort((-values.imag, -np.round(np.abs(values), 12)))]
     return PeriodicOrbit(
-        current, period, _minimal_period(flow, current, tolerance), values, gap, found.harmonics, found.lowest,
-        found.highest, found.switches, iterations, ShootingStatus.CONVERGED,
-    )  # fmt: skip
+        current,
+        period,
+        _minimal_period(flow, current, tolerance),
+        values,
+        gap,
+        found.harmonics,
+        found.lowest,
+        found.highest,
+        found.switches,
+        iterations,
+        ShootingStatus.CONVERGED,
+    )
 
 
 @dataclass(frozen=True)
@@ -194,9 +210,7 @@ def _minimal_period(flow: _Map, state, tolerance: float) -> int:
 def _failure(state, period, order, residual, iterations, status) -> PeriodicOrbit:
     nothing = np.full(state.size, np.nan + 0j)
     harmonics = np.full(checked_count("order", order, 0, 10_000) + 1, np.nan + 0j)
-    return PeriodicOrbit(
-        state, period, period, nothing, residual, harmonics, math.nan, math.nan, 0, iterations, status
-    )
+    return PeriodicOrbit(state, period, period, nothing, residual, harmonics, math.nan, math.nan, 0, iterations, status)
 
 
 def orbit_state(
@@ -250,9 +264,7 @@ def orbit_state(
     amplitude = np.zeros_like(loads)
     amplitude[regular] = np.linalg.solve(stiffness[regular], right[regular][:, :, None])[:, :, 0]
     for k in np.flatnonzero(~regular):
-        bordered = np.block([
-            [stiffness[k], system.force[:, None]], [system.contact[None, :], np.zeros((1, 1))]
-        ])  # fmt: skip
+        bordered = np.block([[stiffness[k], system.force[:, None]], [system.contact[None, :], np.zeros((1, 1))]])
         imposed = wave[k] if k <= order else 0.0
         amplitude[k] = np.linalg.lstsq(bordered, np.append(right[k], imposed), rcond=None)[0][:-1]
     return np.concatenate([amplitude.real.sum(axis=0), np.real(1j * rates[:, None] * amplitude).sum(axis=0)])

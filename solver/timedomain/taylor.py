@@ -24,9 +24,19 @@ from solver.contact_system import ContactSystem
 from solver.errors import ParameterError
 
 __all__ = [
-    "ORDER", "PACKED", "WORK", "Packed", "Work", "land", "new_work", "pack", "series", "step_length", "tangent_series",
+    "ORDER",
+    "PACKED",
+    "WORK",
+    "Packed",
+    "Work",
+    "land",
+    "new_work",
+    "pack",
+    "series",
+    "step_length",
+    "tangent_series",
     "tangent_step_length",
-]  # fmt: skip
+]
 
 #: Degree of the series of y. At a tolerance of 1e-12 a step covers about a third of a natural period, which contact
 #: switches do not cut much shorter.

@@ -19,9 +19,15 @@ __all__ = ["assert_same_contents", "assert_same_values", "cluster", "contents", 
 def cluster(kind: str, **changes) -> Cluster:
     """Cluster settings as conf/cluster has them, two workers where they are local."""
     usual = dict(
-        kind=kind, workers={"none": 1, "local": 2}.get(kind, 0), memory="auto", row_seconds=60.0, dashboard=False,
-        address=None, scheduler_file=None, timeout=10.0,
-    )  # fmt: skip
+        kind=kind,
+        workers={"none": 1, "local": 2}.get(kind, 0),
+        memory="auto",
+        row_seconds=60.0,
+        dashboard=False,
+        address=None,
+        scheduler_file=None,
+        timeout=10.0,
+    )
     return Cluster(**{**usual, **changes})
 
 

@@ -139,9 +139,18 @@ def test_what_fails_is_recorded(made, monkeypatch):
     assert np.all(xr.open_zarr(path, group="jumps").sweep_up == 0)
 
 
-SMALL = ["plane.sweep.min=0.5", "plane.sweep.max=0.66", "plane.sweep.num=5", "plane.parameter.num=3", "cluster=none",
-         "basins.starts=3", "basins.cells=2", "basins.max_periods=400", "jumps.rows=2",
-         "jumps.max_periods=400"]  # fmt: skip
+SMALL = [
+    "plane.sweep.min=0.5",
+    "plane.sweep.max=0.66",
+    "plane.sweep.num=5",
+    "plane.parameter.num=3",
+    "cluster=none",
+    "basins.starts=3",
+    "basins.cells=2",
+    "basins.max_periods=400",
+    "jumps.rows=2",
+    "jumps.max_periods=400",
+]
 
 
 def test_the_stages(tmp_path, monkeypatch, capsys):

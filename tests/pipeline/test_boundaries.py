@@ -77,8 +77,12 @@ def test_every_event_of_the_rows_lies_on_a_stored_curve(made):
     for kind, point in zip(events.kind, events.points, strict=True):
         # Along both axes: next to an extremum one of them is ill-conditioned. On the border a line meets only the end.
         found = [curve.points[[0, -1]] for curve in curves if curve.kind == kind]
-        found += [curve.arcs.crossings(axis, point[[axis]]).points
-                  for curve in curves for axis in (3, 4) if curve.kind == kind]  # fmt: skip
+        found += [
+            curve.arcs.crossings(axis, point[[axis]]).points
+            for curve in curves
+            for axis in (3, 4)
+            if curve.kind == kind
+        ]
         assert np.min(np.max(np.abs(np.concatenate(found) - point), axis=1)) < 1e-6
 
 
@@ -234,9 +238,17 @@ def test_csv_equals_the_store(made, tmp_path):
 
 @pytest.mark.parametrize(
     "window",
-    [[0.5, 0.6, 0.1], [0.6, 0.5, 0.1, 0.2], [0.5, 0.6, 0.2, 0.2], [0.01, 0.6, 0.1, 0.2], [0.5, 0.6, 0.1, 0.9],
-     [0.5, float("nan"), 0.1, 0.2], [0.5, 0.5000001, 0.1, 0.2], []],
-)  # fmt: skip
+    [
+        [0.5, 0.6, 0.1],
+        [0.6, 0.5, 0.1, 0.2],
+        [0.5, 0.6, 0.2, 0.2],
+        [0.01, 0.6, 0.1, 0.2],
+        [0.5, 0.6, 0.1, 0.9],
+        [0.5, float("nan"), 0.1, 0.2],
+        [0.5, 0.5000001, 0.1, 0.2],
+        [],
+    ],
+)
 def test_windows_that_are_refused(window):
     with pytest.raises(ConfigurationError, match=r"figures\.window = .* is not allowed") as caught:
         figures.check_options(small_plan("plane=omega_fe"), None, ["png"], 100, window)
@@ -245,8 +257,12 @@ def test_windows_that_are_refused(window):
 
 def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
     plan, path, _ = made
-    (x, p), *_ = [curve.points[place, 3:] for curve in boundaries.read_boundaries(path, plan).curves
-                  for place in boundaries.special_places(curve) if 0.2 < curve.points[place, 4] < 0.3]  # fmt: skip
+    (x, p), *_ = [
+        curve.points[place, 3:]
+        for curve in boundaries.read_boundaries(path, plan).curves
+        for place in boundaries.special_places(curve)
+        if 0.2 < curve.points[place, 4] < 0.3
+    ]
     window = [x - 1e-3, x + 1e-3, p - 2.5e-4, p + 2.5e-4]
     # Away from the edges of the wedge, which is a tenth of this window wide at its border.
     across, up = np.linspace(window[0], window[1], 12), np.linspace(window[2], window[3], 10)
@@ -263,8 +279,14 @@ def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
     assert made_twice[0] == made_twice[1]
 
 
-SMALL = ["plane=omega_fe", "plane.sweep.num=40", "plane.parameter.num=8", "cluster=none", "figures.formats=[png]",
-         "figures.dpi=50"]  # fmt: skip
+SMALL = [
+    "plane=omega_fe",
+    "plane.sweep.num=40",
+    "plane.parameter.num=8",
+    "cluster=none",
+    "figures.formats=[png]",
+    "figures.dpi=50",
+]
 
 
 def test_the_stage(tmp_path, monkeypatch, capsys):

@@ -97,10 +97,7 @@ def test_stores_are_bitwise_equal_on_every_cluster(tmp_path, local, scheduler):
     expected = contents(small_store(tmp_path / "here.zarr", plan))
     scheduler.add_worker()
     with Workforce(cluster("scheduler", address=scheduler.address)) as remote:
-        for name, workforce, blocks in (
-            ("local", local, plan.blocks),
-            ("remote", remote, list(reversed(plan.blocks))),
-        ):
+        for name, workforce, blocks in (("local", local, plan.blocks), ("remote", remote, list(reversed(plan.blocks)))):
             path = small_store(tmp_path / f"{name}.zarr", plan, [])
             receipts = [r for _, r in workforce.run(sweep_block, [(str(path), plan, block) for block in blocks])]
             assert sorted(receipt.block.start for receipt in receipts) == [block.start for block in plan.blocks]

@@ -160,8 +160,8 @@ def test_list_of_nothing_says_so_and_writes_nothing(tmp_path, monkeypatch, capsy
 def test_list_on_a_terminal_is_a_table_that_obeys_no_name(folder, capsys):
     root = folder / "outputs/store"
     (root / "omega_fe.zarr").rename(root / "[red]\x1b[2Jname.zarr")
-    from pipeline.stages.listing import _run
     from pipeline.stages.job import Job
+    from pipeline.stages.listing import _run
 
     class Terminal(Reporter):
         on_terminal = True
@@ -205,9 +205,12 @@ def test_a_diary_needs_no_store_and_shows_why_a_row_fails(tmp_path, monkeypatch,
     plan = small_plan("plane=omega_fe", "solver.smallest_step=0.05", "solver.largest_angle=0.01")
     with pytest.raises(RowError) as raised:
         row_of(
-            plan, float(plan.parameter.values[4]),
-            balance_of(plan.solver), continuation_of(plan.solver), seeds_of(plan.solver),
-        )  # fmt: skip
+            plan,
+            float(plan.parameter.values[4]),
+            balance_of(plan.solver),
+            continuation_of(plan.solver),
+            seeds_of(plan.solver),
+        )
     assert f"the row fails: {raised.value}" in text and "there is no store yet" in text and str(raised.value) in said
     assert "The corrector refused every step" in text
 
@@ -217,9 +220,12 @@ def test_the_diary_is_of_the_very_row(folder):
     planned = store.read_plan(path)
     found = row_diary(path, planned, 2)
     row = row_of(
-        planned, found.value, balance_of(planned.solver), continuation_of(planned.solver),
+        planned,
+        found.value,
+        balance_of(planned.solver),
+        continuation_of(planned.solver),
         seeds_of(planned.solver, found.every_column),
-    )  # fmt: skip
+    )
     np.testing.assert_array_equal(found.result.motions, row.motions)
     assert found.every_column == (2 in store.certified_rows(path))
 
@@ -247,8 +253,11 @@ def test_every_batch_has_a_line_in_the_log_and_none_on_the_terminal(tmp_path, mo
     assert main([*SMALL, "stages=[sweep]", "cluster=none", "solver.certify=none"]) == 0
     assert "info batch" not in capsys.readouterr().out
     (log,) = tmp_path.glob("outputs/runs/*/*/run.log")
-    lines = re.findall(r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s on this process, (\d+) points, 0 failed$",
-                       log.read_text(), re.MULTILINE)  # fmt: skip
+    lines = re.findall(
+        r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s on this process, (\d+) points, 0 failed$",
+        log.read_text(),
+        re.MULTILINE,
+    )
     assert sum(int(rows) for rows, _, _ in lines) == 5
     stored = contents(tmp_path / "outputs/store/omega_fe.zarr")["branches/n_points"]
     assert sum(int(points) for _, _, points in lines) == stored.sum()
@@ -257,20 +266,26 @@ def test_every_batch_has_a_line_in_the_log_and_none_on_the_terminal(tmp_path, mo
 # Completion
 
 
-@pytest.mark.parametrize(("words", "expected"), [
-    (["bevelmap", "plane=omega_x"], ["plane=omega_xi", "plane=omega_xi_support"]),
-    (["python", "-m", "pipeline", "qual"], ["quality.", "quality="]),
-    (["python3", "-m", "pipeline", "-m", "plane=omega_b,omega_al"], ["plane=omega_b,omega_alpha"]),
-    (["bevelmap", "quality=draft", "solver.corr"], ["solver.corrector="]),
-    (["bevelmap", "gear=miter", "gear.physical.tor"], ["gear.physical.torque=", "gear.physical.torque_fluctuation="]),
-    (["bevelmap", "gear.phys"], ["gear.physical="]),
-    (["bevelmap", "stages"], ["stages="]),
-    (["bevelmap", "stages=[sweep,b"], ["stages=[sweep,basins", "stages=[sweep,boundaries"]),
-    (["bevelmap", "--sh"], ["--shell-completion"]),
-    (["bevelmap", "gear=nonsense", "clu"], ["cluster="]),
-    (["bevelmap", "hyd"], []),
-    (["bevelmap", "no_such"], []),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["bevelmap", "plane=omega_x"], ["plane=omega_xi", "plane=omega_xi_support"]),
+        (["python", "-m", "pipeline", "qual"], ["quality.", "quality="]),
+        (["python3", "-m", "pipeline", "-m", "plane=omega_b,omega_al"], ["plane=omega_b,omega_alpha"]),
+        (["bevelmap", "quality=draft", "solver.corr"], ["solver.corrector="]),
+        (
+            ["bevelmap", "gear=miter", "gear.physical.tor"],
+            ["gear.physical.torque=", "gear.physical.torque_fluctuation="],
+        ),
+        (["bevelmap", "gear.phys"], ["gear.physical="]),
+        (["bevelmap", "stages"], ["stages="]),
+        (["bevelmap", "stages=[sweep,b"], ["stages=[sweep,basins", "stages=[sweep,boundaries"]),
+        (["bevelmap", "--sh"], ["--shell-completion"]),
+        (["bevelmap", "gear=nonsense", "clu"], ["cluster="]),
+        (["bevelmap", "hyd"], []),
+        (["bevelmap", "no_such"], []),
+    ],
+)
 def test_completion(words, expected):
     assert candidates(tuple(words)) == expected
 
@@ -299,12 +314,15 @@ def test_the_printed_scripts_call_this_program():
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
-@pytest.mark.parametrize(("line", "expected"), [
-    ("bevelmap plane=omega_fp", ["omega_fpm"]),
-    ("python -m pipeline cluster.add", ["cluster.address="]),
-    ("python elsewhere.py plane=omega_fp", []),
-    ("bevelmap quality=draft cluster=", ["local", "none", "scheduler"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("bevelmap plane=omega_fp", ["omega_fpm"]),
+        ("python -m pipeline cluster.add", ["cluster.address="]),
+        ("python elsewhere.py plane=omega_fp", []),
+        ("bevelmap quality=draft cluster=", ["local", "none", "scheduler"]),
+    ],
+)
 def test_completion_in_a_real_bash(line, expected):
     program = (
         f'eval "$({sys.executable} -m pipeline --shell-completion bash)"\n'

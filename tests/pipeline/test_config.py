@@ -25,9 +25,13 @@ def test_gears_are_the_reference_sets(gear):
 
 @pytest.mark.parametrize(
     ("name", "parameter", "low", "high"),
-    [("omega_b", "b", 0.02, 1.5), ("omega_alpha", "alpha", 0.0, 0.8), ("omega_fe", "f_e", 0.0, 0.5),
-     ("omega_fpm", "f_pm", 0.3, 1.2)],
-)  # fmt: skip
+    [
+        ("omega_b", "b", 0.02, 1.5),
+        ("omega_alpha", "alpha", 0.0, 0.8),
+        ("omega_fe", "f_e", 0.0, 0.5),
+        ("omega_fpm", "f_pm", 0.3, 1.2),
+    ],
+)
 def test_planes(name, parameter, low, high):
     result = plan(compose([f"plane={name}"]))
     assert (result.sweep.name, result.sweep.low, result.sweep.high, result.sweep.num) == ("omega", 0.05, 2.0, 400)
@@ -61,11 +65,18 @@ def test_everything_a_plan_does_not_need_leaves_its_digest_alone():
 
 def test_any_scalar_may_be_an_axis():
     result = plan(
-        compose([
-            "plane.sweep.name=f_e", "plane.sweep.min=0", "plane.sweep.max=0.5", "plane.omega=0.6",
-            "plane.parameter.name=kappa", "plane.parameter.min=0.1", "plane.parameter.max=1",
-        ])
-    )  # fmt: skip
+        compose(
+            [
+                "plane.sweep.name=f_e",
+                "plane.sweep.min=0",
+                "plane.sweep.max=0.5",
+                "plane.omega=0.6",
+                "plane.parameter.name=kappa",
+                "plane.parameter.min=0.1",
+                "plane.parameter.max=1",
+            ]
+        )
+    )
     assert model_at(result, 0.3, 0.4) == MODELS["published"](kappa=0.3, f_e=0.4)
     assert result.omega == 0.6
 
@@ -226,10 +237,22 @@ def _show(folder: Path, *command: str, path: Path | None = None) -> str:
 def test_conf_is_found_from_a_wheel_the_repository_and_beside_a_foreign_pipeline(tmp_path):
     assert conf_folder() == ROOT / "conf"
     subprocess.run(
-        [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation",
-         "--disable-pip-version-check", "--wheel-dir", tmp_path, _source_copy(tmp_path)],
-        check=True, capture_output=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "wheel",
+            "--quiet",
+            "--no-deps",
+            "--no-build-isolation",
+            "--disable-pip-version-check",
+            "--wheel-dir",
+            tmp_path,
+            _source_copy(tmp_path),
+        ],
+        check=True,
+        capture_output=True,
+    )
     (wheel,) = tmp_path.glob("bevelmap-*.whl")
     installed, empty = tmp_path / "site", tmp_path / "empty"
     subprocess.run([sys.executable, "-m", "zipfile", "-e", wheel, installed], check=True)

@@ -29,7 +29,7 @@ def batches(count, seconds=None):
 
 def sizes(made):
     taken = []
-    while (chosen := made.take()[0]):
+    while chosen := made.take()[0]:
         taken.append(len(chosen))
     return taken
 
@@ -52,7 +52,7 @@ def test_workers_end_together(count, seconds, workers):
     made = Batches(blocks_of(count), SimpleNamespace(size=workers))
     made.learn(Receipt(Block(0, 2), (), 0, seconds))
     free, last = [0.0] * workers, 0
-    while (chosen := made.take()[0]):
+    while chosen := made.take()[0]:
         free.sort()
         free[0] += len(chosen) * seconds
         last = len(chosen)

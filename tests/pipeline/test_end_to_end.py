@@ -77,10 +77,10 @@ def test_nothing_else_is_written(planes):
 def test_a_second_run_finds_the_work_done_and_draws(planes, capsys):
     folder, _ = planes
     before = contents(folder / "outputs/store/omega_b.zarr")
-    stamp = os.stat(folder / "outputs/store/omega_b.zarr/mean/c/0/0/0").st_mtime_ns
+    stamp = (folder / "outputs/store/omega_b.zarr/mean/c/0/0/0").stat().st_mtime_ns
     assert here(folder, "plane=omega_b", *SMALL) == 0
     assert capsys.readouterr().out.count("nothing to do") == 2
-    assert os.stat(folder / "outputs/store/omega_b.zarr/mean/c/0/0/0").st_mtime_ns == stamp
+    assert (folder / "outputs/store/omega_b.zarr/mean/c/0/0/0").stat().st_mtime_ns == stamp
     assert before.keys() == contents(folder / "outputs/store/omega_b.zarr").keys()
     for figure in ("map", "curves", "backbone"):
         assert (folder / f"outputs/figures/omega_b/{figure}.png").stat().st_size > 5000

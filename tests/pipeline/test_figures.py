@@ -23,13 +23,22 @@ from tests.pipeline.planes import small_plan, small_store
 
 #: With c = cos 20 degrees and the stiffness varying in the mesh row only, branches run away (PHYSICS, section 7).
 RUNAWAY = (
-    "plane=omega_alpha", "plane.parameter.min=0.5", "plane.parameter.max=0.7", "gear.rotation_coupling=0.93969262",
-    "gear.translation_coupling=geometric", "gear.variation.translation=0.0", "gear.variation.rotation=1.0",
-)  # fmt: skip
+    "plane=omega_alpha",
+    "plane.parameter.min=0.5",
+    "plane.parameter.max=0.7",
+    "gear.rotation_coupling=0.93969262",
+    "gear.translation_coupling=geometric",
+    "gear.variation.translation=0.0",
+    "gear.variation.rotation=1.0",
+)
 NO_FREQUENCY = (
-    "plane.sweep.name=f_e", "plane.sweep.min=0.1", "plane.sweep.max=0.3", "plane.parameter.name=omega",
-    "plane.parameter.min=0.5", "plane.parameter.max=0.7",
-)  # fmt: skip
+    "plane.sweep.name=f_e",
+    "plane.sweep.min=0.1",
+    "plane.sweep.max=0.3",
+    "plane.parameter.name=omega",
+    "plane.parameter.min=0.5",
+    "plane.parameter.max=0.7",
+)
 
 
 STABILITY = {UNSTABLE_CELLS["hatch"], DISPUTED_CELLS["hatch"]}

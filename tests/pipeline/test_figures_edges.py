@@ -8,7 +8,6 @@ from pipeline.figures.edges import curves_along, label_edges
 from pipeline.pieces import pieces_of_row
 from solver import Event
 
-
 # Edges
 
 

@@ -130,9 +130,12 @@ def test_distances_name_their_boundaries(stores):
 
 @pytest.mark.parametrize(
     ("name", "x", "p", "low", "high", "q"),
-    [("omega_fe", 1.3, 0.05, 1.2, 1.4, "f_e"), ("omega_fe", 0.8, 0.1, 0.78, 0.95, "alpha"),
-     ("omega_b", 0.6, 1.2, 0.575, 0.62, "b")],
-)  # fmt: skip
+    [
+        ("omega_fe", 1.3, 0.05, 1.2, 1.4, "f_e"),
+        ("omega_fe", 0.8, 0.1, 0.78, 0.95, "alpha"),
+        ("omega_b", 0.6, 1.2, 0.575, 0.62, "b"),
+    ],
+)
 def test_distances_over_a_range(stores, name, x, p, low, high, q):
     _, plan = stores[name]
     further = {} if q == plan.parameter.name else {q: 0.0}
@@ -194,9 +197,13 @@ def check_box(plan, box, places=25):
 
 @pytest.mark.parametrize(
     ("name", "x", "p", "low", "high"),
-    [pytest.param("omega_fe", 0.9, 0.3, 0.9, 0.9, marks=pytest.mark.slow), ("omega_fe", 1.6, 0.1, 1.5, 1.7),
-     pytest.param("omega_fe", 1.7, 0.3, 1.7, 1.7, marks=pytest.mark.slow), ("omega_b", 0.5, 0.6, 0.45, 0.55)],
-)  # fmt: skip
+    [
+        pytest.param("omega_fe", 0.9, 0.3, 0.9, 0.9, marks=pytest.mark.slow),
+        ("omega_fe", 1.6, 0.1, 1.5, 1.7),
+        pytest.param("omega_fe", 1.7, 0.3, 1.7, 1.7, marks=pytest.mark.slow),
+        ("omega_b", 0.5, 0.6, 0.45, 0.55),
+    ],
+)
 def test_the_largest_safe_box(stores, name, x, p, low, high):
     _, plan = stores[name]
     box = ask(stores[name], x, p, low, high).box
@@ -215,12 +222,14 @@ def test_the_largest_safe_box(stores, name, x, p, low, high):
 
 @pytest.mark.parametrize(
     ("name", "where", "tolerance", "further"),
-    [pytest.param("omega_fe", (0.72, 0.1, 0.6, 0.8), 0.03, {"b": 0.2, "alpha": 0.05}, marks=pytest.mark.slow),
-     pytest.param("omega_b", (0.61, 0.8, 0.56, 0.66), 0.15, {}, marks=pytest.mark.slow),
-     ("omega_fe", (0.75, 0.1, 0.7, 0.8), 0.02, {"b": 0.2}),
-     ("omega_b", (0.61, 0.6, 0.61, 0.61), 0.2, {"f_pm": 0.1}),
-     pytest.param("omega_b", (0.61, 0.6, 0.57, 0.65), 0.0, {"f_pm": 0.1}, marks=pytest.mark.slow)],
-)  # fmt: skip
+    [
+        pytest.param("omega_fe", (0.72, 0.1, 0.6, 0.8), 0.03, {"b": 0.2, "alpha": 0.05}, marks=pytest.mark.slow),
+        pytest.param("omega_b", (0.61, 0.8, 0.56, 0.66), 0.15, {}, marks=pytest.mark.slow),
+        ("omega_fe", (0.75, 0.1, 0.7, 0.8), 0.02, {"b": 0.2}),
+        ("omega_b", (0.61, 0.6, 0.61, 0.61), 0.2, {"f_pm": 0.1}),
+        pytest.param("omega_b", (0.61, 0.6, 0.57, 0.65), 0.0, {"f_pm": 0.1}, marks=pytest.mark.slow),
+    ],
+)
 def test_labels_within_tolerances(stores, name, where, tolerance, further):
     """Every label of a dense grid, and no other; with every end of further tolerances."""
     _, plan = stores[name]
@@ -244,7 +253,9 @@ def test_labels_within_tolerances(stores, name, where, tolerance, further):
 def test_answers_do_not_depend_on_the_raster(stores, tmp_path):
     fine = traced_store(tmp_path / "fine.zarr", "plane=omega_b", columns=160, rows=9)
     design = (0.85, 0.6, 0.8, 0.95, 0.1, {"alpha": 0.05})
-    for one, other in zip(*(csv.reader(tidy(ask(made, *design)).splitlines()) for made in (stores["omega_b"], fine))):
+    for one, other in zip(
+        *(csv.reader(tidy(ask(made, *design)).splitlines()) for made in (stores["omega_b"], fine)), strict=True
+    ):
         for a, b in zip(one, other, strict=True):
             try:
                 assert float(a) == pytest.approx(float(b), abs=1e-6)
@@ -285,7 +296,7 @@ def test_any_point(stores, x, p):
         (["tolerances=[1]"], "margins.tolerances = [1] is not allowed: it must be numbers by name"),
         (["reach=1"], "margins.reach = 1.0 is not allowed: it must be from 1.1 to 100"),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_allowed(stores, given_, message):
     point = ["margins.point=[0.6,0.2]"] if given_ and not given_[0].startswith("point") else []
     settings = compose([*point, *(f"margins.{one}" for one in given_)])
@@ -303,9 +314,17 @@ def test_designs_as_users_write_them(stores):
 def test_the_stage(stores, tmp_path, capsys):
     """Files, the same bytes again, the figure's own, and nothing written where the input is not allowed."""
     path, _ = stores["omega_fe"]
-    words = ["plane=omega_fe", f"store.root={path.parent}", "store.name=omega_fe", "stages=[margins]",
-             "figures.dpi=60", "figures.formats=[png]",
-             "margins.point=[0.9,0.1]", "margins.range=[0.8,1.0]", "margins.tolerances={f_e: 0.02}"]  # fmt: skip
+    words = [
+        "plane=omega_fe",
+        f"store.root={path.parent}",
+        "store.name=omega_fe",
+        "stages=[margins]",
+        "figures.dpi=60",
+        "figures.formats=[png]",
+        "margins.point=[0.9,0.1]",
+        "margins.range=[0.8,1.0]",
+        "margins.tolerances={f_e: 0.02}",
+    ]
     for folder in ("one", "two"):
         assert main([*words, f"output.root={tmp_path / folder}"]) == 0
     said = capsys.readouterr().out
@@ -343,9 +362,14 @@ def test_other_orders_give_distances_without_labels(tmp_path):
     from pipeline.sweep import balance_of, continuation_of, row_of, seeds_of
 
     made = traced_store(
-        tmp_path / "hb.zarr", "solver=hb", "solver.order=3", "plane.sweep.min=0.7", "plane.sweep.max=1.1",
-        columns=20, rows=4,
-    )  # fmt: skip
+        tmp_path / "hb.zarr",
+        "solver=hb",
+        "solver.order=3",
+        "plane.sweep.min=0.7",
+        "plane.sweep.max=1.1",
+        columns=20,
+        rows=4,
+    )
     found = ask(made, 0.9, 0.1, 0.85, 1.0, 0.01, {"alpha": 0.05})
     plan = made[1]
     row = row_of(plan, 0.1, balance_of(plan.solver), continuation_of(plan.solver), seeds_of(plan.solver))

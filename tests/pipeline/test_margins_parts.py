@@ -34,9 +34,10 @@ def test_boxes_between_straight_boundaries(ends):
         return
     made = small_plan("plane.sweep.min=1", "plane.sweep.max=2")
     made = dataclasses.replace(
-        made, sweep=dataclasses.replace(made.sweep, low=0.0, high=1.0),
+        made,
+        sweep=dataclasses.replace(made.sweep, low=0.0, high=1.0),
         parameter=dataclasses.replace(made.parameter, low=0.0, high=1.0),
-    )  # fmt: skip
+    )
     start, end = (np.pad(part, ((0, 0), (3, 0))) for part in (segments[:, :2], segments[:, 2:]))
     arcs = Arcs(start, end, end - start, end - start)
     box = largest_box(Boundaries(arcs, np.ones(len(segments), int)), made, Design(0.5, 0.5, 0.5, 0.5))
@@ -84,6 +85,7 @@ def test_severity():
 
 def test_lines_find_what_no_boundary_says():
     """A label that changes without a stored boundary, and a stretch too narrow to be told."""
+
     def codes(places):
         return np.where(np.abs(np.asarray(places) - 0.5) < 1e-5, 0, np.where(np.asarray(places) > 0.8, 131, 66))
 

@@ -70,10 +70,12 @@ def test_distances_along_a_path(stores, name, x, p):
 
 @pytest.mark.parametrize(
     ("name", "design"),
-    [("omega_temperature", Design(1.0, 4.0, 0.99, 1.01, 2.0, {"b": 0.04})),
-     pytest.param("omega_temperature", Design(1.0, 4.0, 1.0, 1.0, 6.0, {"b": 0.04}), marks=pytest.mark.slow),
-     ("omega_xi", Design(1.1, 0.07, 1.09, 1.11, 0.02, {"f_e": 0.01}))],
-)  # fmt: skip
+    [
+        ("omega_temperature", Design(1.0, 4.0, 0.99, 1.01, 2.0, {"b": 0.04})),
+        pytest.param("omega_temperature", Design(1.0, 4.0, 1.0, 1.0, 6.0, {"b": 0.04}), marks=pytest.mark.slow),
+        ("omega_xi", Design(1.1, 0.07, 1.09, 1.11, 0.02, {"f_e": 0.01})),
+    ],
+)
 def test_labels_within_tolerances(stores, name, design):
     """Every label on a grid over range, rows and the ends of a parameter that is no axis, and no other."""
     path, plan = stores[name]
@@ -113,8 +115,11 @@ def test_a_further_parameter_is_looked_at_in_the_row_of_the_point(stores):
 def test_values_with_units():
     plan = small_plan("gear=miter", *WINDOW[1:])
     scales = scales_of(plan)
-    words = ["margins.point=[16000 rpm,12 um]", "margins.range=[15000 rpm,5.6 kHz]",
-             "margins.tolerances={f_e: 2 um, b: 8 um, f_pm: 60 N*m, omega: 10 rpm}"]  # fmt: skip
+    words = [
+        "margins.point=[16000 rpm,12 um]",
+        "margins.range=[15000 rpm,5.6 kHz]",
+        "margins.tolerances={f_e: 2 um, b: 8 um, f_pm: 60 N*m, omega: 10 rpm}",
+    ]
     design = design_of(compose(words).config.margins, plan)
     assert design.x * scales["omega"].shown == pytest.approx(16000.0, rel=1e-12)
     assert design.p == pytest.approx(12 / 50) and design.tolerance == pytest.approx(2 / 50)
@@ -133,20 +138,28 @@ HOT = ["plane=omega_temperature", "gear=miter", "margins.point=[16000 rpm,4 K]"]
         (["gear=miter", "margins.point=[1500 um,12 um]"], "margins.point = '1500 um' .* unit of pinion speed"),
         (["gear=miter", "margins.point=[1,12 K]"], "margins.point = '12 K' .* unit of length"),
         (["gear=miter", "margins.point=[1,0.1]", "margins.tolerances={kappa: 1 um}"], "kappa = '1 um' .* no unit"),
-        (["gear=miter", "margins.point=[1,0.1]", "margins.tolerances={b: -1 um}"],
-         "tolerances.b = -1 um .* at least 0"),
+        (
+            ["gear=miter", "margins.point=[1,0.1]", "margins.tolerances={b: -1 um}"],
+            "tolerances.b = -1 um .* at least 0",
+        ),
         (["margins.point=[1500 rpm,0.1]"], "margins.point = 1500 rpm is not allowed"),
         ([*HOT, "margins.tolerances={temperature: 40 K}"], "tolerances.temperature = 40.0 .* stays within -10 ... 30"),
-        ([*HOT, "margins.tolerances={xi_mesh: 0.01}"],
-         "tolerances.xi_mesh = 0.01 .* left out: xi_mesh varies with temp"),
+        (
+            [*HOT, "margins.tolerances={xi_mesh: 0.01}"],
+            "tolerances.xi_mesh = 0.01 .* left out: xi_mesh varies with temp",
+        ),
         ([*HOT, "margins.tolerances={pressure_angle: 1}"], "pressure_angle = 1 .* left out"),
         ([*HOT, "margins.tolerances={b: 60 um}"], "tolerances.b = 60 um .* stays a finite number at least 0"),
-        ([*HOT, "margins.tolerances={b: 47.5 um, temperature: 13 K}"],
-         "tolerances.b = 47.5 um .* so small that b = .* leaves temperature = below .* K, where the backlash"),
-        (["plane=omega_xi", "gear=miter", "margins.point=[1,0.05]", "margins.tolerances={xi_translation: 0.01}"],
-         "xi_translation = 0.01 .* left out: xi_translation varies with mesh_damping"),
+        (
+            [*HOT, "margins.tolerances={b: 47.5 um, temperature: 13 K}"],
+            "tolerances.b = 47.5 um .* so small that b = .* leaves temperature = below .* K, where the backlash",
+        ),
+        (
+            ["plane=omega_xi", "gear=miter", "margins.point=[1,0.05]", "margins.tolerances={xi_translation: 0.01}"],
+            "xi_translation = 0.01 .* left out: xi_translation varies with mesh_damping",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_allowed(words, said):
     settings = compose(words)
     axes = [word for word in words if not word.startswith("margins")]
@@ -178,9 +191,19 @@ def test_answers_in_both_units(stores):
 
 def test_the_figure_follows_the_units(stores, tmp_path, capsys):
     path, _ = stores["omega_xi"]
-    words = [f"store.root={path.parent}", "store.name=omega_xi", "plane=omega_xi", *WINDOW, "stages=[margins]",
-             "margins.point=[1.1,0.07]", "margins.range=[1.09,1.11]", "figures.formats=[png]", "figures.dpi=50",
-             "figures.units=physical", f"output.root={tmp_path}"]  # fmt: skip
+    words = [
+        f"store.root={path.parent}",
+        "store.name=omega_xi",
+        "plane=omega_xi",
+        *WINDOW,
+        "stages=[margins]",
+        "margins.point=[1.1,0.07]",
+        "margins.range=[1.09,1.11]",
+        "figures.formats=[png]",
+        "figures.dpi=50",
+        "figures.units=physical",
+        f"output.root={tmp_path}",
+    ]
     assert main(words) == 0
     assert "rpm)" in capsys.readouterr().out
     from pipeline.figures.margins import draw_margins

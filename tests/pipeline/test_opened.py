@@ -85,14 +85,17 @@ def test_thresholds_are_those_of_the_store(plane):
     assert plane.thresholds("2/0-2") == pipeline.thresholds(plane.path, "2/0-2")
 
 
-@pytest.mark.parametrize(("ask", "what"), [
-    (lambda plane: plane.label_at(omega=0.6), "f_e and omega"),
-    (lambda plane: plane.label_near(omega=0.6, b=1.0), "f_e and omega"),
-    (lambda plane: plane.label_at(omega=2.5, f_e=0.2), "omega = 2.5"),
-    (lambda plane: plane.motions_near(omega=float("nan"), f_e=0.2), "omega = nan"),
-    (lambda plane: plane.curve_at(omega=0.6), "f_e"),
-    (lambda plane: plane.mask("2/7"), "a label n/I such as"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("ask", "what"),
+    [
+        (lambda plane: plane.label_at(omega=0.6), "f_e and omega"),
+        (lambda plane: plane.label_near(omega=0.6, b=1.0), "f_e and omega"),
+        (lambda plane: plane.label_at(omega=2.5, f_e=0.2), "omega = 2.5"),
+        (lambda plane: plane.motions_near(omega=float("nan"), f_e=0.2), "omega = nan"),
+        (lambda plane: plane.curve_at(omega=0.6), "f_e"),
+        (lambda plane: plane.mask("2/7"), "a label n/I such as"),
+    ],
+)
 def test_wrong_questions_are_one_line(plane, ask, what):
     with pytest.raises(ParameterError, match="is not allowed: it must be") as raised:
         ask(plane)

@@ -18,19 +18,21 @@ def made(tmp_path_factory):
 
 @pytest.mark.parametrize(
     ("draw", "y"),
-    [(draw_map, "f_e"), (lambda plane: draw_window(plane, [0.3, 0.6, 0.1, 0.2]), "f_e"),
-     (lambda plane: draw_curves(plane, [0.2]), "length"), (draw_backbone, "length")],
+    [
+        (draw_map, "f_e"),
+        (lambda plane: draw_window(plane, [0.3, 0.6, 0.1, 0.2]), "f_e"),
+        (lambda plane: draw_curves(plane, [0.2]), "length"),
+        (draw_backbone, "length"),
+    ],
     ids=["map", "window", "curves", "backbone"],
-)  # fmt: skip
+)
 def test_both_scales_are_on_the_axes(made, draw, y):
     plane = read_stored(made, physical=True)
     figure = draw(plane)
     figure.draw_without_rendering()
     main = next(axes for axes in figure.axes if axes.child_axes)
     below, left = main.child_axes
-    for limits, own, name in (
-        (main.get_xlim(), below.get_xlim(), "omega"), (main.get_ylim(), left.get_ylim(), y),
-    ):  # fmt: skip
+    for limits, own, name in ((main.get_xlim(), below.get_xlim(), "omega"), (main.get_ylim(), left.get_ylim(), y)):
         assert own == pytest.approx([plane.scales[name].shown * limit for limit in limits], rel=1e-12)
     assert below.get_xlabel() == "pinion speed (rpm)" and left.get_ylabel().endswith(" (µm)")
     assert main.xaxis.get_label_position() == "top" and main.yaxis.get_label_position() == "right"

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from pipeline import boundaries
-
 from pipeline.config import compose, conf_folder
 from pipeline.errors import ConfigurationError
 from pipeline.margins.curves import P, boundaries_of
@@ -23,8 +22,16 @@ def row_at(planned, value):
 
 
 def test_the_planes_are_these():
-    assert set(PLANES) >= {"b_fe", "omega_alpha", "omega_b", "omega_fe", "omega_fpm", "omega_phase", "omega_xi",
-                           "omega_xi_support"}  # fmt: skip
+    assert set(PLANES) >= {
+        "b_fe",
+        "omega_alpha",
+        "omega_b",
+        "omega_fe",
+        "omega_fpm",
+        "omega_phase",
+        "omega_xi",
+        "omega_xi_support",
+    }
 
 
 @pytest.mark.parametrize("name", ["omega_xi", "omega_xi_support", "omega_phase"])
@@ -97,15 +104,21 @@ def test_boundaries_over_mesh_damping(tmp_path):
     ("words", "said"),
     [
         (["gear.xi_mesh=0"], "gear.xi_mesh = 0.0 is not allowed: it must be above 0 where mesh_damping is an axis"),
-        (["plane.parameter.min=-0.1"],
-         "plane.parameter.min = -0.1 is not allowed: it must be a finite number at least 0"),
-        (["plane.sweep.name=xi_translation", "plane.omega=1"],
-         "plane.sweep.name = 'xi_translation' .* over mesh_damping"),
+        (
+            ["plane.parameter.min=-0.1"],
+            "plane.parameter.min = -0.1 is not allowed: it must be a finite number at least 0",
+        ),
+        (
+            ["plane.sweep.name=xi_translation", "plane.omega=1"],
+            "plane.sweep.name = 'xi_translation' .* over mesh_damping",
+        ),
         (["plane.sweep.name=mesh_damping", "plane.parameter.name=b"], "mesh_damping changes several numbers at once"),
-        (["gear=miter", "gear.physical.mesh_damping_ratio=0.1"],
-         "mesh_damping_ratio is not allowed here: mesh_damping"),
+        (
+            ["gear=miter", "gear.physical.mesh_damping_ratio=0.1"],
+            "mesh_damping_ratio is not allowed here: mesh_damping",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_mesh_damping_cannot_be(words, said):
     with pytest.raises(ConfigurationError, match=said):
         plan(compose(["plane=omega_xi", *words]))

@@ -110,9 +110,15 @@ def test_thresholds_are_those_of_physics(page):
 @pytest.mark.slow
 def test_everything_that_was_promised_is_there(page, made):
     text = (made / "outputs/report/report.md").read_text(encoding="utf-8")
-    for heading in ("Published numbers against ours", "What could not be reproduced, and why", "Tables 1 to 3",
-                    "Maps and curves", "What other readings of the model change", "How far first order can be trusted",
-                    "How this page was made"):  # fmt: skip
+    for heading in (
+        "Published numbers against ours",
+        "What could not be reproduced, and why",
+        "Tables 1 to 3",
+        "Maps and curves",
+        "What other readings of the model change",
+        "How far first order can be trusted",
+        "How this page was made",
+    ):
         assert f">{heading}<" in page and f"## {heading}\n" in text
     assert "consistent" in text and "antiphase" in text and "numpy" in text and "configuration" in text.lower()
     for command in ("plane=omega_b", "gear=antiphase", "stages=[report]"):
@@ -133,10 +139,7 @@ def test_the_same_stores_give_the_same_bytes(made, monkeypatch):
 
 @pytest.mark.parametrize(
     ("typed", "said"),
-    [
-        ("stages=[report]", "report.run=true"),
-        ("stages=[report] gear=antiphase", "gear = 'antiphase' is not allowed"),
-    ],
+    [("stages=[report]", "report.run=true"), ("stages=[report] gear=antiphase", "gear = 'antiphase' is not allowed")],
 )
 def test_what_is_missing_is_one_line(typed, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -158,10 +161,15 @@ def test_planes_of_the_report_keep_what_is_not_their_own():
 
 
 def test_text_is_never_markup():
-    nasty = "<b>1</b> & \"x\" | *y* `z`"
-    blocks = (document.Heading(nasty), document.Paragraph(nasty), document.Bullets((nasty,)),
-              document.Grid(nasty, (nasty,), ((nasty,),)), document.Picture("p", nasty, b"\x89PNG"),
-              document.Listing(nasty, nasty))  # fmt: skip
+    nasty = '<b>1</b> & "x" | *y* `z`'
+    blocks = (
+        document.Heading(nasty),
+        document.Paragraph(nasty),
+        document.Bullets((nasty,)),
+        document.Grid(nasty, (nasty,), ((nasty,),)),
+        document.Picture("p", nasty, b"\x89PNG"),
+        document.Listing(nasty, nasty),
+    )
     made = document.Document(nasty, blocks)
     parsed = Page(html(made))
     assert "b" not in parsed.seen and parsed.rows[0] == [nasty]

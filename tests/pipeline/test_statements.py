@@ -31,20 +31,37 @@ OURS = {
     "bilateral_shaft": ((1.0,), 0.0),
 }
 VERDICTS = {
-    AGREES: {"interval_mesh", "b_mesh_1_2", "b_mesh_2_02", "alpha_shaft_contact", "fpm_shaft_jumps",
-             "fpm_shaft_contact"},
-    DIFFERS: {"interval_shaft", "b_shaft_settles", "fe_shaft_1_1", "fe_mesh_2_02", "fe_mesh_2_12", "alpha_shaft_jumps",
-              "bilateral_shaft", "n3_b", "n3_fe"},
-}  # fmt: skip
+    AGREES: {
+        "interval_mesh",
+        "b_mesh_1_2",
+        "b_mesh_2_02",
+        "alpha_shaft_contact",
+        "fpm_shaft_jumps",
+        "fpm_shaft_contact",
+    },
+    DIFFERS: {
+        "interval_shaft",
+        "b_shaft_settles",
+        "fe_shaft_1_1",
+        "fe_mesh_2_02",
+        "fe_mesh_2_12",
+        "alpha_shaft_jumps",
+        "bilateral_shaft",
+        "n3_b",
+        "n3_fe",
+    },
+}
 
 
 @pytest.fixture(scope="module")
 def planes(tmp_path_factory):
     folder = tmp_path_factory.mktemp("statements")
-    return Planes({
-        plane: small_store(folder / f"{plane}.zarr", small_plan(f"plane={plane}", columns=60, rows=12))
-        for plane in ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")
-    })  # fmt: skip
+    return Planes(
+        {
+            plane: small_store(folder / f"{plane}.zarr", small_plan(f"plane={plane}", columns=60, rows=12))
+            for plane in ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")
+        }
+    )
 
 
 @pytest.mark.parametrize("key", OURS)

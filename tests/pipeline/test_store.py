@@ -33,10 +33,19 @@ def test_schema(made):
     np.testing.assert_array_equal(plane.omega, np.linspace(0.05, 2.0, 61))
     np.testing.assert_array_equal(plane.f_e, np.linspace(0.0, 0.5, 6))
     kinds = {
-        "n_solutions": "uint8", "n_stable": "uint8", "domain": "uint16", "mean": "float64", "amplitude": "float64",
-        "phase": "float64", "stable": "int8", "impact": "int8", "instability": "int8", "multiplier": "float64",
-        "open": "int8", "status": "uint8",
-    }  # fmt: skip
+        "n_solutions": "uint8",
+        "n_stable": "uint8",
+        "domain": "uint16",
+        "mean": "float64",
+        "amplitude": "float64",
+        "phase": "float64",
+        "stable": "int8",
+        "impact": "int8",
+        "instability": "int8",
+        "multiplier": "float64",
+        "open": "int8",
+        "status": "uint8",
+    }
     for name, kind in kinds.items():
         assert plane[name].dtype == kind, name
         assert plane[name].attrs["long_name"]
@@ -52,9 +61,14 @@ def test_flags_follow_cf(made):
     _, path = made
     plane, branches = xr.open_zarr(path), xr.open_zarr(path, group="branches")
     for variable in (
-        plane.domain, plane.stable, plane.impact, plane.instability, plane.status,
-        branches.event, branches.end_reason,
-    ):  # fmt: skip
+        plane.domain,
+        plane.stable,
+        plane.impact,
+        plane.instability,
+        plane.status,
+        branches.event,
+        branches.end_reason,
+    ):
         meanings = variable.attrs["flag_meanings"].split(" ")
         assert len(meanings) == len(variable.attrs["flag_values"]) == len(set(meanings))
         assert all(c.isalnum() or c in "_-.+@" for meaning in meanings for c in meaning)
@@ -125,8 +139,12 @@ def test_another_configuration_is_refused_with_the_difference(made):
     _, path = made
     with pytest.raises(StoreError) as caught:
         store.check(path, small_plan("gear.b=0.5", "solver.corrector=broyden", **PLAN))
-    for part in ("gear.b: stored 1.0, asked 0.5", "solver.corrector: stored newton, asked broyden",
-                 "store.overwrite=true", "store.name="):  # fmt: skip
+    for part in (
+        "gear.b: stored 1.0, asked 0.5",
+        "solver.corrector: stored newton, asked broyden",
+        "store.overwrite=true",
+        "store.name=",
+    ):
         assert part in str(caught.value)
     assert "\n" not in str(caught.value)
 

@@ -78,8 +78,10 @@ def test_a_peak_on_a_fold():
     event = np.zeros(omega.size, int)
     event[[20, 30]] = Event.FOLD
     pieces = [
-        Piece(0, 21, 0.5, 1.5, True, 0), Piece(20, 31, 1.2, 1.5, False, 0), Piece(30, omega.size, 1.2, 2.5, True, 0),
-    ]  # fmt: skip
+        Piece(0, 21, 0.5, 1.5, True, 0),
+        Piece(20, 31, 1.2, 1.5, False, 0),
+        Piece(30, omega.size, 1.2, 2.5, True, 0),
+    ]
     found = resonance_peak(one_branch(omega, amplitude, event), pieces, 0.0, 3.0)
     assert found == Peak(1.5, 2.0, True) and solved(published(), found) is found
 
@@ -295,9 +297,7 @@ def test_a_claim_holds_at_one_of_its_resonances():
     one = Entry("", (Claim("double-sided"),))
     assert judge(one, bands, {}).text == "agrees: shaft double-sided in 30 %"
     both = Entry("", (Claim("double-sided", ("mesh",)), Claim("double-sided", ("shaft",))))
-    assert judge(both, bands, {}).text == (
-        "differs: mesh none, double-sided in 0 %; shaft double-sided in 30 %"
-    )
+    assert judge(both, bands, {}).text == ("differs: mesh none, double-sided in 0 %; shaft double-sided in 30 %")
     assert judge(one, {"mesh": QUIET}, {}).text == "cannot be compared: shaft not measured"
     assert judge(Entry("", unclear="too vague"), bands, {}).text == "cannot be compared: too vague"
     assert judge(Entry("", unclear="too vague"), {}, {}).kind == NOT_COMPARED

@@ -189,10 +189,13 @@ def test_where_things_appear_and_end(plane):
 def test_thresholds_of_the_published_gear(texts):
     """PHYSICS, section 7, to the digits printed there, from planes of a dozen rows."""
     for table, name, what, value, digits in (
-        (2, "shaft", "jump_ends", 0.278, 5e-4), (2, "shaft", "contact_loss_ends", 0.388, 5e-4),
-        (3, "shaft", "jump_ends", 0.5855, 5e-5), (3, "shaft", "contact_loss_ends", 0.714, 5e-4),
-        (1, "mesh", "double_sided_impact_ends", 1.011, 5e-4), (1, "shaft", "double_sided_impact_ends", 0.18, 5e-3),
-    ):  # fmt: skip
+        (2, "shaft", "jump_ends", 0.278, 5e-4),
+        (2, "shaft", "contact_loss_ends", 0.388, 5e-4),
+        (3, "shaft", "jump_ends", 0.5855, 5e-5),
+        (3, "shaft", "contact_loss_ends", 0.714, 5e-4),
+        (1, "mesh", "double_sided_impact_ends", 1.011, 5e-4),
+        (1, "shaft", "double_sided_impact_ends", 0.18, 5e-3),
+    ):
         lines = [line for line in records(texts[f"table{table}.csv"]) if line["resonance"] == name]
         assert {round(float(line[what]), 9) for line in lines} == {round(float(lines[0][what]), 9)}
         assert float(lines[0][what]) == pytest.approx(value, abs=digits)
@@ -250,11 +253,16 @@ def test_an_isola_has_its_peak():
     assert closed.closed
     main = next(curve for curve in row.curves if not curve.closed)
     curves = [main, closed]
-    points = {name: np.concatenate([getattr(curve, name) for curve in curves])
-              for name in ("amplitude", "stable", "event")}  # fmt: skip
+    points = {
+        name: np.concatenate([getattr(curve, name) for curve in curves]) for name in ("amplitude", "stable", "event")
+    }
     unknowns = np.concatenate([curve.points for curve in curves])
-    points |= {"position": unknowns[:, 3], "mean": unknowns[:, 0], "impact": np.zeros(len(unknowns), int),
-               "branch": np.repeat([0, 1], [len(curve.points) for curve in curves])}  # fmt: skip
+    points |= {
+        "position": unknowns[:, 3],
+        "mean": unknowns[:, 0],
+        "impact": np.zeros(len(unknowns), int),
+        "branch": np.repeat([0, 1], [len(curve.points) for curve in curves]),
+    }
     peak = resonance_peak(points, pieces_of_row(points, np.full(len(unknowns), gear.b)), 0.0, 0.9)
     stable = closed.stable == 1
     assert peak.amplitude == pytest.approx(np.max(closed.amplitude[stable]), rel=2e-3)
@@ -312,7 +320,9 @@ def test_latex_compiles(texts, tmp_path):
         if name.endswith("tex"):
             (tmp_path / name).write_text(texts[name], encoding="ascii")
     inputs = "\n".join(rf"\input{{table{number}.tex}}\clearpage" for number in (1, 2, 3))
-    document = "\\documentclass{article}\n\\usepackage{booktabs}\n\\begin{document}\n%s\n\\end{document}\n" % inputs
+    document = (
+        f"\\documentclass{{article}}\n\\usepackage{{booktabs}}\n\\begin{{document}}\n{inputs}\n\\end{{document}}\n"
+    )
     (tmp_path / "all.tex").write_text(document, encoding="ascii")
     options = [] if program.endswith("tectonic") else ["-interaction=nonstopmode", "-halt-on-error"]
     result = subprocess.run([program, *options, "all.tex"], cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -347,4 +357,3 @@ def test_the_same_store_gives_the_same_bytes(stores, texts):
     table = build_table(PLANES["omega_fpm"], stores["omega_fpm"][0])
     for suffix, render in (("csv", tidy), ("md", markdown), ("tex", latex)):
         assert render(table) == texts[f"table3.{suffix}"]
-

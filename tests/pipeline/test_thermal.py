@@ -63,10 +63,13 @@ def test_units_of_temperature():
 
 def test_a_table_replaces_a_law():
     swept = small_plan(
-        *MITER, "gear.thermal.damping.law=table", "gear.thermal.damping.table=[[0 degC,3],[40 degC,2],[120 degC,1]]",
-        "gear.thermal.stiffness.law=none", "gear.thermal.backlash.law=table",
+        *MITER,
+        "gear.thermal.damping.law=table",
+        "gear.thermal.damping.table=[[0 degC,3],[40 degC,2],[120 degC,1]]",
+        "gear.thermal.stiffness.law=none",
+        "gear.thermal.backlash.law=table",
         "gear.thermal.backlash.table=[[-10 K,60 um],[0 K,50 um],[30 K,20 um]]",
-    )  # fmt: skip
+    )
     cold, base, hot = (model_at(swept, value, 1.0) for value in (-10.0, 0.0, 30.0))
     assert [model.b for model in (cold, base, hot)] == pytest.approx([1.2, 1.0, 0.4], rel=1e-12)
     # 30 K between gears and housing are 100 degrees in the gears.
@@ -113,11 +116,13 @@ def test_models_are_those_of_the_pair_in_si_at_that_temperature(difference):
     half = 50e-6 - 2.0 * shift * math.sin(math.radians(45.0)) * math.sin(math.radians(20.0))
     hot = GearPair(
         **{
-            **swept.physical["gear"], "mesh_stiffness": pair.mesh_stiffness * mu, "half_backlash": half,
+            **swept.physical["gear"],
+            "mesh_stiffness": pair.mesh_stiffness * mu,
+            "half_backlash": half,
             "mesh_stiffness_harmonics": [(a * mu, p) for a, p in pair.mesh_stiffness_harmonics],
             "mesh_damping_ratio": pair.mesh_damping_ratio * nu / math.sqrt(mu),
         }
-    )  # fmt: skip
+    )
     assert hot.mesh_damping == pytest.approx(pair.mesh_damping * nu, rel=1e-12)
     frequency, length = hot.frequency_unit / pair.frequency_unit, hot.length_unit / pair.length_unit
     several = 0
@@ -185,11 +190,18 @@ def test_figures_name_the_axis(stored):
         (["gear.thermal=null"], "gear.thermal, the laws of temperature, has no value"),
         (["plane.parameter.max=50"], "plane.parameter.max = 50.0 .* must be such that the law of damping"),
         (["plane.parameter.min=-30"], "plane.parameter.min = -30.0 is not allowed: .* it is for 0 to 120, not for -20"),
-        (["gear.physical.half_backlash=5 um", "gear.physical.reference_length=50 um"],
-         r"parameter.max = 30.0 .* must be below 25.9\d+ K, where the backlash is used up and the gears jam"),
-        (["gear.physical.half_backlash=5 um", "gear.thermal.backlash.law=table",
-          "gear.thermal.backlash.table=[[-10 K,60 um],[0 K,50 um],[10 K,40 um],[30 K,50 um]]"],
-         r"temperature = \d.\d+ is not allowed: .* the gears jam"),
+        (
+            ["gear.physical.half_backlash=5 um", "gear.physical.reference_length=50 um"],
+            r"parameter.max = 30.0 .* must be below 25.9\d+ K, where the backlash is used up and the gears jam",
+        ),
+        (
+            [
+                "gear.physical.half_backlash=5 um",
+                "gear.thermal.backlash.law=table",
+                "gear.thermal.backlash.table=[[-10 K,60 um],[0 K,50 um],[10 K,40 um],[30 K,50 um]]",
+            ],
+            r"temperature = \d.\d+ is not allowed: .* the gears jam",
+        ),
         (["gear.thermal.stiffness.law=cubic"], "gear.thermal.stiffness.law = 'cubic' .* one of linear, table, none"),
         (["gear.thermal.stiffness.slope=3e-4"], "gear.thermal.stiffness.slope = 0.0003 .* unit of thermal coefficient"),
         (["gear.thermal.damping.exponent=x"], "gear.thermal.damping.exponent = 'x' .* must be a number"),
@@ -204,7 +216,7 @@ def test_figures_name_the_axis(stored):
         (["plane.sweep.name=temperature", "plane.parameter.name=omega"], "temperature .* plane.parameter.name only"),
         (["plane.parameter.max=30 degC"], "plane.parameter.max = '30 degC' .* unit of temperature difference"),
     ],
-)  # fmt: skip
+)
 def test_mistakes_are_one_line(overrides, message):
     with pytest.raises(ConfigurationError, match=message) as caught:
         plan(compose([*MITER, *overrides]))

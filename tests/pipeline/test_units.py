@@ -26,16 +26,28 @@ EXAMPLES = ("miter", "differential")
 @pytest.mark.parametrize(
     ("text", "kind", "value"),
     [
-        ("45 N*m", "torque", 45.0), ("-45N*m", "torque", -45.0), ("45 N·m", "torque", 45.0),
-        ("4.5e1 N m", "torque", 45.0), ("1 lbf*ft", "torque", 1.3558179483314),
-        ("12 um", "length", 12e-6), ("12 µm", "length", 12e-6), ("1 inch", "length", 0.0254),
-        ("20 deg", "angle", math.pi / 9), ("1 rad", "angle", 1.0), ("300 N/um", "stiffness", 3e8),
-        ("2 kg*m^2", "inertia", 2.0), ("2 kg*m**2", "inertia", 2.0), ("2 kg m²", "inertia", 2.0),
+        ("45 N*m", "torque", 45.0),
+        ("-45N*m", "torque", -45.0),
+        ("45 N·m", "torque", 45.0),
+        ("4.5e1 N m", "torque", 45.0),
+        ("1 lbf*ft", "torque", 1.3558179483314),
+        ("12 um", "length", 12e-6),
+        ("12 µm", "length", 12e-6),
+        ("1 inch", "length", 0.0254),
+        ("20 deg", "angle", math.pi / 9),
+        ("1 rad", "angle", 1.0),
+        ("300 N/um", "stiffness", 3e8),
+        ("2 kg*m^2", "inertia", 2.0),
+        ("2 kg*m**2", "inertia", 2.0),
+        ("2 kg m²", "inertia", 2.0),
         ("7.85 g/cm^3", "density", 7850.0),
-        ("8 1/inch", "diametral pitch", 8 / 0.0254), ("8/inch", "diametral pitch", 8 / 0.0254),
-        ("81/inch", "diametral pitch", 81 / 0.0254), ("900 N*s/m", "damping", 900.0), ("700 g", "mass", 0.7),
+        ("8 1/inch", "diametral pitch", 8 / 0.0254),
+        ("8/inch", "diametral pitch", 8 / 0.0254),
+        ("81/inch", "diametral pitch", 81 / 0.0254),
+        ("900 N*s/m", "damping", 900.0),
+        ("700 g", "mass", 0.7),
     ],
-)  # fmt: skip
+)
 def test_quantities(text, kind, value):
     assert quantity("k", text, kind) == pytest.approx(value, rel=1e-12)
 
@@ -43,17 +55,43 @@ def test_quantities(text, kind, value):
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
-        ("45", "torque"), (45, "torque"), (45.0, "torque"), (None, "torque"), (True, "torque"), (["45 N*m"], "torque"),
-        ("", "torque"), ("N*m", "torque"), ("45 N", "torque"), ("45 Nm m", "torque"), ("45 NM", "torque"),
-        ("45 N*m*deg", "torque"), ("nan N*m", "torque"), ("inf N*m", "torque"), ("1e999 N*m", "torque"),
-        ("4,5 N*m", "torque"), ("4 5 N*m", "torque"),
-        ("9**9**9 m", "length"), ("9**9**9**9 m", "length"), ("1 m**9**9**9", "length"), ("1 m^99", "length"),
-        ("1 __import__('os')", "length"), ("1 m.__class__", "length"), ("1 m if 1 else 2", "length"),
-        ("1 " + "m*" * 500 + "m", "length"), ("1 (m)", "length"), ("1 [length]", "length"),
-        ("20 degC", "angle"), ("20 degC*m", "length"), ("1 m/m", "angle"), ("3 percent*m", "length"),
-        ("20 deg^2", "angle"), ("10 Hz", "angle"), ("1 1 m", "length"), ("11 1/inch 1/m", "diametral pitch"),
+        ("45", "torque"),
+        (45, "torque"),
+        (45.0, "torque"),
+        (None, "torque"),
+        (True, "torque"),
+        (["45 N*m"], "torque"),
+        ("", "torque"),
+        ("N*m", "torque"),
+        ("45 N", "torque"),
+        ("45 Nm m", "torque"),
+        ("45 NM", "torque"),
+        ("45 N*m*deg", "torque"),
+        ("nan N*m", "torque"),
+        ("inf N*m", "torque"),
+        ("1e999 N*m", "torque"),
+        ("4,5 N*m", "torque"),
+        ("4 5 N*m", "torque"),
+        ("9**9**9 m", "length"),
+        ("9**9**9**9 m", "length"),
+        ("1 m**9**9**9", "length"),
+        ("1 m^99", "length"),
+        ("1 __import__('os')", "length"),
+        ("1 m.__class__", "length"),
+        ("1 m if 1 else 2", "length"),
+        ("1 " + "m*" * 500 + "m", "length"),
+        ("1 (m)", "length"),
+        ("1 [length]", "length"),
+        ("20 degC", "angle"),
+        ("20 degC*m", "length"),
+        ("1 m/m", "angle"),
+        ("3 percent*m", "length"),
+        ("20 deg^2", "angle"),
+        ("10 Hz", "angle"),
+        ("1 1 m", "length"),
+        ("11 1/inch 1/m", "diametral pitch"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_quantity(text, kind):
     with pytest.raises(ConfigurationError) as error:
         quantity("gear.physical.x", text, kind)
@@ -85,9 +123,14 @@ def test_lists_of_quantities_and_units_alone():
 
 @pytest.mark.parametrize(
     ("text", "name", "value"),
-    [("1500 rpm", "omega", 50 * math.pi), ("25 turn/s", "omega", 50 * math.pi), ("10 rad/s", "omega", 10.0),
-     ("1.2 kHz", "mesh_frequency", 1200.0), ("50 Hz", "mesh_frequency", 50.0)],
-)  # fmt: skip
+    [
+        ("1500 rpm", "omega", 50 * math.pi),
+        ("25 turn/s", "omega", 50 * math.pi),
+        ("10 rad/s", "omega", 10.0),
+        ("1.2 kHz", "mesh_frequency", 1200.0),
+        ("50 Hz", "mesh_frequency", 50.0),
+    ],
+)
 def test_speeds(text, name, value):
     found, number = speed("k", text)
     assert found == name and number == pytest.approx(value, rel=1e-12)
@@ -135,9 +178,15 @@ def test_axes_and_frequency_with_units():
     torque = small_plan("gear=miter", "plane=omega_fpm", "plane.parameter.min='80 N*m'", "plane.parameter.max=1")
     assert scales.physical("f_pm", torque.parameter.low) == pytest.approx(80.0)
     single = small_plan(
-        "gear=miter", "plane.sweep.name=f_e", "plane.sweep.min=0", "plane.sweep.max=0.5", "plane.omega=9000 rpm",
-        "plane.parameter.name=b", "plane.parameter.min=5 um", "plane.parameter.max=60 um",
-    )  # fmt: skip
+        "gear=miter",
+        "plane.sweep.name=f_e",
+        "plane.sweep.min=0",
+        "plane.sweep.max=0.5",
+        "plane.omega=9000 rpm",
+        "plane.parameter.name=b",
+        "plane.parameter.min=5 um",
+        "plane.parameter.max=60 um",
+    )
     assert single.omega == pytest.approx(9000 / scales["omega"].shown) and single.parameter.low == pytest.approx(0.1)
 
 
@@ -198,9 +247,14 @@ def test_a_mesh_cycle_is_fitted(tmp_path):
 def test_either_column_may_be_missing_and_the_cycle_counted_in_cycles(tmp_path):
     lines = [f"{230 + 40 * np.cos(2 * np.pi * p)},{p}" for p in np.arange(10) / 10]
     path = cycle_file(tmp_path, "stiffness (N/um),phase (cycle)", lines)
-    gear = gear_of(small_plan("gear=miter", "gear.physical.mesh_stiffness=null",
-                              "gear.physical.mesh_stiffness_harmonics=[]",
-                              f"gear.physical.mesh_cycle={path}"))  # fmt: skip
+    gear = gear_of(
+        small_plan(
+            "gear=miter",
+            "gear.physical.mesh_stiffness=null",
+            "gear.physical.mesh_stiffness_harmonics=[]",
+            f"gear.physical.mesh_cycle={path}",
+        )
+    )
     assert gear.mesh_stiffness == pytest.approx(230e6) and gear.error_harmonics[0][0] == pytest.approx(1e-5)
 
 
@@ -211,10 +265,16 @@ ANGLES = [f"{angle}, 200, 1" for angle in range(0, 360, 30)]
     ("header", "lines", "said"),
     [
         (HEADER, [*ANGLES, "30, 200, 1"], "the angle 30 deg must be given once"),
-        (HEADER, ANGLES[:8],
-         "the angle 210 deg must be followed by another after less than half a period of harmonic 3"),
-        (HEADER, ANGLES[::3],
-         "gear.physical.mesh_cycle_harmonics = 3 is not allowed: it must be at most 1 for 4 points"),
+        (
+            HEADER,
+            ANGLES[:8],
+            "the angle 210 deg must be followed by another after less than half a period of harmonic 3",
+        ),
+        (
+            HEADER,
+            ANGLES[::3],
+            "gear.physical.mesh_cycle_harmonics = 3 is not allowed: it must be at most 1 for 4 points",
+        ),
         (HEADER, [*ANGLES, "360, 200, 1"], "line 14: the angle must be at least 0 and below one mesh cycle"),
         (HEADER, [*ANGLES, "-1, 200, 1"], "line 14: the angle must be at least 0"),
         (HEADER, [*ANGLES[:3], "95, nan, 1"], "line 5: the stiffness 'nan' must be a finite number"),
@@ -222,15 +282,18 @@ ANGLES = [f"{angle}, 200, 1" for angle in range(0, 360, 30)]
         (HEADER, [*ANGLES[:3], "95, 200"], "line 5 has 2 entries, the header has 3"),
         (HEADER, [*ANGLES[:3], "95, -1, 1"], "line 5: the stiffness must be at least 0"),
         (HEADER, [f"{a}, {200 if a in (0, 30) else 0}, 1" for a in range(0, 360, 30)], "mesh_stiffness_harmonics = "),
-        ("angle (deg), stiffness (um)", ["0, 1"],
-         "unit of stiffness = 'um' is not allowed: it must be a unit of stiffness"),
+        (
+            "angle (deg), stiffness (um)",
+            ["0, 1"],
+            "unit of stiffness = 'um' is not allowed: it must be a unit of stiffness",
+        ),
         ("angle, stiffness", ["0, 1"], "its header has 'angle'"),
         ("angle (deg), angle (deg)", ["0, 1"], "may stand once"),
         ("angle (deg)", ["0"], "one or both of stiffness"),
         ("stiffness (N/um), error (um)", ["1, 1"], "its header must name angle"),
         ("", [], "it is empty"),
     ],
-)  # fmt: skip
+)
 def test_mesh_cycles_that_are_not_allowed(header, lines, said, tmp_path):
     with pytest.raises(ConfigurationError) as error:
         with_cycle(cycle_file(tmp_path, header, lines))

@@ -71,7 +71,6 @@ def test_samples_of_a_plane(made):
 # Verdicts
 
 
-
 def test_samples_are_what_direct_integration_gives(made, group):
     plan, path, summary = made
     plane = xr.open_zarr(path).load()
@@ -110,9 +109,10 @@ def by_hand(domain, low, high, unstable, samples, delta):
         for j in range(columns):
             near = {
                 int(high[k, l])
-                for k in range(rows) for l in range(columns)
+                for k in range(rows)
+                for l in range(columns)
                 if abs(k - i) <= delta * (rows - 1) + 1e-9 and abs(l - j) <= delta * (columns - 1) + 1e-9
-            }  # fmt: skip
+            }
             own, known = int(domain[i, j]), low[i, j] == high[i, j] != 0
             if own == 0:
                 continue
@@ -200,8 +200,11 @@ def test_impact_states_fit_the_mask():
 def test_schema(made, group):
     plan, path, _ = made
     assert group.credibility.dims == ("f_e", "omega") and set(group.coords) == {
-        "f_e", "omega", "sample_f_e", "sample_omega"
-    }  # fmt: skip
+        "f_e",
+        "omega",
+        "sample_f_e",
+        "sample_omega",
+    }
     for name in group.variables:
         assert group[name].attrs["long_name"], name
     for name in ("verdict", "kind", "impact", "start_impact", "credibility", "unstable", "domain_low", "domain_high"):
@@ -209,8 +212,13 @@ def test_schema(made, group):
         assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())
         assert set(np.unique(group[name])) <= {*flags["flag_values"], -1}
     assert group.credibility.attrs["flag_meanings"].split() == [
-        "unchecked", "confirmed", "shifted", "wrong_count", "wrong_impact_state", "not_period_1_motion"
-    ]  # fmt: skip
+        "unchecked",
+        "confirmed",
+        "shifted",
+        "wrong_count",
+        "wrong_impact_state",
+        "not_period_1_motion",
+    ]
     assert group.attrs["seed"] == 0 and group.attrs["made_from"] and group.attrs["configuration_hash"] == plan.digest
     assert xr.open_datatree(path, engine="zarr")["verification/credibility"].dims == ("f_e", "omega")
     np.testing.assert_array_equal(group.mean_error, group["mean"] - group.start_mean)

@@ -7,8 +7,17 @@ from pipeline import boundaries, groups, store
 from pipeline.__main__ import main
 from tests.pipeline.planes import contents
 
-SMALL = ["plane=omega_fe", "plane.sweep.min=0.5", "plane.sweep.max=0.9", "plane.sweep.num=9", "plane.parameter.num=3",
-         "cluster=none", "verify.samples=10", "verify.beside=2", "verify.max_periods=600"]  # fmt: skip
+SMALL = [
+    "plane=omega_fe",
+    "plane.sweep.min=0.5",
+    "plane.sweep.max=0.9",
+    "plane.sweep.num=9",
+    "plane.parameter.num=3",
+    "cluster=none",
+    "verify.samples=10",
+    "verify.beside=2",
+    "verify.max_periods=600",
+]
 
 
 def test_the_stage(tmp_path, monkeypatch, capsys):

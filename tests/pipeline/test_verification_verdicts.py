@@ -17,18 +17,22 @@ def test_what_the_time_domain_is_known_to_say():
     """The upper solutions of the published gear at 0.60 and 0.62 are false, the lower one at 0.60 is not."""
     plan = small_plan("plane.sweep.min=0.6", "plane.sweep.max=0.62", "plane.parameter.min=0.2", columns=2, rows=2)
     assert plan.parameter.values[0] == 0.2
-    from tests.conftest import published
-
     from solver import all_solutions
+    from tests.conftest import published
 
     verdicts = {}
     for column, omega in enumerate((0.6, 0.62)):
         found = all_solutions(published(), omega)
         for i in np.flatnonzero(found.stable == 1):
             start = verification.running.Start(
-                0, column, int(i), float(found.mean[i]), float(found.amplitude[i]),
-                0 if found.mean[i] - found.amplitude[i] > 1.0 else 1, (found.mean[i], found.cos[i], found.sin[i]),
-            )  # fmt: skip
+                0,
+                column,
+                int(i),
+                float(found.mean[i]),
+                float(found.amplitude[i]),
+                0 if found.mean[i] - found.amplitude[i] > 1.0 else 1,
+                (found.mean[i], found.cos[i], found.sin[i]),
+            )
             (seen,) = follow_starts(plan, (start,), 3000, 0.05)
             verdicts[omega, found.amplitude[i] < 0.8] = seen
     assert verdicts[0.6, True].verdict is Verdict.CONFIRMED

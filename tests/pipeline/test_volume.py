@@ -18,8 +18,12 @@ from pipeline.store.arrays import arrays_of
 from tests.pipeline.planes import assert_same_contents, assert_same_values, contents, small_plan, small_store
 
 ARGUMENTS = [
-    "plane=omega_b_fe", "plane.sweep.num=30", "plane.parameter.num=8", "plane.parameter2.num=3", "cluster=none",
-]  # fmt: skip
+    "plane=omega_b_fe",
+    "plane.sweep.num=30",
+    "plane.parameter.num=8",
+    "plane.parameter2.num=3",
+    "cluster=none",
+]
 
 
 def run(folder, *arguments):
@@ -59,10 +63,17 @@ def test_a_layer_is_the_plane_that_one_would_ask_for():
     plane = plan(compose(["plane=omega_b", "gear.f_e=0.25", "plane.sweep.num=30", "plane.parameter.num=8"]))
     assert planned.layer(1) == plane and planned.layer(1).digest == plane.digest
     assert plan_of(json.loads(json.dumps(planned.numbers))) == planned
-    over = plan(compose([
-        "plane=b_fe", "plane.omega=null", "plane.parameter2={name:omega,min:0.5,max:0.7,num:3}", "plane.sweep.num=9",
-        "plane.parameter.num=4",
-    ]))  # fmt: skip
+    over = plan(
+        compose(
+            [
+                "plane=b_fe",
+                "plane.omega=null",
+                "plane.parameter2={name:omega,min:0.5,max:0.7,num:3}",
+                "plane.sweep.num=9",
+                "plane.parameter.num=4",
+            ]
+        )
+    )
     alone = plan(compose(["plane=b_fe", "plane.omega=0.6", "plane.sweep.num=9", "plane.parameter.num=4"]))
     assert over.layer(1) == alone
 
@@ -173,18 +184,24 @@ def test_a_layer_that_is_not_computed_yet_is_computed_alone(volume, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["plane.parameter2.name=b"],
-         "plane.parameter2.name = 'b' is not allowed: the parameter axis has that name already"),
+        (
+            ["plane.parameter2.name=b"],
+            "plane.parameter2.name = 'b' is not allowed: the parameter axis has that name already",
+        ),
         (["plane.parameter2.name=x"], "plane.parameter2.name = 'x' is not allowed: it must be one of"),
         (["plane.parameter2.name=temperature"], "plane.parameter2.name = 'temperature' is not allowed"),
         (["plane.parameter2.num=1"], "plane.parameter2.num = 1 is not allowed"),
         (["plane.parameter2.min=1"], "plane.parameter2.max = 0.5 is not allowed"),
         (["gear.f_e=0.2"], "gear.f_e is not allowed here: f_e is an axis of this plane"),
         (["plane.parameter2={name:kappa,min:-1,max:1,num:3}"], "plane.parameter2.min = -1.0 is not allowed"),
-        (["plane.max_cells=700"],
-         "plane.sweep.num x plane.parameter.num x plane.parameter2.num = 720 is not allowed: it must be at most"),
-        (["store.max_points=10000000", "plane.parameter.num=5000"],
-         "plane.parameter2.num = 30 x 5000 x 3 is not allowed: up to"),
+        (
+            ["plane.max_cells=700"],
+            "plane.sweep.num x plane.parameter.num x plane.parameter2.num = 720 is not allowed: it must be at most",
+        ),
+        (
+            ["store.max_points=10000000", "plane.parameter.num=5000"],
+            "plane.parameter2.num = 30 x 5000 x 3 is not allowed: up to",
+        ),
         (["plane=omega_fe"], "plane.parameter2.num is not allowed here: this plane has no third axis"),
         (["stages=[boundaries]"], "stages = 'boundaries' is not allowed for a volume: with plane.layer=VALUE"),
         (["figures.window=[0.5,0.7,0.1,0.3]"], "figures.window = [0.5, 0.7, 0.1, 0.3] is not allowed for a volume"),
@@ -193,7 +210,7 @@ def test_a_layer_that_is_not_computed_yet_is_computed_alone(volume, tmp_path):
         (["plane.layer=much"], "plane.layer: Value 'much'"),
         (["plane.parameter2=null", "plane.layer=0.3"], "has no value|no third axis"),
     ],
-)  # fmt: skip
+)
 def test_mistakes_are_one_line(volume, tmp_path, capsys, arguments, said):
     if arguments[0].startswith("stages"):
         shutil.copytree(volume, tmp_path / "store/omega_b_fe.zarr")

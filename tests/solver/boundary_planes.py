@@ -18,9 +18,15 @@ GEARS = {**MODELS, "isola": lambda **changes: consistent(**{"rotation_coupling":
 PLANES = [(gear, axis) for gear in GEARS for axis in RANGES]
 # Every gear and every axis twice, and the two planes that have what others lack.
 _ORDINARY = [
-    ("published", "b"), ("published", "alpha"), ("published", "f_e"), ("published", "f_pm"), ("consistent", "b"),
-    ("antiphase", "f_e"), ("antiphase", "f_pm"), ("isola", "alpha"),
-]  # fmt: skip
+    ("published", "b"),
+    ("published", "alpha"),
+    ("published", "f_e"),
+    ("published", "f_pm"),
+    ("consistent", "b"),
+    ("antiphase", "f_e"),
+    ("antiphase", "f_pm"),
+    ("isola", "alpha"),
+]
 published_planes = pytest.mark.parametrize("axis", list(RANGES))
 all_planes = pytest.mark.parametrize(("gear", "axis"), slow_but(_ORDINARY, PLANES))
 

@@ -11,9 +11,11 @@ COS_20 = 0.93969262
 
 #: Extremes and flanks that an event of each kind says are equal: (min or max, +b or -b).
 GRAZINGS = {
-    Event.MIN_AT_DRIVE: (-1.0, -1.0), Event.MIN_AT_BACK: (-1.0, 1.0), Event.MAX_AT_DRIVE: (1.0, -1.0),
+    Event.MIN_AT_DRIVE: (-1.0, -1.0),
+    Event.MIN_AT_BACK: (-1.0, 1.0),
+    Event.MAX_AT_DRIVE: (1.0, -1.0),
     Event.MAX_AT_BACK: (1.0, 1.0),
-}  # fmt: skip
+}
 
 
 def swept(model, **settings_):

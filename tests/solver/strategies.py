@@ -28,17 +28,28 @@ def random_model(seed, **fixed) -> Model:
         return "geometric" if draw.random() < 0.4 else number(low, high)
 
     values = dict(
-        b=number(0.0, 2.0), alpha=number(0.0, 0.6), alpha_phase=number(-3.0, 3.0), alpha_harmonics=harmonics(),
-        f_e=number(0.0, 0.5), f_e_phase=number(-3.0, 3.0), f_e_harmonics=harmonics(), f_pm=number(-1.0, 1.0),
-        f_pv=number(-0.3, 0.3), kappa=several(2, lambda: number(0.1, 1.0)), xi_mesh=number(0.0, 0.1),
+        b=number(0.0, 2.0),
+        alpha=number(0.0, 0.6),
+        alpha_phase=number(-3.0, 3.0),
+        alpha_harmonics=harmonics(),
+        f_e=number(0.0, 0.5),
+        f_e_phase=number(-3.0, 3.0),
+        f_e_harmonics=harmonics(),
+        f_pm=number(-1.0, 1.0),
+        f_pv=number(-0.3, 0.3),
+        kappa=several(2, lambda: number(0.1, 1.0)),
+        xi_mesh=number(0.0, 0.1),
         xi_translation=several(2, lambda: number(0.0, 0.05)),
         # Few values, so that neighbouring supports agree in one of the two, in both or in none.
         xi_support=several(6, lambda: draw.choice([0.02, 0.05, 0.1])),
         k_support=several(6, lambda: draw.choice([0.5, 1.0, 2.5])),
-        pitch_cone_angle=number(5.0, 85.0), pressure_angle=number(5.0, 35.0),
-        translation_coupling=coupling(0.0, 1.0), rotation_coupling=coupling(0.3, 1.0),
-        variation_translation=number(0.0, 1.0), variation_rotation=number(0.0, 1.0),
-    )  # fmt: skip
+        pitch_cone_angle=number(5.0, 85.0),
+        pressure_angle=number(5.0, 35.0),
+        translation_coupling=coupling(0.0, 1.0),
+        rotation_coupling=coupling(0.3, 1.0),
+        variation_translation=number(0.0, 1.0),
+        variation_rotation=number(0.0, 1.0),
+    )
     return Model(**{**values, **fixed})
 
 

@@ -27,9 +27,7 @@ RANGE = (0.05, 0.5)
 PLANES = [("published", "f_e"), ("parametric", "alpha"), ("antiphase", "f_e")]
 FIRST, HIGHER = DescribingFunction(), Galerkin(3)
 BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
-EVERYTHING = (
-    Event.FOLD, Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK, *BIFURCATIONS,
-)  # fmt: skip
+EVERYTHING = (Event.FOLD, Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK, *BIFURCATIONS)
 OMEGA = (LOW, HIGH)
 planes = pytest.mark.parametrize(("gear", "axis"), PLANES)
 balances = pytest.mark.parametrize("balance", [FIRST, HIGHER], ids=["first", "higher"])
@@ -61,17 +59,28 @@ def shown(balance, point):
 @pytest.mark.parametrize(
     ("x_axis", "p_axis"),
     [
-        ("omega", "b"), ("alpha", "alpha_phase"), ("kappa", "xi_support"), ("rotation_coupling", "omega"),
-        ("pressure_angle", "variation_rotation"), ("f_e", "omega"), ("k_support", "translation_coupling"),
+        ("omega", "b"),
+        ("alpha", "alpha_phase"),
+        ("kappa", "xi_support"),
+        ("rotation_coupling", "omega"),
+        ("pressure_angle", "variation_rotation"),
+        ("f_e", "omega"),
+        ("k_support", "translation_coupling"),
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("balance", [FIRST, HIGHER, Galerkin(2, 2)], ids=["first", "higher", "doubled"])
 def test_derivatives_are_those_of_differences(balance, x_axis, p_axis, kind):
     if kind not in BIFURCATIONS and not isinstance(balance, Galerkin):
         return
     model = consistent(alpha_phase=0.3, f_pv=0.1, alpha_harmonics=((0.1, 0.4),), pressure_angle=21.0)
-    places = {"omega": 1.1, "rotation_coupling": 0.9, "translation_coupling": 0.8, "kappa": 0.4, "xi_support": 0.03,
-              "k_support": 0.9}  # fmt: skip
+    places = {
+        "omega": 1.1,
+        "rotation_coupling": 0.9,
+        "translation_coupling": 0.8,
+        "kappa": 0.4,
+        "xi_support": 0.03,
+        "k_support": 0.9,
+    }
     where = [places.get(axis) or getattr(model, axis) for axis in (x_axis, p_axis)]
     plane = BifurcationPlane(balance, model, x_axis, p_axis, *((w - 0.3, w + 0.4) for w in where), omega=1.1)
     rng = np.random.default_rng(5)

@@ -9,9 +9,18 @@ from solver.boundaries.plane import Plane
 from solver.harmonic.first_order import evaluate
 from tests.conftest import consistent, published
 from tests.solver.boundary_planes import (
-    GEARS, OMEGA, RANGES, all_planes, curves_of, distance, folds, row_curve, specials, starts_of, sweep,
-)  # fmt: skip
-
+    GEARS,
+    OMEGA,
+    RANGES,
+    all_planes,
+    curves_of,
+    distance,
+    folds,
+    row_curve,
+    specials,
+    starts_of,
+    sweep,
+)
 
 # The equations -------------------------------------------------------------------------------------------------------
 
@@ -19,11 +28,17 @@ from tests.solver.boundary_planes import (
 @pytest.mark.parametrize(
     ("axis", "low", "high"),
     [
-        ("b", 0.1, 1.5), ("alpha", 0.0, 0.8), ("alpha_phase", 0.0, 3.0), ("f_e", 0.0, 0.5), ("f_pm", 0.3, 1.2),
-        ("kappa", 0.3, 0.6), ("rotation_coupling", 0.5, 1.0), ("pressure_angle", 10.0, 30.0),
+        ("b", 0.1, 1.5),
+        ("alpha", 0.0, 0.8),
+        ("alpha_phase", 0.0, 3.0),
+        ("f_e", 0.0, 0.5),
+        ("f_pm", 0.3, 1.2),
+        ("kappa", 0.3, 0.6),
+        ("rotation_coupling", 0.5, 1.0),
+        ("pressure_angle", 10.0, 30.0),
         ("xi_support", 0.005, 0.05),
     ],
-)  # fmt: skip
+)
 def test_contact_angles_are_the_balance_and_have_its_derivatives(axis, low, high):
     """E and det dE/du against the balance on (lambda_m, lambda_c, lambda_s); all derivatives against differences."""
     model = consistent(alpha_phase=0.3, f_pv=0.1, alpha_harmonics=((0.1, 0.4),))
@@ -120,8 +135,7 @@ def test_rows_see_two_folds_around_a_grazing():
 
 
 @pytest.mark.parametrize(
-    ("axis", "counts"),
-    [("b", (4, 4, 2)), ("alpha", (5, 4, 2)), ("f_e", (3, 3, 1)), ("f_pm", (3, 3, 1))],
+    ("axis", "counts"), [("b", (4, 4, 2)), ("alpha", (5, 4, 2)), ("f_e", (3, 3, 1)), ("f_pm", (3, 3, 1))]
 )
 def test_one_boundary_is_one_curve(axis, counts):
     """Numbers of folds, lambda_min = b and lambda_min = -b of the published planes, none of them on another."""

@@ -6,9 +6,7 @@ import pytest
 from solver import Continuation, EndReason, Event, ParameterError, sweep_row
 from solver.boundaries import SpecialPoint, boundary_curves, row_events
 from tests.conftest import published
-from tests.solver.boundary_planes import (
-    GRID, OMEGA, RANGES, curves_of, cusp_equations, distance, specials, starts_of,
-)  # fmt: skip
+from tests.solver.boundary_planes import GRID, OMEGA, RANGES, curves_of, cusp_equations, distance, specials, starts_of
 
 
 def test_lengths_scale_with_the_backlash():
@@ -38,8 +36,10 @@ def test_any_two_parameters_span_a_plane():
     curves = boundary_curves(published(), "b", "alpha", (0.02, 1.5), (0.05, 0.6), starts, omega=0.65)
     assert [curve.kind for curve in curves] == [Event.FOLD, Event.MIN_AT_BACK]
     assert list(curves[0].special[curves[0].special > 0]) == [
-        SpecialPoint.BORDER, SpecialPoint.CUSP, SpecialPoint.BORDER
-    ]  # fmt: skip
+        SpecialPoint.BORDER,
+        SpecialPoint.CUSP,
+        SpecialPoint.BORDER,
+    ]
     for value in (0.2222, 0.3333, 0.5555):
         events = row_events(sweep_row(published(alpha=value), "b", grid, omega=0.65), value)
         crossings = [(curve.kind, point) for curve in curves for point in curve.crossings([value])[1]]

@@ -7,8 +7,14 @@ from scipy.optimize import root
 from solver import EndReason, Event
 from solver.boundaries import SpecialPoint
 from tests.solver.boundary_planes import (
-    all_planes, curves_of, cusp_equations, folds, published_planes, row_curve, specials,
-)  # fmt: skip
+    all_planes,
+    curves_of,
+    cusp_equations,
+    folds,
+    published_planes,
+    row_curve,
+    specials,
+)
 
 
 @all_planes
@@ -126,9 +132,11 @@ def test_isola_of_the_consistent_gear():
     # PHYSICS prints 2.122699 for the first amplitude. Solving E = 0, det dE/du = 0 with f_0 and f_1 by quadrature and
     # the receptances written out (nothing of this package) gives 2.122987 from either start, and the others as printed.
     expected = [
-        (0.511643, 1.084987, 2.122987), (0.513399, 0.826381, 1.879884),
-        (0.521717, 0.921135, 2.289807), (0.580161, 1.548228, 0.955863),
-    ]  # fmt: skip
+        (0.511643, 1.084987, 2.122987),
+        (0.513399, 0.826381, 1.879884),
+        (0.521717, 0.921135, 2.289807),
+        (0.580161, 1.548228, 0.955863),
+    ]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
 
 

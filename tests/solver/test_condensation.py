@@ -43,7 +43,7 @@ def test_mesh_receptance_of_the_published_pair():
     omega = 0.7
     T, U, *_ = receptance(*axis_vectors(published(), "omega"), omega, 1)
     factor = 2.0 * 0.3173 * omega**2 / (1.0 - omega**2 + 0.02j * omega)
-    assert T == pytest.approx(0.5 * factor, abs=1e-15) and U == pytest.approx(0.0125 * factor, abs=1e-15)
+    assert pytest.approx(0.5 * factor, abs=1e-15) == T and pytest.approx(0.0125 * factor, abs=1e-15) == U
 
 
 @pytest.mark.parametrize("axis", AXES)

@@ -46,9 +46,7 @@ def test_loss_of_contact_begins_where_the_linear_motion_says(gear, corrector):
 
     grid = np.linspace(LOW, HIGH, 391)
     values = np.array([margin(omega) for omega in grid])
-    exact = [
-        brentq(margin, grid[i], grid[i + 1], xtol=1e-13) for i in np.flatnonzero(np.diff(np.sign(values)))
-    ]  # fmt: skip
+    exact = [brentq(margin, grid[i], grid[i + 1], xtol=1e-13) for i in np.flatnonzero(np.diff(np.sign(values)))]
     curve = swept(model, corrector=corrector)
     found = np.sort(curve.points[curve.event == Event.MIN_AT_DRIVE, 3])
     assert len(exact) >= 3

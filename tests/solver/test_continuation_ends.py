@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from solver import (
-    Broyden, Continuation, EndReason, Event, LinearSeeds, Newton, first_order_problem, sweep_row,
-)  # fmt: skip
+from solver import Broyden, Continuation, EndReason, Event, LinearSeeds, Newton, first_order_problem, sweep_row
 from solver.harmonic.first_order import evaluate
 from tests.conftest import consistent, published
 from tests.solver.curves import COS_20, HIGH, LOW, check_invariants, folds, swept
@@ -33,9 +31,11 @@ def test_the_isola_closes_and_has_the_published_folds(corrector):
     assert curve.ends == (EndReason.CLOSED, EndReason.CLOSED) and curve.closed
     # PHYSICS prints 2.122699 for the first amplitude; quadrature of the seven degrees of freedom gives 2.1229868, too.
     expected = [
-        (0.511643, 1.084987, 2.122987), (0.513399, 0.826381, 1.879884), (0.521717, 0.921135, 2.289807),
+        (0.511643, 1.084987, 2.122987),
+        (0.513399, 0.826381, 1.879884),
+        (0.521717, 0.921135, 2.289807),
         (0.580161, 1.548228, 0.955863),
-    ]  # fmt: skip
+    ]
     np.testing.assert_allclose(folds(curve), expected, rtol=0, atol=1e-6)
     np.testing.assert_allclose(curve.points[0], curve.points[-1], rtol=0, atol=1e-12)
     assert abs(curve.tangents[0] @ curve.tangents[-1]) == pytest.approx(1.0, abs=1e-9)
@@ -138,7 +138,7 @@ def test_a_start_without_a_tangent_says_so():
 
 def test_steps_that_may_not_be_small_end_the_curve():
     curve = swept(published(), smallest_step=0.05, first_step=0.2)
-    assert curve.ends[1] is EndReason.STEP_TOO_SMALL and 0 < len(curve.points)
+    assert curve.ends[1] is EndReason.STEP_TOO_SMALL and len(curve.points) > 0
     assert curve.points[-1, 3] < HIGH
 
 
@@ -162,5 +162,10 @@ def test_every_reason_and_event_has_a_sentence_of_its_own():
         assert len(sentences) == len(kind) == count
         assert all(sentence.endswith(".") and sentence[0].isupper() or "=" in sentence for sentence in sentences)
     assert [r.name for r in EndReason] == [
-        "RANGE_LEFT", "CLOSED", "AMPLITUDE_CEILING", "STEP_TOO_SMALL", "ITERATION_LIMIT", "JOINED",
-    ]  # fmt: skip
+        "RANGE_LEFT",
+        "CLOSED",
+        "AMPLITUDE_CEILING",
+        "STEP_TOO_SMALL",
+        "ITERATION_LIMIT",
+        "JOINED",
+    ]

@@ -65,8 +65,12 @@ def test_order_h_and_broyden_keep_a_diary_too():
     seeds = LiftedSeeds(11)
     diary = DiaryContinuation(corrector=Broyden())
     row = sweep_row(antiphase(), "omega", GRID, balance=Galerkin(3), seeds=seeds, continuation=diary)
-    same_rows(row, sweep_row(antiphase(), "omega", GRID, balance=Galerkin(3), seeds=seeds,
-                             continuation=Continuation(corrector=Broyden())))  # fmt: skip
+    same_rows(
+        row,
+        sweep_row(
+            antiphase(), "omega", GRID, balance=Galerkin(3), seeds=seeds, continuation=Continuation(corrector=Broyden())
+        ),
+    )
     for trace in diary.traces:
         assert trace.steps.places.shape[1] == 8
         check(trace, diary)

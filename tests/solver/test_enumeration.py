@@ -9,12 +9,12 @@ from solver import (
     Above,
     Continuation,
     Event,
+    LinearSeeds,
     ParameterError,
     Proof,
     all_solutions,
     enumerate_row,
     first_order_problem,
-    LinearSeeds,
     sweep_row,
 )
 from solver.condensation import axis_vectors
@@ -35,9 +35,13 @@ def isola_model(alpha: float = 0.44, **changes):
 
 def random_model(rng, name: str, **changes):
     values = dict(
-        b=rng.uniform(0.1, 1.5), alpha=rng.uniform(0.0, 0.6), alpha_phase=rng.uniform(0.0, 2.0 * np.pi),
-        f_e=rng.uniform(0.0, 0.6), f_pm=rng.uniform(-0.8, 0.8), f_pv=rng.uniform(-0.2, 0.2),
-    )  # fmt: skip
+        b=rng.uniform(0.1, 1.5),
+        alpha=rng.uniform(0.0, 0.6),
+        alpha_phase=rng.uniform(0.0, 2.0 * np.pi),
+        f_e=rng.uniform(0.0, 0.6),
+        f_pm=rng.uniform(-0.8, 0.8),
+        f_pv=rng.uniform(-0.2, 0.2),
+    )
     if rng.random() < 0.5:
         values["alpha_harmonics"] = [(rng.uniform(0.0, 0.4), rng.uniform(0.0, 2.0 * np.pi))]
     return MODELS[name](**{**values, **changes})
@@ -203,9 +207,7 @@ def test_mirrored_loads_give_mirrored_solutions():
 
 def _folds(name):
     row = sweep_row(MODELS[name](), "omega", np.linspace(0.05, 2.0, 40))
-    return [
-        curve.points[i, 3] for curve in row.curves for i in np.flatnonzero(curve.event == Event.FOLD)
-    ]  # fmt: skip
+    return [curve.points[i, 3] for curve in row.curves for i in np.flatnonzero(curve.event == Event.FOLD)]
 
 
 @pytest.mark.parametrize("name", ["published", "antiphase"])

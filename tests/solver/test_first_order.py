@@ -39,10 +39,18 @@ def test_residual_is_the_projection_of_the_equation_of_motion(model, omega, unkn
 
 def test_residual_with_every_term_present_to_many_digits():
     model = published(
-        alpha=0.4, alpha_phase=0.7, alpha_harmonics=[[0.25, -0.9], [0.2, 0.4]], variation_rotation=0.6,
-        variation_translation=0.8, f_pv=0.15, f_e_phase=1.1, f_e_harmonics=[[0.1, 0.2]], kappa=[0.4, 0.7],
-        xi_support=[0.01, 0.02, 0.03, 0.04, 0.05, 0.06], k_support=[1.0, 0.8, 1.2, 2.0, 0.5, 1.5],
-    )  # fmt: skip
+        alpha=0.4,
+        alpha_phase=0.7,
+        alpha_harmonics=[[0.25, -0.9], [0.2, 0.4]],
+        variation_rotation=0.6,
+        variation_translation=0.8,
+        f_pv=0.15,
+        f_e_phase=1.1,
+        f_e_harmonics=[[0.1, 0.2]],
+        kappa=[0.4, 0.7],
+        xi_support=[0.01, 0.02, 0.03, 0.04, 0.05, 0.06],
+        k_support=[1.0, 0.8, 1.2, 2.0, 0.5, 1.5],
+    )
     for unknowns in ([0.9, 0.8, -0.7], [1.6, 0.2, 0.1], [-0.5, 1.0, 2.0]):
         residual, _ = evaluate(model, 0.77, unknowns)
         np.testing.assert_allclose(residual, projected_balance(model, 0.77, unknowns, 2**20), rtol=0, atol=1e-10)

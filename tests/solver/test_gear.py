@@ -18,11 +18,23 @@ STEP = 1e-30
 
 def hand_worked(**changes) -> GearPair:
     values = dict(
-        teeth=(20, 40), module=0.005, shaft_angle=90.0, pressure_angle=20.0, face_width=0.03, mass=(2.0, 5.0),
-        inertia=(0.002, 0.016), support_stiffness=2e8, support_damping=1000.0, mesh_stiffness=4e8,
-        mesh_damping_ratio=0.05, half_backlash=50e-6, torque=200.0, mesh_stiffness_harmonics=[(8e7, 0.5)],
-        error_harmonics=[(1e-5, 0.25), (2e-6, -1.0)], torque_fluctuation=20.0,
-    )  # fmt: skip
+        teeth=(20, 40),
+        module=0.005,
+        shaft_angle=90.0,
+        pressure_angle=20.0,
+        face_width=0.03,
+        mass=(2.0, 5.0),
+        inertia=(0.002, 0.016),
+        support_stiffness=2e8,
+        support_damping=1000.0,
+        mesh_stiffness=4e8,
+        mesh_damping_ratio=0.05,
+        half_backlash=50e-6,
+        torque=200.0,
+        mesh_stiffness_harmonics=[(8e7, 0.5)],
+        error_harmonics=[(1e-5, 0.25), (2e-6, -1.0)],
+        torque_fluctuation=20.0,
+    )
     return GearPair(**{**values, **changes})
 
 
@@ -31,15 +43,25 @@ def random_pair(seed) -> GearPair:
     teeth = np.random.default_rng(seed + 1).integers(10, 60, 2).tolist()
     k_m = draw(1e8, 8e8)
     return GearPair(
-        teeth=teeth, module=draw(2e-3, 8e-3), shaft_angle=draw(40.0, 150.0), pressure_angle=draw(14.0, 30.0),
-        face_width=draw(4e-3, 8e-3), mass=draw(0.3, 5.0, 2), inertia=draw(2e-4, 2e-2, 2),
-        support_stiffness=draw(5e7, 9e8, 6), support_damping=draw(50.0, 2000.0, 6),
-        mesh_stiffness=k_m, mesh_damping_ratio=draw(0.02, 0.15),
-        half_backlash=draw(1e-5, 1e-4), torque=draw(20.0, 400.0), load_torque=draw(20.0, 400.0),
+        teeth=teeth,
+        module=draw(2e-3, 8e-3),
+        shaft_angle=draw(40.0, 150.0),
+        pressure_angle=draw(14.0, 30.0),
+        face_width=draw(4e-3, 8e-3),
+        mass=draw(0.3, 5.0, 2),
+        inertia=draw(2e-4, 2e-2, 2),
+        support_stiffness=draw(5e7, 9e8, 6),
+        support_damping=draw(50.0, 2000.0, 6),
+        mesh_stiffness=k_m,
+        mesh_damping_ratio=draw(0.02, 0.15),
+        half_backlash=draw(1e-5, 1e-4),
+        torque=draw(20.0, 400.0),
+        load_torque=draw(20.0, 400.0),
         mesh_stiffness_harmonics=[(k_m * draw(0.0, 0.3), draw(-3, 3)) for _ in range(3)],
-        error_harmonics=[(draw(1e-6, 2e-5), draw(-3, 3)) for _ in range(3)], torque_fluctuation=draw(0.0, 50.0),
+        error_harmonics=[(draw(1e-6, 2e-5), draw(-3, 3)) for _ in range(3)],
+        torque_fluctuation=draw(0.0, 50.0),
         reference_length=draw(1e-5, 1e-4),
-    )  # fmt: skip
+    )
 
 
 def test_every_number_of_a_hand_worked_example():
@@ -144,8 +166,10 @@ def test_the_dimensionless_set_is_that_of_the_lagrangian(seed):
     np.testing.assert_allclose(model_stiffness[:6, :6], scaled, rtol=1e-11, atol=1e-14)
     # Virtual work of the torques; and -e'' on the right-hand side of lambda = n . q - e.
     scale = pair.length_unit * unit**2
-    work = [gradient(lambda q: drive * q[6] - load * q[7], np.zeros(8, complex))
-            for drive, load in (pair.torques, (pair.torque_fluctuation, 0.0))]  # fmt: skip
+    work = [
+        gradient(lambda q: drive * q[6] - load * q[7], np.zeros(8, complex))
+        for drive, load in (pair.torques, (pair.torque_fluctuation, 0.0))
+    ]
     mean, varying = (float((rows @ mobility @ force)[6]) / scale for force in work)
     omega = 0.7
     expected = np.zeros(4, complex)
@@ -185,8 +209,10 @@ def test_motion_of_the_dimensional_pair_is_that_of_the_model():
     rate, torques = omega * unit, np.r_[np.zeros(6), pair.torques[0], -pair.torques[1]]
 
     def wave(harmonics, time, order):
-        terms = (a * (l * rate) ** order * np.cos(l * rate * time + p + order * np.pi / 2)
-                 for l, (a, p) in enumerate(harmonics, start=1))  # fmt: skip
+        terms = (
+            a * (l * rate) ** order * np.cos(l * rate * time + p + order * np.pi / 2)
+            for l, (a, p) in enumerate(harmonics, start=1)
+        )
         return sum(terms)
 
     def motion(time, y):
@@ -203,8 +229,11 @@ def test_motion_of_the_dimensional_pair_is_that_of_the_model():
     physical = solve_ivp(motion, (0.0, end / unit), start, atol=1e-9 * length, **settings)
     scaled = solve_ivp(
         lambda tau, y: np.r_[y[7:], model_accelerations(model, omega, tau, y[:7], y[7:])],
-        (0.0, end), np.r_[begin, speeds], atol=1e-9, **settings,
-    )  # fmt: skip
+        (0.0, end),
+        np.r_[begin, speeds],
+        atol=1e-9,
+        **settings,
+    )
     place = physical.y[:8, -1]
     gap = n @ place - wave(pair.error_harmonics, end / unit, 0)
     assert np.ptp(scaled.y[6]) > 1.0
@@ -218,10 +247,17 @@ def test_round_trips(seed, value):
     for name in scales.table:
         assert scales.dimensionless(name, scales.physical(name, value)) == pytest.approx(value, rel=1e-14)
     # The physical value of each of the model's parameters is that of the pair.
-    model, ends = pair.model(), {
-        "b": pair.half_backlash, "f_e": pair.error_harmonics[0][0], "alpha": pair.mesh_stiffness_harmonics[0][0],
-        "f_pm": pair.torque, "f_pv": pair.torque_fluctuation, "xi_mesh": pair.mesh_damping,
-    }  # fmt: skip
+    model, ends = (
+        pair.model(),
+        {
+            "b": pair.half_backlash,
+            "f_e": pair.error_harmonics[0][0],
+            "alpha": pair.mesh_stiffness_harmonics[0][0],
+            "f_pm": pair.torque,
+            "f_pv": pair.torque_fluctuation,
+            "xi_mesh": pair.mesh_damping,
+        },
+    )
     for name, number in ends.items():
         assert scales.physical(name, getattr(model, name)) == pytest.approx(number, rel=1e-12, abs=1e-14)
     assert scales.physical("k_support", model.k_support[0]) == pytest.approx(pair.support_stiffness[0], rel=1e-12)
@@ -233,14 +269,32 @@ def test_round_trips(seed, value):
     assert GearPair(**dataclasses.asdict(pair)) == pair
 
 
-@pytest.mark.parametrize(("name", "value"), [
-    ("teeth", (20, 0)), ("teeth", (20.0, 20)), ("teeth", (20,)), ("teeth", (True, 20)), ("module", 0.0),
-    ("shaft_angle", 0.0), ("shaft_angle", 180.0), ("pressure_angle", 90.0),
-    ("face_width", 0.12), ("face_width", -1.0), ("mass", (1.0, 0.0)),
-    ("inertia", (1.0, 1.0, 1.0)), ("support_stiffness", 0.0), ("support_damping", -1.0), ("mesh_stiffness", -1.0),
-    ("mesh_stiffness_harmonics", [(4.1e8, 0.0)]), ("mesh_damping_ratio", -0.1), ("half_backlash", -1e-6),
-    ("error_harmonics", [(1.0,)]), ("torque", np.nan), ("reference_length", 0.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("teeth", (20, 0)),
+        ("teeth", (20.0, 20)),
+        ("teeth", (20,)),
+        ("teeth", (True, 20)),
+        ("module", 0.0),
+        ("shaft_angle", 0.0),
+        ("shaft_angle", 180.0),
+        ("pressure_angle", 90.0),
+        ("face_width", 0.12),
+        ("face_width", -1.0),
+        ("mass", (1.0, 0.0)),
+        ("inertia", (1.0, 1.0, 1.0)),
+        ("support_stiffness", 0.0),
+        ("support_damping", -1.0),
+        ("mesh_stiffness", -1.0),
+        ("mesh_stiffness_harmonics", [(4.1e8, 0.0)]),
+        ("mesh_damping_ratio", -0.1),
+        ("half_backlash", -1e-6),
+        ("error_harmonics", [(1.0,)]),
+        ("torque", np.nan),
+        ("reference_length", 0.0),
+    ],
+)
 def test_impossible_pairs(name, value):
     with pytest.raises(ParameterError) as error:
         hand_worked(**{name: value})
@@ -272,8 +326,7 @@ def test_blanks_by_quadrature(sizes):
 
 
 @pytest.mark.parametrize(
-    "sizes",
-    [(0.08, 0.09, 0.02, 0.0), (0.08, 0.06, 0.02, 0.06), (0.08, 0.06, 0.0, 0.0), (0.08, 0.06, 0.02, -1)],
+    "sizes", [(0.08, 0.09, 0.02, 0.0), (0.08, 0.06, 0.02, 0.06), (0.08, 0.06, 0.0, 0.0), (0.08, 0.06, 0.02, -1)]
 )
 def test_impossible_blanks(sizes):
     with pytest.raises(ParameterError):
@@ -305,12 +358,17 @@ def test_what_a_fit_leaves_over():
     assert (fit.rms, fit.largest) == pytest.approx((0.2 / np.sqrt(2.0), 0.2), rel=1e-12)
 
 
-@pytest.mark.parametrize(("angle", "count", "name", "said"), [
-    (np.arange(6) * 1.0, 3, "count", "at most 2 for 6 points"), (np.arange(6) * 1.0, 0, "count", "whole number"),
-    (np.arange(8) * 0.9, 1, "angle", "below 2 pi"),
-    (np.array([0.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0]), 2, "angle", "given once"),
-    (np.arange(9) * 0.4, 2, "angle", "half a period"), (np.array([0.0, 1.0, np.nan]), 1, "angle", "finite"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("angle", "count", "name", "said"),
+    [
+        (np.arange(6) * 1.0, 3, "count", "at most 2 for 6 points"),
+        (np.arange(6) * 1.0, 0, "count", "whole number"),
+        (np.arange(8) * 0.9, 1, "angle", "below 2 pi"),
+        (np.array([0.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0]), 2, "angle", "given once"),
+        (np.arange(9) * 0.4, 2, "angle", "half a period"),
+        (np.array([0.0, 1.0, np.nan]), 1, "angle", "finite"),
+    ],
+)
 def test_cycles_that_cannot_be_fitted(angle, count, name, said):
     with pytest.raises(ParameterError, match=said) as error:
         fit_cycle(angle, np.zeros(angle.size), count)

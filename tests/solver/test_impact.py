@@ -33,12 +33,22 @@ def test_every_motion_has_exactly_one_state_and_it_says_what_happens(lowest, ext
 @pytest.mark.parametrize(
     "lowest, highest, state",
     [
-        (1.1, 2.0, "PERMANENT"), (1.0, 2.0, "SINGLE_SIDED"), (0.0, 2.0, "SINGLE_SIDED"), (-1.0, 2.0, "SINGLE_SIDED"),
-        (-1.1, 2.0, "DOUBLE_SIDED"), (-1.0, 1.0, "FREE"), (0.0, 0.0, "FREE"), (1.0, 1.0, "FREE"), (-1.0, -1.0, "FREE"),
-        (-2.0, 1.0, "MIRRORED_SINGLE_SIDED"), (-2.0, -1.0, "MIRRORED_SINGLE_SIDED"),
-        (-2.0, -1.1, "MIRRORED_PERMANENT"), (1.1, 1.1, "PERMANENT"), (-1.1, -1.1, "MIRRORED_PERMANENT"),
+        (1.1, 2.0, "PERMANENT"),
+        (1.0, 2.0, "SINGLE_SIDED"),
+        (0.0, 2.0, "SINGLE_SIDED"),
+        (-1.0, 2.0, "SINGLE_SIDED"),
+        (-1.1, 2.0, "DOUBLE_SIDED"),
+        (-1.0, 1.0, "FREE"),
+        (0.0, 0.0, "FREE"),
+        (1.0, 1.0, "FREE"),
+        (-1.0, -1.0, "FREE"),
+        (-2.0, 1.0, "MIRRORED_SINGLE_SIDED"),
+        (-2.0, -1.0, "MIRRORED_SINGLE_SIDED"),
+        (-2.0, -1.1, "MIRRORED_PERMANENT"),
+        (1.1, 1.1, "PERMANENT"),
+        (-1.1, -1.1, "MIRRORED_PERMANENT"),
     ],
-)  # fmt: skip
+)
 def test_borders_belong_to_one_side(lowest, highest, state):
     """PHYSICS, section 5: I = 1 for -b <= lambda_min <= b < lambda_max; permanent contact is strict."""
     assert ImpactState(int(impact_state(lowest, highest, 1.0))).name == state
@@ -73,8 +83,10 @@ def test_symbols_and_sentences_are_one_per_state():
     assert {state.symbol for state in ImpactState} == LETTERS
     assert len({state.sentence for state in ImpactState}) == len(ImpactState) == 6
     assert [state.symbol for state in (ImpactState.PERMANENT, ImpactState.SINGLE_SIDED, ImpactState.DOUBLE_SIDED)] == [
-        "0", "1", "2",
-    ]  # fmt: skip
+        "0",
+        "1",
+        "2",
+    ]
 
 
 def test_codes_are_unique_for_every_n_and_set_of_states():
@@ -93,10 +105,17 @@ def test_codes_are_unique_for_every_n_and_set_of_states():
 @pytest.mark.parametrize(
     "n, states, label",
     [
-        (1, {0}, "1/0"), (2, {0, 1}, "2/0-1"), (2, {1, 2}, "2/1-2"), (2, {2}, "2/2"), (3, {0, 1, 2}, "3/0-1-2"),
-        (0, set(), "0/-"), (1, {3}, "1/f"), (2, {4, 5}, "2/1m-0m"), (1, {5}, "1/0m"),
+        (1, {0}, "1/0"),
+        (2, {0, 1}, "2/0-1"),
+        (2, {1, 2}, "2/1-2"),
+        (2, {2}, "2/2"),
+        (3, {0, 1, 2}, "3/0-1-2"),
+        (0, set(), "0/-"),
+        (1, {3}, "1/f"),
+        (2, {4, 5}, "2/1m-0m"),
+        (1, {5}, "1/0m"),
     ],
-)  # fmt: skip
+)
 def test_labels(n, states, label):
     for order in itertools.permutations(states):
         mask = 0

@@ -14,9 +14,7 @@ GRID = np.linspace(0.05, 2.0, 118)
 
 
 def row_of(model, order, period=1, grid=GRID, columns=60, **changes):
-    return sweep_row(
-        model, "omega", grid, balance=Galerkin(order, period), seeds=LiftedSeeds(columns), **changes
-    )  # fmt: skip
+    return sweep_row(model, "omega", grid, balance=Galerkin(order, period), seeds=LiftedSeeds(columns), **changes)
 
 
 @pytest.mark.parametrize("name", sorted(MODELS))
@@ -115,9 +113,7 @@ def test_more_seeds_find_nothing_new_at_the_reference_points():
 
 
 def test_any_parameter_may_be_swept():
-    row = sweep_row(
-        published(), "b", np.linspace(0.2, 1.2, 21), omega=0.6, balance=Galerkin(3), seeds=LiftedSeeds(21)
-    )  # fmt: skip
+    row = sweep_row(published(), "b", np.linspace(0.2, 1.2, 21), omega=0.6, balance=Galerkin(3), seeds=LiftedSeeds(21))
     other = row_of(published(b=0.7), 3, grid=np.array([0.55, 0.6, 0.65]))
     column = int(np.argmin(np.abs(row.grid - 0.7)))
     np.testing.assert_allclose(row.amplitude[column], other.amplitude[1], rtol=0, atol=1e-9)

@@ -64,13 +64,28 @@ def test_a_value_that_is_not_allowed_is_named_with_what_is(field, value, name, n
 @pytest.mark.parametrize(
     "changes",
     [
-        {"b": 0.0}, {"b": 0}, {"b": np.float64(0.5)}, {"b": Fraction(1, 3)}, {"xi_mesh": 0.0}, {"xi_support": 0.0},
-        {"xi_translation": 0.0}, {"alpha": -0.4}, {"alpha": 3.0}, {"f_pm": -0.5}, {"f_pm": 0.0}, {"f_e": 0.0},
-        {"translation_coupling": 0.0}, {"pitch_cone_angle": 0.0}, {"pressure_angle": 0.0},
-        {"pitch_cone_angle": 179.9}, {"k_support": np.full(6, 2.0)}, {"kappa": np.array([0.5, 0.6])},
-        {"alpha_harmonics": np.array([[0.1, 0.2]])}, {"f_e_harmonics": []},
+        {"b": 0.0},
+        {"b": 0},
+        {"b": np.float64(0.5)},
+        {"b": Fraction(1, 3)},
+        {"xi_mesh": 0.0},
+        {"xi_support": 0.0},
+        {"xi_translation": 0.0},
+        {"alpha": -0.4},
+        {"alpha": 3.0},
+        {"f_pm": -0.5},
+        {"f_pm": 0.0},
+        {"f_e": 0.0},
+        {"translation_coupling": 0.0},
+        {"pitch_cone_angle": 0.0},
+        {"pressure_angle": 0.0},
+        {"pitch_cone_angle": 179.9},
+        {"k_support": np.full(6, 2.0)},
+        {"kappa": np.array([0.5, 0.6])},
+        {"alpha_harmonics": np.array([[0.1, 0.2]])},
+        {"f_e_harmonics": []},
     ],
-)  # fmt: skip
+)
 def test_values_at_the_edge_and_numpy_numbers_are_accepted(changes):
     model = published(**changes)
     for field in dataclasses.fields(model):
@@ -128,15 +143,25 @@ def test_direction_has_the_length_that_the_translation_coupling_asks_for(model):
 
 def test_matrices_of_a_pair_whose_numbers_all_differ():
     model = published(
-        kappa=[0.4, 0.6], xi_translation=[0.01, 0.02], xi_support=[0.01, 0.02, 0.03, 0.04, 0.05, 0.06],
-        k_support=[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], pitch_cone_angle=30.0, translation_coupling=0.5,
-    )  # fmt: skip
+        kappa=[0.4, 0.6],
+        xi_translation=[0.01, 0.02],
+        xi_support=[0.01, 0.02, 0.03, 0.04, 0.05, 0.06],
+        k_support=[1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+        pitch_cone_angle=30.0,
+        translation_coupling=0.5,
+    )
     mass, damping, stiffness = model.matrices()
     translation, rotation = model.mesh_vectors()
-    d = np.sqrt(0.5) * np.array([
-        np.cos(np.pi / 6) * np.sin(np.pi / 9), -0.5 * np.sin(np.pi / 9), -np.cos(np.pi / 9),
-        -np.cos(np.pi / 6) * np.sin(np.pi / 9), 0.5 * np.sin(np.pi / 9), np.cos(np.pi / 9),
-    ])  # fmt: skip
+    d = np.sqrt(0.5) * np.array(
+        [
+            np.cos(np.pi / 6) * np.sin(np.pi / 9),
+            -0.5 * np.sin(np.pi / 9),
+            -np.cos(np.pi / 9),
+            -np.cos(np.pi / 6) * np.sin(np.pi / 9),
+            0.5 * np.sin(np.pi / 9),
+            np.cos(np.pi / 9),
+        ]
+    )
     expected_mass = np.eye(7)
     expected_mass[6, :6] = -d
     expected_damping = np.diag([0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 2.0 * 0.7719 * 0.05])
@@ -183,9 +208,7 @@ def test_natural_frequencies_of_alike_supports_are_those_of_the_formula(kappa, k
     total = k + c * gain + 2.0 * sigma * kappa * gain
     root = np.sqrt(total**2 - 4.0 * c * gain * k)
     modes = np.sqrt([max(0.5 * (total - root), 0.0), 0.5 * (total + root)])
-    np.testing.assert_allclose(
-        model.linear_frequencies(gain), np.sort([*modes, *[np.sqrt(k)] * 5]), rtol=0, atol=3e-7
-    )
+    np.testing.assert_allclose(model.linear_frequencies(gain), np.sort([*modes, *[np.sqrt(k)] * 5]), rtol=0, atol=3e-7)
     np.testing.assert_allclose(model.mesh_modes(gain), modes, rtol=0, atol=3e-7)
     assert model.mesh_modes() == model.mesh_modes(1.0)
 

@@ -22,9 +22,10 @@ BASE = published(alpha_harmonics=((0.1, 0.4),))
 PATHS = {"laws": PAIR.path, "tables": TABLES.path}
 #: A path that shares nothing with temperature, along which phases turn.
 TURNING = ParameterPath(
-    "turn", lambda model, p: {"alpha_phase": np.sin(p), "f_e": 0.2 + 0.05 * p * p, "f_pv": 0.1 * p, "b": np.exp(-p)},
+    "turn",
+    lambda model, p: {"alpha_phase": np.sin(p), "f_e": 0.2 + 0.05 * p * p, "f_pv": 0.1 * p, "b": np.exp(-p)},
     ("alpha_phase", "f_e", "f_pv", "b"),
-)  # fmt: skip
+)
 paths = pytest.mark.parametrize("name", list(PATHS))
 
 
@@ -39,8 +40,11 @@ def curves_of(name):
 
 
 def differences(problem, y, columns):
-    residual, other, scratch = (np.empty(problem.unknowns), np.empty(problem.unknowns),
-                                np.empty((problem.unknowns, y.size)))  # fmt: skip
+    residual, other, scratch = (
+        np.empty(problem.unknowns),
+        np.empty(problem.unknowns),
+        np.empty((problem.unknowns, y.size)),
+    )
     for j in columns:
         step = np.eye(y.size)[j] * 1e-6
         problem.balance(problem.theta, problem.direction, y + step, residual, scratch)

@@ -7,15 +7,7 @@ from solver import all_solutions
 from solver.backlash import describing_functions
 from solver.condensation import axis_vectors
 from solver.harmonic.first_order import coefficients, evaluate
-from solver.reduction import (
-    ROWS,
-    determinant_over,
-    gain_at,
-    motion_over,
-    numerators_at,
-    reduce_balance,
-    slope_over,
-)
+from solver.reduction import ROWS, determinant_over, gain_at, motion_over, numerators_at, reduce_balance, slope_over
 from tests.conftest import MODELS
 from tests.solver.test_enumeration import random_model
 

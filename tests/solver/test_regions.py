@@ -6,15 +6,7 @@ import functools
 import numpy as np
 import pytest
 
-from solver import (
-    Event,
-    ParameterError,
-    domain_code,
-    domain_label,
-    enumerate_row,
-    impact_state,
-    sweep_row,
-)
+from solver import Event, ParameterError, domain_code, domain_label, enumerate_row, impact_state, sweep_row
 from solver.boundaries import boundary_curves, row_events
 from solver.boundaries.bands import band, lines
 from solver.boundaries.regions import RegionError, regions

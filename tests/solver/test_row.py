@@ -10,7 +10,6 @@ from tests.solver.curves import HIGH, LOW
 from tests.solver.exhaustive import all_solutions
 from tests.solver.rows import VARIANTS, assert_same_columns, fold_places, grid, solutions
 
-
 # Raster --------------------------------------------------------------------------------------------------------------
 
 
@@ -106,10 +105,13 @@ def test_equal_rows_are_bitwise_equal():
 PLANES = {"b": (0.02, 1.5), "alpha": (0.0, 0.8), "f_e": (0.0, 0.5), "f_pm": (0.3, 1.2)}
 
 
-@pytest.mark.parametrize(("name", "parameter"), slow_but(
-    [("published", "b"), ("consistent", "alpha"), ("antiphase", "f_e"), ("published", "f_pm")],
-    [(name, parameter) for name in MODELS for parameter in PLANES],
-))  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "parameter"),
+    slow_but(
+        [("published", "b"), ("consistent", "alpha"), ("antiphase", "f_e"), ("published", "f_pm")],
+        [(name, parameter) for name in MODELS for parameter in PLANES],
+    ),
+)
 def test_no_solution_is_missing_anywhere_in_the_reference_planes(name, parameter):
     """Against Newton's method from very many starts, which knows nothing of branches."""
     model = MODELS[name]()

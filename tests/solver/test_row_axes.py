@@ -11,17 +11,31 @@ from tests.solver.exhaustive import all_solutions
 from tests.solver.rows import assert_same_columns, grid, solutions
 
 RANGES = {
-    "b": (0.0, 1.5), "alpha": (0.0, 0.6), "alpha_phase": (-3.0, 3.0), "f_e": (0.0, 0.5), "f_e_phase": (-3.0, 3.0),
-    "f_pm": (0.3, 1.2), "f_pv": (-0.3, 0.3), "kappa": (0.2, 1.0), "xi_mesh": (0.01, 0.2), "xi_translation": (0.0, 0.1),
-    "xi_support": (0.01, 0.1), "k_support": (0.5, 2.0), "pitch_cone_angle": (10.0, 80.0),
-    "pressure_angle": (14.5, 28.0), "translation_coupling": (0.1, 1.0), "rotation_coupling": (0.5, 1.2),
-    "variation_translation": (0.0, 1.5), "variation_rotation": (0.0, 1.0),
-}  # fmt: skip
+    "b": (0.0, 1.5),
+    "alpha": (0.0, 0.6),
+    "alpha_phase": (-3.0, 3.0),
+    "f_e": (0.0, 0.5),
+    "f_e_phase": (-3.0, 3.0),
+    "f_pm": (0.3, 1.2),
+    "f_pv": (-0.3, 0.3),
+    "kappa": (0.2, 1.0),
+    "xi_mesh": (0.01, 0.2),
+    "xi_translation": (0.0, 0.1),
+    "xi_support": (0.01, 0.1),
+    "k_support": (0.5, 2.0),
+    "pitch_cone_angle": (10.0, 80.0),
+    "pressure_angle": (14.5, 28.0),
+    "translation_coupling": (0.1, 1.0),
+    "rotation_coupling": (0.5, 1.2),
+    "variation_translation": (0.0, 1.5),
+    "variation_rotation": (0.0, 1.0),
+}
 
 
-@pytest.mark.parametrize(("name", "omega"), slow_but(
-    [("published", 0.6), ("antiphase", 1.3)], [(name, omega) for name in MODELS for omega in (0.6, 1.3)],
-))  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "omega"),
+    slow_but([("published", 0.6), ("antiphase", 1.3)], [(name, omega) for name in MODELS for omega in (0.6, 1.3)]),
+)
 def test_a_row_over_another_axis_has_the_solutions_of_the_frequency_sweeps(name, omega):
     model = MODELS[name]()
     wrong = []

@@ -27,9 +27,13 @@ from tests.conftest import consistent, published
 from tests.solver.strategies import random_model
 
 STEEL = Expansion(
-    gears=(11.5e-6, 11.5e-6), housing=10.5e-6, distances=(0.045, 0.045), cone_angles=(45.0, 45.0),
-    pressure_angle=20.0, valid=(-30.0, 160.0),
-)  # fmt: skip
+    gears=(11.5e-6, 11.5e-6),
+    housing=10.5e-6,
+    distances=(0.045, 0.045),
+    cone_angles=(45.0, 45.0),
+    pressure_angle=20.0,
+    valid=(-30.0, 160.0),
+)
 MODULUS = LinearModulus(slope=3.35e-4, valid=(-30.0, 200.0))
 OIL = VogelViscosity(constant=1075.0, offset=95.0, exponent=1.0, valid=(0.0, 150.0))
 PAIR = ThermalPair(length=50e-6, reference=40.0, housing_share=0.5, backlash=STEEL, stiffness=MODULUS, damping=OIL)
@@ -55,8 +59,8 @@ def test_axial_shift_is_that_of_the_contact_normal():
     """What 1 m of shift of one gear takes from the gap is d Lambda_n/dY of the model with a geometric normal."""
     model = consistent(pitch_cone_angle=30.0, pressure_angle=25.0)
     one = dataclasses.replace(
-        STEEL, gears=(1.0, 0.0), housing=0.0, distances=(1.0, 1.0), pressure_angle=25.0, cone_angles=(30.0, 60.0),
-    )  # fmt: skip
+        STEEL, gears=(1.0, 0.0), housing=0.0, distances=(1.0, 1.0), pressure_angle=25.0, cone_angles=(30.0, 60.0)
+    )
     assert one.value(at(41.0)) == pytest.approx(-abs(model.direction[1]), rel=1e-14)
 
 
@@ -109,7 +113,7 @@ def test_tables_pass_through_their_points():
         ("damping", "vogel", {**dataclasses.asdict(OIL), "valid": (9.0, 9.0)}, "two ascending"),
         ("backlash", "expansion", {**dataclasses.asdict(STEEL), "gears": 1e-5}, "backlash.gears = 1e-05"),
     ],
-)  # fmt: skip
+)
 def test_laws_refuse_what_makes_no_sense(role, law, parameters, message):
     with pytest.raises(ParameterError, match=message):
         law_of(role, law, **parameters)
@@ -118,9 +122,10 @@ def test_laws_refuse_what_makes_no_sense(role, law, parameters, message):
 def test_every_law_can_be_named():
     assert law_of("damping", "vogel", **dataclasses.asdict(OIL)) == OIL
     assert {role: sorted(names) for role, names in LAWS.items()} == {
-        "backlash": ["expansion", "none", "table"], "stiffness": ["linear", "none", "table"],
+        "backlash": ["expansion", "none", "table"],
+        "stiffness": ["linear", "none", "table"],
         "damping": ["none", "table", "vogel"],
-    }  # fmt: skip
+    }
 
 
 # The pair ------------------------------------------------------------------------------------------------------------
@@ -130,9 +135,11 @@ def test_every_law_can_be_named():
 @pytest.mark.parametrize("make", [published, consistent, lambda: random_model(11)])
 def test_the_reference_is_the_base_case_to_the_bit(make, reference):
     pair = dataclasses.replace(
-        PAIR, reference=reference, damping=RatioTable([[0.0, 3.1], [50.0, 1.7], [140.0, 0.3]]),
+        PAIR,
+        reference=reference,
+        damping=RatioTable([[0.0, 3.1], [50.0, 1.7], [140.0, 0.3]]),
         backlash=BacklashTable([[-9.0, 61e-6], [3.0, 47e-6], [40.0, 31e-6]]),
-    )  # fmt: skip
+    )
     for thermal in (PAIR, pair):
         model, _ = place_on(thermal.path, 0.0, make())
         base = make()
@@ -167,10 +174,15 @@ def normalised_anew(model, difference):
     length = half_backlash / 50e-6
     damping = np.array(model.xi_translation) * viscosity / frequency
     again = model.replace(
-        b=1.0, f_e=model.f_e / length, f_pm=model.f_pm / (modulus * length), f_pv=model.f_pv / (modulus * length),
-        xi_mesh=model.xi_mesh * viscosity / frequency, xi_translation=tuple(damping),
-        xi_support=tuple(np.array(model.xi_support) / frequency), k_support=tuple(np.array(model.k_support) / modulus),
-    )  # fmt: skip
+        b=1.0,
+        f_e=model.f_e / length,
+        f_pm=model.f_pm / (modulus * length),
+        f_pv=model.f_pv / (modulus * length),
+        xi_mesh=model.xi_mesh * viscosity / frequency,
+        xi_translation=tuple(damping),
+        xi_support=tuple(np.array(model.xi_support) / frequency),
+        k_support=tuple(np.array(model.k_support) / modulus),
+    )
     return again, frequency, length
 
 
@@ -212,9 +224,10 @@ def test_what_the_pair_refuses():
 # The path ------------------------------------------------------------------------------------------------------------
 
 TABLES = dataclasses.replace(
-    PAIR, damping=RatioTable([[0.0, 3.1], [30.0, 1.9], [50.0, 1.6], [90.0, 0.7], [140.0, 0.3]]),
+    PAIR,
+    damping=RatioTable([[0.0, 3.1], [30.0, 1.9], [50.0, 1.6], [90.0, 0.7], [140.0, 0.3]]),
     backlash=BacklashTable([[-20.0, 61e-6], [-3.0, 55e-6], [3.0, 47e-6], [20.0, 44e-6], [60.0, 31e-6]]),
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize("pair", [PAIR, TABLES], ids=["laws", "tables"])

@@ -60,7 +60,7 @@ def threshold(parameter, statement, low, high):
         pytest.param("b", has("1/2", MESH), 0.50, 0.70, 0.62, 1e-2, id="b: mesh 1/2"),
         pytest.param("b", has("2/0-1", MESH), 0.50, 0.70, 0.62, 2e-2, id="b: mesh 2/0-1"),
     ],
-)  # fmt: skip
+)
 def test_thresholds_of_the_published_set(parameter, statement, low, high, expected, resolution):
     assert threshold(parameter, statement, low, high) == pytest.approx(expected, abs=resolution)
 

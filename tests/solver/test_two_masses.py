@@ -8,7 +8,7 @@ The two masses are the published example of NLvib (Krack and Gross, Harmonic Bal
 import numpy as np
 import pytest
 
-from solver import Continuation, ContactSystem, Event
+from solver import ContactSystem, Continuation, Event
 from solver.harmonic.galerkin import Galerkin
 from solver.stability import Instability, assess
 from solver.stability.bifurcations import with_bifurcations
@@ -16,9 +16,14 @@ from solver.timedomain import AttractorKind, orbit_state, settle, shoot
 
 CHAIN = np.array([[1.0, -1.0], [-1.0, 2.0]])
 TWO_MASSES = ContactSystem(
-    mass=np.eye(2), damping=0.03 * CHAIN, stiffness=CHAIN, contact=[1.0, 0.0], force=[100.0, 0.0], front_gap=1.0,
+    mass=np.eye(2),
+    damping=0.03 * CHAIN,
+    stiffness=CHAIN,
+    contact=[1.0, 0.0],
+    force=[100.0, 0.0],
+    front_gap=1.0,
     load=[[0.0, 0.0], [0.0, 0.1]],
-)  # fmt: skip
+)
 
 
 def second_mass(balance, points):
@@ -99,19 +104,35 @@ def _upper(curve, omega):
 def spur_pair(b=1.0):
     """Single degree of freedom: lambda'' + 2 xi lambda' + (1 + alpha cos) f = mean + error."""
     return ContactSystem(
-        mass=[[1.0]], damping=[[0.1]], stiffness=[[0.0]], contact=[1.0], force=[1.0], varying_force=[1.0], front_gap=b,
-        back_gap=b, stiffness_harmonics=[(0.1, 0.3)], load=[[0.3], [0.0]], inertial_load=[[0.0], [0.2]],
-    )  # fmt: skip
+        mass=[[1.0]],
+        damping=[[0.1]],
+        stiffness=[[0.0]],
+        contact=[1.0],
+        force=[1.0],
+        varying_force=[1.0],
+        front_gap=b,
+        back_gap=b,
+        stiffness_harmonics=[(0.1, 0.3)],
+        load=[[0.3], [0.0]],
+        inertial_load=[[0.0], [0.2]],
+    )
 
 
 def geared_rotor():
     """Two shafts on springs and their mesh (x1, x2, lambda), as a pair with two unlike supports."""
     return ContactSystem(
-        mass=[[1, 0, 0], [0, 1, 0], [-1, -1, 1]], damping=[[0.02, 0, 0], [0, 0.04, 0], [0, 0, 0.1]],
-        stiffness=[[0.8, 0, 0], [0, 1.5, 0], [0, 0, 0]], contact=[0, 0, 1], force=[0.2, 0.3, 0.9],
-        varying_force=[0.2, 0.3, 0.9], front_gap=1.0, back_gap=1.0, stiffness_harmonics=[(0.2, 0.0)],
-        load=[[0, 0, 0.5]], inertial_load=[[0, 0, 0], [0, 0, 0.1]],
-    )  # fmt: skip
+        mass=[[1, 0, 0], [0, 1, 0], [-1, -1, 1]],
+        damping=[[0.02, 0, 0], [0, 0.04, 0], [0, 0, 0.1]],
+        stiffness=[[0.8, 0, 0], [0, 1.5, 0], [0, 0, 0]],
+        contact=[0, 0, 1],
+        force=[0.2, 0.3, 0.9],
+        varying_force=[0.2, 0.3, 0.9],
+        front_gap=1.0,
+        back_gap=1.0,
+        stiffness_harmonics=[(0.2, 0.0)],
+        load=[[0, 0, 0.5]],
+        inertial_load=[[0, 0, 0], [0, 0, 0.1]],
+    )
 
 
 @pytest.mark.parametrize("system, omega", [(spur_pair(), 0.7), (spur_pair(), 1.3), (geared_rotor(), 1.1)])

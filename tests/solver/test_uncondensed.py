@@ -13,10 +13,17 @@ from tests.solver.strategies import frequencies, models, motions
 PLACES = np.array([0.3, 0.53, 0.6, 0.9, 1.2265, 1.2934, 1.6])
 
 UNLIKE = dict(
-    kappa=[0.4, 0.7], xi_translation=[0.01, 0.02], xi_support=[0.02, 0.01, 0.03, 0.02, 0.01, 0.02],
-    k_support=[1.0, 0.8, 1.2, 2.0, 0.7, 1.5], alpha=0.3, alpha_phase=0.5, alpha_harmonics=[[0.1, -0.7]], f_pv=0.1,
-    variation_rotation=0.7, translation_coupling=0.5,
-)  # fmt: skip
+    kappa=[0.4, 0.7],
+    xi_translation=[0.01, 0.02],
+    xi_support=[0.02, 0.01, 0.03, 0.02, 0.01, 0.02],
+    k_support=[1.0, 0.8, 1.2, 2.0, 0.7, 1.5],
+    alpha=0.3,
+    alpha_phase=0.5,
+    alpha_harmonics=[[0.1, -0.7]],
+    f_pv=0.1,
+    variation_rotation=0.7,
+    translation_coupling=0.5,
+)
 
 PAIRS = {**{name: make() for name, make in MODELS.items()}, "unlike": published(**UNLIKE)}
 

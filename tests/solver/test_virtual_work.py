@@ -44,13 +44,22 @@ class Pair:
         draw = np.random.default_rng(seed).uniform
         k_m = draw(1e8, 8e8)
         return cls(
-            mass=draw(0.3, 3.0, 2), inertia=draw(2e-4, 5e-3, 2), radius=draw(0.02, 0.09, 2),
-            damping=draw(50.0, 900.0, 6), stiffness=draw(5e7, 9e8, 6), torque=draw(20.0, 400.0, 2), mesh_stiffness=k_m,
-            mesh_damping=draw(200.0, 2000.0), stiffness_terms=[(k_m * draw(0.0, 0.3), draw(-3, 3)) for _ in range(3)],
-            error_terms=[(draw(1e-6, 2e-5), draw(-3, 3)) for _ in range(3)], half_backlash=draw(1e-5, 1e-4),
-            reference_length=draw(1e-5, 1e-4), mesh_frequency=draw(2e3, 4e4), pitch_cone_angle=draw(10.0, 80.0),
+            mass=draw(0.3, 3.0, 2),
+            inertia=draw(2e-4, 5e-3, 2),
+            radius=draw(0.02, 0.09, 2),
+            damping=draw(50.0, 900.0, 6),
+            stiffness=draw(5e7, 9e8, 6),
+            torque=draw(20.0, 400.0, 2),
+            mesh_stiffness=k_m,
+            mesh_damping=draw(200.0, 2000.0),
+            stiffness_terms=[(k_m * draw(0.0, 0.3), draw(-3, 3)) for _ in range(3)],
+            error_terms=[(draw(1e-6, 2e-5), draw(-3, 3)) for _ in range(3)],
+            half_backlash=draw(1e-5, 1e-4),
+            reference_length=draw(1e-5, 1e-4),
+            mesh_frequency=draw(2e3, 4e4),
+            pitch_cone_angle=draw(10.0, 80.0),
             pressure_angle=draw(14.0, 30.0),
-        )  # fmt: skip
+        )
 
     @property
     def normal(self):
@@ -109,15 +118,26 @@ class Pair:
         (alpha, alpha_phase), *alphas = [(a / self.mesh_stiffness, phase) for a, phase in self.stiffness_terms]
         (f_e, f_e_phase), *errors = [(a / length, phase) for a, phase in self.error_terms]
         return Model(
-            b=self.half_backlash / length, alpha=alpha, alpha_phase=alpha_phase, alpha_harmonics=alphas, f_e=f_e,
-            f_e_phase=f_e_phase, f_e_harmonics=errors,
+            b=self.half_backlash / length,
+            alpha=alpha,
+            alpha_phase=alpha_phase,
+            alpha_harmonics=alphas,
+            f_e=f_e,
+            f_e_phase=f_e_phase,
+            f_e_harmonics=errors,
             f_pm=a3 * m_e * (r1 * t1 / j1 + r2 * t2 / j2) / (self.mesh_stiffness * length),
-            kappa=self.mesh_stiffness / (self.mass * unit**2), xi_mesh=self.mesh_damping / (2.0 * m_e * unit),
-            xi_translation=self.mesh_damping / (2.0 * self.mass * unit), xi_support=self.damping / (2.0 * mass * unit),
-            k_support=self.stiffness / (mass * unit**2), pitch_cone_angle=self.pitch_cone_angle,
-            pressure_angle=self.pressure_angle, translation_coupling="geometric", rotation_coupling="geometric",
-            variation_translation=1.0, variation_rotation=1.0,
-        )  # fmt: skip
+            kappa=self.mesh_stiffness / (self.mass * unit**2),
+            xi_mesh=self.mesh_damping / (2.0 * m_e * unit),
+            xi_translation=self.mesh_damping / (2.0 * self.mass * unit),
+            xi_support=self.damping / (2.0 * mass * unit),
+            k_support=self.stiffness / (mass * unit**2),
+            pitch_cone_angle=self.pitch_cone_angle,
+            pressure_angle=self.pressure_angle,
+            translation_coupling="geometric",
+            rotation_coupling="geometric",
+            variation_translation=1.0,
+            variation_rotation=1.0,
+        )
 
 
 def model_accelerations(model, omega, tau, place, speed):
@@ -140,9 +160,12 @@ def compare(pair, place, speed, time):
     second, gap, rate, gap_second = pair.accelerations(place, speed, time)
     expected = np.append(second[:6], gap_second) / (length * unit**2)
     found = model_accelerations(
-        pair.dimensionless(), pair.mesh_frequency / unit, unit * time, np.append(place[:6], gap) / length,
+        pair.dimensionless(),
+        pair.mesh_frequency / unit,
+        unit * time,
+        np.append(place[:6], gap) / length,
         np.append(speed[:6], rate) / (length * unit),
-    )  # fmt: skip
+    )
     return found, expected
 
 
@@ -223,11 +246,18 @@ def test_load_of_balanced_torques_is_the_static_force():
 
 @given(
     models(
-        translation_coupling="geometric", rotation_coupling="geometric", xi_mesh=0.05, kappa=(0.4, 0.7),
-        xi_translation=(0.02, 0.035), alpha=0.0, alpha_harmonics=(), variation_translation=1.0, variation_rotation=1.0,
+        translation_coupling="geometric",
+        rotation_coupling="geometric",
+        xi_mesh=0.05,
+        kappa=(0.4, 0.7),
+        xi_translation=(0.02, 0.035),
+        alpha=0.0,
+        alpha_harmonics=(),
+        variation_translation=1.0,
+        variation_rotation=1.0,
     ),
     SEEDS,
-)  # fmt: skip
+)
 def test_power_balance_of_a_consistent_pair(model, seed):
     """Change of kinetic and elastic energy = power of the load - what the dampers take, at any state."""
     draw = np.random.default_rng(seed).uniform

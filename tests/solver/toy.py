@@ -1,6 +1,6 @@
 """A one-unknown curve of which everything is known, for what continuation shall do at places gears do not have.
 
-    E = t0 u^3 + t1 u + t2 u p + t3 p = 0, undefined (nan) for p > t4;  monitor: |u|, (u - t5)^2 - t6
+E = t0 u^3 + t1 u + t2 u p + t3 p = 0, undefined (nan) for p > t4;  monitor: |u|, (u - t5)^2 - t6
 """
 
 import math

@@ -15,15 +15,31 @@ from pipeline.__main__ import main
 from tests.pipeline.planes import assert_same_contents, contents
 
 __all__ = [
-    "COMMAND", "KEPT", "ROWS", "Head", "Run", "complete", "continued", "finished", "same", "start", "until",
+    "COMMAND",
+    "KEPT",
+    "ROWS",
+    "Head",
+    "Run",
+    "complete",
+    "continued",
+    "finished",
+    "same",
+    "start",
+    "until",
     "workers_of",
-]  # fmt: skip
+]
 
 ROOT = Path(__file__).parents[3]
 ROWS = 36
 #: A plane of twelve blocks, each of three rows that take some hundredths of a second.
-COMMAND = ("plane=omega_fe", "plane.sweep.num=60", f"plane.parameter.num={ROWS}", "solver.certify_columns=25",
-           "stages=[sweep]", "store.name=plane")  # fmt: skip
+COMMAND = (
+    "plane=omega_fe",
+    "plane.sweep.num=60",
+    f"plane.parameter.num={ROWS}",
+    "solver.certify_columns=25",
+    "stages=[sweep]",
+    "store.name=plane",
+)
 KEPT = "; what is stored is kept, and the same command goes on from there"
 
 
@@ -43,10 +59,15 @@ class Run:
         self.path = folder / "outputs/store/plane.zarr"
         paths = os.pathsep.join([*filter(None, [(environment or {}).get("PYTHONPATH")]), str(ROOT)])
         self.process = subprocess.Popen(
-            [sys.executable, "-W", "error", "-m", "pipeline", *COMMAND, *arguments], cwd=folder, text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
-            env={**os.environ, **(environment or {}), "PYTHONPATH": paths}, **options,
-        )  # fmt: skip
+            [sys.executable, "-W", "error", "-m", "pipeline", *COMMAND, *arguments],
+            cwd=folder,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+            env={**os.environ, **(environment or {}), "PYTHONPATH": paths},
+            **options,
+        )
 
     def end(self, timeout: float = 120.0) -> "Run":
         """Wait for it; `code`, `out` and `err` are there then."""
@@ -118,8 +139,14 @@ class Head:
             found = re.search(r"tcp://127\.0\.0\.1:\d+", self.process.stderr.readline())
             self.address = found.group() if found else None
         worker = [
-            sys.executable, "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-dashboard",
-        ]  # fmt: skip
+            sys.executable,
+            "-m",
+            "distributed.cli.dask_worker",
+            self.address,
+            "--nthreads",
+            "1",
+            "--no-dashboard",
+        ]
         self.worker = subprocess.Popen(worker, stderr=subprocess.DEVNULL, **common)
         return self
 

@@ -64,9 +64,11 @@ def harm(file: Path, kind: str, place: float = 0.5, bit: int = 0) -> None:
 
 def _chunks(path: Path) -> dict[str, tuple[int, int]]:
     """Where every chunk of the plane is on the disk, and when it was written."""
-    return {str(file.relative_to(path)): (file.stat().st_ino, file.stat().st_mtime_ns)
-            for file in path.rglob("*")
-            if "c" in file.parts and file.is_file() and _GROUP not in file.parts}  # fmt: skip
+    return {
+        str(file.relative_to(path)): (file.stat().st_ino, file.stat().st_mtime_ns)
+        for file in path.rglob("*")
+        if "c" in file.parts and file.is_file() and _GROUP not in file.parts
+    }
 
 
 def _equal_json(file: Path, original: Path) -> bool:
@@ -118,12 +120,19 @@ def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
     assert store.find_damage(path) == [] and store.read_plan(path) == store.read_plan(whole)
     # Exactly the damaged blocks were computed again; of an axis, exactly its file was put back.
     plan, after = store.read_plan(path), _chunks(path)
-    owned = {str(chunk.relative_to(path)) for name in arrays_of(plan) for block in repaired
-             for chunk in (path / name / "c").glob(f"{block.start // plan.rows_per_block}*")
-             for chunk in _under(chunk)}  # fmt: skip
+    owned = {
+        str(chunk.relative_to(path))
+        for name in arrays_of(plan)
+        for block in repaired
+        for chunk in (path / name / "c").glob(f"{block.start // plan.rows_per_block}*")
+        for chunk in _under(chunk)
+    }
     changed = {name for name in before if before[name] != after[name]}
-    exact = {name for name in owned if int(name.split("/c/")[1].split("/")[0]) in
-             {block.start // plan.rows_per_block for block in repaired}}  # fmt: skip
+    exact = {
+        name
+        for name in owned
+        if int(name.split("/c/")[1].split("/")[0]) in {block.start // plan.rows_per_block for block in repaired}
+    }
     assert changed == (exact or ({file} if "/c/" in file and _GROUP not in file else set()))
 
 
@@ -175,10 +184,16 @@ def test_a_damaged_group_is_taken_away_and_named(copy, undisturbed, tmp_path, ca
 
 
 @pytest.mark.parametrize("stage", _READING)
-@pytest.mark.parametrize(("file", "kind"), [
-    ("status/c/2", "flipped"), ("branches/sin/c/5/0", "missing"), ("domain/zarr.json", "missing"),
-    ("zarr.json", "truncated"), ("branches/zarr.json", "flipped"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("file", "kind"),
+    [
+        ("status/c/2", "flipped"),
+        ("branches/sin/c/5/0", "missing"),
+        ("domain/zarr.json", "missing"),
+        ("zarr.json", "truncated"),
+        ("branches/zarr.json", "flipped"),
+    ],
+)
 def test_every_stage_names_damage_on_one_line(copy, tmp_path, capsys, stage, file, kind):
     harm(copy / file, kind)
     before = _chunks(copy)

@@ -49,8 +49,17 @@ class _Bomb:
 
 def test_no_pickle_is_opened(copy, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    document = dict(zarr_format=2, shape=[4], chunks=[1], dtype="|O", fill_value=None, order="C",
-                    filters=[{"id": "pickle"}], compressor=None, dimension_separator=".")  # fmt: skip
+    document = dict(
+        zarr_format=2,
+        shape=[4],
+        chunks=[1],
+        dtype="|O",
+        fill_value=None,
+        order="C",
+        filters=[{"id": "pickle"}],
+        compressor=None,
+        dimension_separator=".",
+    )
     (copy / "message/.zarray").write_text(json.dumps(document))
     for place in range(4):
         (copy / f"message/{place}").write_bytes(pickle.dumps([_Bomb()]))
@@ -65,16 +74,28 @@ def test_no_pickle_is_opened(copy, tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "went-off").exists()
 
 
-@pytest.mark.parametrize(("name", "changes"), [
-    ("mean", {"shape": [10**7, 10**6, 8]}), ("mean", {"data_type": "object"}),
-    ("domain", {"codecs": [{"name": "numcodecs.pickle"}]}),
-    ("status", {"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}),
-    ("f_e", {"shape": [10**12]}),
-    ("mine/x", {"shape": [10**12], "data_type": "float64", "node_type": "array", "zarr_format": 3,
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("mean", {"shape": [10**7, 10**6, 8]}),
+        ("mean", {"data_type": "object"}),
+        ("domain", {"codecs": [{"name": "numcodecs.pickle"}]}),
+        ("status", {"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}),
+        ("f_e", {"shape": [10**12]}),
+        (
+            "mine/x",
+            {
+                "shape": [10**12],
+                "data_type": "float64",
+                "node_type": "array",
+                "zarr_format": 3,
                 "codecs": [{"name": "bytes"}],
-                "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}}}),
-    ("../escaped", {"node_type": "group", "zarr_format": 3}),
-])  # fmt: skip
+                "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [10**12]}},
+            },
+        ),
+        ("../escaped", {"node_type": "group", "zarr_format": 3}),
+    ],
+)
 def test_claims_are_compared_with_the_plan_and_cost_nothing(copy, name, changes):
     (copy / name).mkdir(parents=True, exist_ok=True)
     if not (copy / name / "zarr.json").exists():
@@ -88,14 +109,24 @@ def test_claims_are_compared_with_the_plan_and_cost_nothing(copy, name, changes)
     assert "\n" not in str(caught.value) and "is damaged" in str(caught.value)
 
 
-@pytest.mark.parametrize("change", [
-    {"sweep": {"name": "omega", "low": 0.05, "high": 2.0, "num": 10**12}}, {"sweep": "x"}, {"sweep": None},
-    {"max_points": 10**12},
-    {"parameter": {"name": "../../x", "low": 0.0, "high": 1.0, "num": 4}}, {"max_solutions": True},
-    {"parameter": {"name": "f_e", "low": float("nan"), "high": 1.0, "num": 4}}, {"gear": {"b": [[[1.0]]]}}, {"gear": 7},
-    {"solver": {"order": 10**9}}, {"omega": {"a": 1}}, {"extra": 1},
-    {"parameter": {"name": "omega", "low": 1, "high": 2, "num": 4}},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"sweep": {"name": "omega", "low": 0.05, "high": 2.0, "num": 10**12}},
+        {"sweep": "x"},
+        {"sweep": None},
+        {"max_points": 10**12},
+        {"parameter": {"name": "../../x", "low": 0.0, "high": 1.0, "num": 4}},
+        {"max_solutions": True},
+        {"parameter": {"name": "f_e", "low": float("nan"), "high": 1.0, "num": 4}},
+        {"gear": {"b": [[[1.0]]]}},
+        {"gear": 7},
+        {"solver": {"order": 10**9}},
+        {"omega": {"a": 1}},
+        {"extra": 1},
+        {"parameter": {"name": "omega", "low": 1, "high": 2, "num": 4}},
+    ],
+)
 def test_numbers_that_no_plan_has_are_refused(copy, change):
     numbers = {**json.loads(json.loads((copy / "zarr.json").read_text())["attributes"]["numbers"]), **change}
     retold(copy, numbers=json.dumps(numbers))
@@ -171,12 +202,19 @@ _LAUGHS = "a0: &a0 [1,1,1,1,1,1,1,1,1,1]\n" + "".join(
 )
 
 
-@pytest.mark.parametrize(("text", "said"), [
-    (_LAUGHS, "repeated ones included"), ("a: &a [*a]\n", "repeated ones included"),
-    ("a: " + "[" * 5000, "nested deeper"),
-    ("a: !!python/object/apply:os.mkdir [went-off]\n", "names no plain data"), ("a: !evil 1\n", "names no plain data"),
-    ("a: [", "must be YAML"), ("b: 1\n" * 300_000, "bytes long"), ("\x00", "must be YAML"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (_LAUGHS, "repeated ones included"),
+        ("a: &a [*a]\n", "repeated ones included"),
+        ("a: " + "[" * 5000, "nested deeper"),
+        ("a: !!python/object/apply:os.mkdir [went-off]\n", "names no plain data"),
+        ("a: !evil 1\n", "names no plain data"),
+        ("a: [", "must be YAML"),
+        ("b: 1\n" * 300_000, "bytes long"),
+        ("\x00", "must be YAML"),
+    ],
+)
 def test_configuration_files_are_plain_and_small(tmp_path, monkeypatch, capsys, text, said):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "theirs/gear").mkdir(parents=True)
@@ -198,10 +236,19 @@ def test_configuration_files_run_nothing(tmp_path, monkeypatch, capsys):
     assert [place.name for place in tmp_path.iterdir()] == ["theirs"]
 
 
-@pytest.mark.parametrize("text", [
-    "__import__('os').mkdir('x')", "1 m**9999999", "1 " + "m*" * 40 + "m", "1e999 m", "9" * 5000 + " m", "1 m;1",
-    "[1,2] m", "1 m^4^4^4",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').mkdir('x')",
+        "1 m**9999999",
+        "1 " + "m*" * 40 + "m",
+        "1e999 m",
+        "9" * 5000 + " m",
+        "1 m;1",
+        "[1,2] m",
+        "1 m^4^4^4",
+    ],
+)
 def test_units_evaluate_nothing(text):
     with pytest.raises(ConfigurationError) as caught:
         quantity("gear.physical.module", text, "length")
@@ -221,8 +268,11 @@ def test_an_older_store_is_read_and_not_written(copy, tmp_path, capsys):
     retold_status[0] = store.PENDING
     assert run(tmp_path, capsys, "stages=[sweep]", *sizes)[::2] == (2, said)
     assert run(tmp_path, capsys, "stages=[sweep]", *sizes, "gear.b=0.7")[::2] == (2, said)
-    assert all(np.array_equal(values, before[name], equal_nan=values.dtype.kind == "f")
-               for name, values in contents(copy).items() if name in before and name != "status")  # fmt: skip
+    assert all(
+        np.array_equal(values, before[name], equal_nan=values.dtype.kind == "f")
+        for name, values in contents(copy).items()
+        if name in before and name != "status"
+    )
 
 
 def _older(path: Path, version: int) -> None:
@@ -236,9 +286,14 @@ def _older(path: Path, version: int) -> None:
     for name, array in arrays.items():
         kind = "str" if array.dtype.kind in "TO" else array.dtype
         older = made.create_array(
-            name, shape=array.shape, chunks=array.chunks, dtype=kind, fill_value=array.fill_value,
-            dimension_names=array.metadata.dimension_names, attributes=dict(array.attrs),
-        )  # fmt: skip
+            name,
+            shape=array.shape,
+            chunks=array.chunks,
+            dtype=kind,
+            fill_value=array.fill_value,
+            dimension_names=array.metadata.dimension_names,
+            attributes=dict(array.attrs),
+        )
         older[...] = array[...]
     store.consolidate(draft)
     shutil.rmtree(path)

@@ -11,6 +11,10 @@ def test_every_line_of_the_page_has_a_test_and_every_test_of_faults_a_line():
     lines = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| ")][2:]
     named = [re.findall(r"`(test_\w+\.py)::(test_\w+)`", line.split(" | ")[-1]) for line in lines]
     assert len(lines) > 20 and all(named)
-    there = {(file.name, test) for file in HERE.glob("test_*.py") if file.name != "test_page.py"
-             for test in re.findall(r"^def (test_\w+)\(", file.read_text(encoding="utf-8"), re.MULTILINE)}  # fmt: skip
+    there = {
+        (file.name, test)
+        for file in HERE.glob("test_*.py")
+        if file.name != "test_page.py"
+        for test in re.findall(r"^def (test_\w+)\(", file.read_text(encoding="utf-8"), re.MULTILINE)
+    }
     assert {test for tests in named for test in tests} == there

@@ -125,8 +125,9 @@ def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed
     code, _, err = run_here(tmp_path, capsys, "stages=[sweep]")
     assert code == 2 and re.fullmatch(
         rf"error: {re.escape(str(first.path))} is in use by process {first.process.pid} on \S+ since "
-        r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00: wait for it, or say store.wait=true\n", err,
-    ), err  # fmt: skip
+        r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00: wait for it, or say store.wait=true\n",
+        err,
+    ), err
     # The others of a multirun have their turn.
     shutil.copytree(undisturbed, first.path.with_name("other.zarr"))
     code, out, err = run_here(tmp_path, capsys, "-m", "stages=[sweep]", "store.name=plane,other")

@@ -51,9 +51,9 @@ def test_jacobian_of_all_columns_along_every_axis(axis, model, omega, balance, s
     problem = balance.problem(model, axis, 0.0, 1.0, omega)
     y = np.append(u, p)
     _, jacobian = evaluated(problem, y)
-    expected = np.column_stack([
-        difference(lambda x, row=row: evaluated(problem, y + x * row)[0], 0.0, 1e-4) for row in np.eye(y.size)
-    ])
+    expected = np.column_stack(
+        [difference(lambda x, row=row: evaluated(problem, y + x * row)[0], 0.0, 1e-4) for row in np.eye(y.size)]
+    )
     np.testing.assert_allclose(jacobian, expected, rtol=0, atol=1e-6 * max(1.0, np.max(np.abs(expected))))
 
 
@@ -94,9 +94,9 @@ def test_margins_and_their_gradients(model, omega, balance, seed):
     values, gradient = observed(y)
     low, high = balance.extremes(u)
     np.testing.assert_allclose(values[1:], [low - 0.7, low + 0.7, high - 0.7, high + 0.7], rtol=0, atol=1e-13)
-    expected = np.column_stack([
-        difference(lambda x, row=row: observed(y + x * row)[0], 0.0, 1e-5) for row in np.eye(y.size)
-    ])  # fmt: skip
+    expected = np.column_stack(
+        [difference(lambda x, row=row: observed(y + x * row)[0], 0.0, 1e-5) for row in np.eye(y.size)]
+    )
     sample = np.sort(balance.displacement(u, np.linspace(0.0, 2.0 * np.pi, 3000)))
     # Two extremes of equal height make a kink.
     assume(sample[0] < sample[1] or balance.harmonics == 1)

@@ -39,16 +39,20 @@ def unmerged(model: Model) -> ContactSystem:
     load = np.zeros((1, 7))
     load[0, 6] = model.f_pm
     return ContactSystem(
-        *model.matrices(), np.eye(7)[6], translation + rotation, model.b, model.b, varying, model.stiffness_harmonics(),
+        *model.matrices(),
+        np.eye(7)[6],
+        translation + rotation,
+        model.b,
+        model.b,
+        varying,
+        model.stiffness_harmonics(),
         load,
-    )  # fmt: skip
+    )
 
 
 def oscillator(stiffness=0.0, damping=0.0, force=1.0, varying=0.0, harmonics=(), gap=1.0, back=1.0) -> ContactSystem:
     """One mass of 1 with a contact."""
-    return ContactSystem(
-        [[1.0]], [[damping]], [[stiffness]], [1.0], [force], gap, back, [varying], harmonics
-    )  # fmt: skip
+    return ContactSystem([[1.0]], [[damping]], [[stiffness]], [1.0], [force], gap, back, [varying], harmonics)
 
 
 def padded(motion, harmonics: int) -> np.ndarray:

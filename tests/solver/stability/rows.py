@@ -18,9 +18,16 @@ def branch(model, balance, continuation=None, low=LOW, high=HIGH):
     start = first.points[0] if first.points[0, 3] == high else first.points[-1]
     y = np.append(balance.lifted(start[:3]), high)
     count = continuation.corrector.kernel(
-        problem.balance, problem.theta, problem.direction, problem.scale, y, np.eye(y.size)[-1], 1e-8, 20,
+        problem.balance,
+        problem.theta,
+        problem.direction,
+        problem.scale,
+        y,
+        np.eye(y.size)[-1],
+        1e-8,
+        20,
         np.empty((3 * problem.unknowns + 6, y.size)),
-    )  # fmt: skip
+    )
     assert count > 0
     y[-1] = high
     return problem, continuation.trace(problem, y, low, high, -1)

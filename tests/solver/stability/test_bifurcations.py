@@ -169,22 +169,38 @@ def test_a_branch_of_one_point_is_left_alone():
 
 @pytest.mark.parametrize("phase", [2.236387990691039, 2.981850654254719, 3.514323985371633])
 def test_an_exponent_close_to_the_axis_is_seen_on_its_side(phase):
-    """At a point of the branch just behind the crossing the determinant makes a loop around 0 in a tenth of a node's distance.
+    """At a point of the branch just behind the crossing the determinant loops around 0 in a tenth of a node's distance.
 
-    The dense eigenproblem at the columns, which knows nothing of the loop, calls the motion unstable up to the crossing.
+    The dense eigenproblem at the columns, which knows nothing of the loop, calls the motion unstable up to the
+    crossing.
     """
     model = Model(
-        b=1.0, alpha=5.0 / 27.0, f_e=0.2, f_pm=0.19902860269972236, kappa=(0.5323735471386268, 0.2293301433827931),
-        xi_mesh=0.06, xi_translation=(0.03194241282831761, 0.013759808602967586),
+        b=1.0,
+        alpha=5.0 / 27.0,
+        f_e=0.2,
+        f_pm=0.19902860269972236,
+        kappa=(0.5323735471386268, 0.2293301433827931),
+        xi_mesh=0.06,
+        xi_translation=(0.03194241282831761, 0.013759808602967586),
         xi_support=(*3 * (0.016820720007360623,), *3 * (0.01449169723711069,)),
         k_support=(
-            0.563358250940346, 0.4225186882052595, 0.563358250940346,
-            0.30334675050634013, 0.2123427253544381, 0.30334675050634013,
+            0.563358250940346,
+            0.4225186882052595,
+            0.563358250940346,
+            0.30334675050634013,
+            0.2123427253544381,
+            0.30334675050634013,
         ),
-        pitch_cone_angle=18.43494882292201, pressure_angle=20.0, translation_coupling="geometric",
-        rotation_coupling="geometric", variation_translation=1.0, variation_rotation=1.0, alpha_phase=phase,
-        alpha_harmonics=((2.5 / 63.0, np.pi / 6.0),), f_e_harmonics=((0.05, np.pi / 2.0),),
-    )  # fmt: skip
+        pitch_cone_angle=18.43494882292201,
+        pressure_angle=20.0,
+        translation_coupling="geometric",
+        rotation_coupling="geometric",
+        variation_translation=1.0,
+        variation_rotation=1.0,
+        alpha_phase=phase,
+        alpha_harmonics=((2.5 / 63.0, np.pi / 6.0),),
+        f_e_harmonics=((0.05, np.pi / 2.0),),
+    )
     row = sweep_row(model, "omega", np.linspace(0.05, 2.0, 160))
     (curve,) = row.curves
     crossings = at(curve, Event.NEIMARK_SACKER)[:, -1]

@@ -54,8 +54,12 @@ def integrated(system, omega, motion):
         varying -= constant
         result = solve_ivp(
             lambda t, x, c=constant, v=varying: ((c + variation(system, omega * t) * v) @ x.reshape(n, n)).ravel(),
-            (begin / omega, end / omega), state.ravel(), method="DOP853", rtol=1e-11, atol=1e-13,
-        )  # fmt: skip
+            (begin / omega, end / omega),
+            state.ravel(),
+            method="DOP853",
+            rtol=1e-11,
+            atol=1e-13,
+        )
         state = result.y[:, -1].reshape(n, n)
     return state
 
@@ -155,9 +159,15 @@ def flow(system, omega, load, state):
         return np.concatenate([v, inverse @ (load(t) - system.damping @ v - system.stiffness @ y - drive)])
 
     return solve_ivp(
-        slope, (0.0, 2.0 * np.pi / omega), state, method="DOP853", rtol=1e-11, atol=1e-12, max_step=0.05,
+        slope,
+        (0.0, 2.0 * np.pi / omega),
+        state,
+        method="DOP853",
+        rtol=1e-11,
+        atol=1e-12,
+        max_step=0.05,
         dense_output=True,
-    )  # fmt: skip
+    )
 
 
 def test_derivative_of_the_flow():

@@ -56,12 +56,23 @@ def test_hill_approaches_floquet_on_the_same_orbit(make, omega, choice):
 
 #: PHYSICS, section 7: Omega, lambda_m, lambda_a.
 FOLDS = {
-    "published": [(0.559374, 1.027736, 1.991212), (0.634641, 1.641558, 0.708424), (1.223810, 1.598606, 0.882513),
-                  (1.229708, 1.644933, 0.684089)],
-    "antiphase": [(0.488703, 1.000241, 2.032049), (0.517873, 0.793933, 1.937968), (0.531027, 0.728561, 2.780072),
-                  (0.542557, 1.620306, 0.740615), (1.256714, 0.962657, 1.983417), (1.378418, 1.618688, 0.742421),
-                  (1.293183, 0.813761, 2.022725), (1.293594, 0.803868, 2.131303)],
-}  # fmt: skip
+    "published": [
+        (0.559374, 1.027736, 1.991212),
+        (0.634641, 1.641558, 0.708424),
+        (1.223810, 1.598606, 0.882513),
+        (1.229708, 1.644933, 0.684089),
+    ],
+    "antiphase": [
+        (0.488703, 1.000241, 2.032049),
+        (0.517873, 0.793933, 1.937968),
+        (0.531027, 0.728561, 2.780072),
+        (0.542557, 1.620306, 0.740615),
+        (1.256714, 0.962657, 1.983417),
+        (1.378418, 1.618688, 0.742421),
+        (1.293183, 0.813761, 2.022725),
+        (1.293594, 0.803868, 2.131303),
+    ],
+}
 
 
 @pytest.mark.parametrize("name", FOLDS)
@@ -74,7 +85,7 @@ def test_zero_exponent_at_the_folds_of_the_reference_table(name):
         motion = folds[np.argmin(np.abs(folds[:, 3] - omega))]
         np.testing.assert_allclose(
             [motion[3], motion[0], np.hypot(motion[1], motion[2])], [omega, mean, amplitude], rtol=0, atol=1e-6
-        )  # fmt: skip
+        )
         exponents, centres = window_exponents(system_row(model, "omega", motion[3:]), motion[None, :3], FIRST)
         order = np.argsort(np.abs(exponents[0]))
         assert abs(exponents[0, order[0]]) < 1e-8 < 1e-2 < abs(exponents[0, order[1]])

@@ -122,10 +122,17 @@ def test_doubled_motions_are_stable_where_the_single_one_is_not():
     assert assess(SIDE, "omega", [1.2], twice, balance=balance).kind[0] == Instability.FOLD
 
 
-@pytest.mark.parametrize("axis, values", [
-    ("b", [0.5, 1.0, 1.3]), ("f_e", [0.1, 0.2, 0.3]), ("alpha", [0.0, 0.2, 0.4]), ("k_support", [0.8, 1.0, 1.3]),
-    ("rotation_coupling", [0.6, 0.7719, 0.9]), ("f_pm", [0.3, 0.5, 0.9]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "axis, values",
+    [
+        ("b", [0.5, 1.0, 1.3]),
+        ("f_e", [0.1, 0.2, 0.3]),
+        ("alpha", [0.0, 0.2, 0.4]),
+        ("k_support", [0.8, 1.0, 1.3]),
+        ("rotation_coupling", [0.6, 0.7719, 0.9]),
+        ("f_pm", [0.3, 0.5, 0.9]),
+    ],
+)
 def test_axes_other_than_frequency(axis, values):
     model, omega = published(), 0.61
     chosen, motions = [], []
@@ -150,9 +157,14 @@ def test_axes_of_other_systems(axis, values):
     found = multipliers(system_row(system, axis, values, omega), np.tile(motion, (2, 1)))
     for i, value in enumerate(values):
         changed = oscillator(
-            0.1, 0.05, 0.9, 0.9, [[value, 0.3], harmonics[1]] if axis == "alpha" else harmonics,
-            gap=value if axis == "gap" else 0.4, back=np.inf,
-        )  # fmt: skip
+            0.1,
+            0.05,
+            0.9,
+            0.9,
+            [[value, 0.3], harmonics[1]] if axis == "alpha" else harmonics,
+            gap=value if axis == "gap" else 0.4,
+            back=np.inf,
+        )
         np.testing.assert_array_equal(found[i], motion_multipliers(changed, omega, motion))
 
 

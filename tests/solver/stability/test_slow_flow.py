@@ -22,9 +22,15 @@ XI, LOAD = 0.01, 0.03
 @pytest.mark.parametrize("gap, accuracy", [(0.04, 8e-3), (0.01, 4e-3)])
 def test_multipliers_are_those_of_the_averaged_flow(gap, accuracy):
     system = ContactSystem(
-        mass=[[1.0]], damping=[[2.0 * XI]], stiffness=[[0.0]], contact=[1.0], force=[1.0], front_gap=gap, back_gap=gap,
+        mass=[[1.0]],
+        damping=[[2.0 * XI]],
+        stiffness=[[0.0]],
+        contact=[1.0],
+        force=[1.0],
+        front_gap=gap,
+        back_gap=gap,
         load=[[0.0], [LOAD]],
-    )  # fmt: skip
+    )
     balance = Galerkin(15)
     closing = balance.problem(system, "gap", 0.0, gap, 0.9)
     _, linear = balance.linear_solution(closing, 0.0)

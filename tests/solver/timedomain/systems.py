@@ -22,9 +22,7 @@ def mathieu(a: float, q: float, damping: float = 0.0) -> ContactSystem:
 
 def oscillator(damping: float) -> ContactSystem:
     """Linear y'' + 2 zeta y' + y = 0.5 + cos Omega tau."""
-    return ContactSystem(
-        [[1.0]], [[2.0 * damping]], [[0.0]], [1.0], [1.0], 0.0, 0.0, load=[[0.5], [1.0]]
-    )  # fmt: skip
+    return ContactSystem([[1.0]], [[2.0 * damping]], [[0.0]], [1.0], [1.0], 0.0, 0.0, load=[[0.5], [1.0]])
 
 
 def full_gear_system(model: Model) -> ContactSystem:
@@ -36,10 +34,18 @@ def full_gear_system(model: Model) -> ContactSystem:
     for l, (amplitude, phase) in enumerate(model.error_harmonics(), start=1):
         inertial[l] = amplitude * np.exp(1j * phase) * unit
     return ContactSystem(
-        mass, damping, stiffness, unit, translation + rotation, model.b, model.b,
+        mass,
+        damping,
+        stiffness,
+        unit,
+        translation + rotation,
+        model.b,
+        model.b,
         model.variation_translation * translation + model.variation_rotation * rotation,
-        model.stiffness_harmonics(), [model.f_pm * unit, model.f_pv * unit], inertial,
-    )  # fmt: skip
+        model.stiffness_harmonics(),
+        [model.f_pm * unit, model.f_pv * unit],
+        inertial,
+    )
 
 
 def first_order_state(model: Model, omega: float, which: int = -1):
@@ -78,9 +84,15 @@ def scipy_motion(system: ContactSystem, omega: float, state, stop: float):
         # A short first piece leaves the border, where the event would be found again.
         away = solve_ivp(field, (time, min(time + 1e-4, stop)), z, method="DOP853", rtol=1e-12, atol=1e-13)
         piece = solve_ivp(
-            field, (away.t[-1], stop), away.y[:, -1], method="DOP853", rtol=1e-12, atol=1e-13, events=(front, back),
+            field,
+            (away.t[-1], stop),
+            away.y[:, -1],
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+            events=(front, back),
             max_step=0.2,
-        )  # fmt: skip
+        )
         time, z = piece.t[-1], piece.y[:, -1]
         if piece.status != 1:
             return z, np.array(switches)

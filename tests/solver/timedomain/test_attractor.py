@@ -5,19 +5,9 @@ import pytest
 
 from solver import ImpactState, ParameterError
 from solver.contact_system import ContactSystem, gear_system
-from solver.timedomain import (
-    AttractorKind,
-    Settling,
-    contact_impact,
-    settle,
-)
+from solver.timedomain import AttractorKind, Settling, contact_impact, settle
 from tests.conftest import antiphase, consistent, published
-from tests.solver.timedomain.systems import (
-    first_order_state,
-    flying_mass,
-    mathieu,
-    oscillator,
-)
+from tests.solver.timedomain.systems import first_order_state, flying_mass, mathieu, oscillator
 
 COS_20 = 0.93969262
 QUICK = Settling(max_periods=900, lyapunov_periods=1000, tolerance=1e-9)
@@ -28,10 +18,15 @@ def _one(system, omega, state, settling=QUICK):
     return attractor
 
 
-@pytest.mark.parametrize("omega, kind", [
-    (0.58, AttractorKind.PERIOD_1), (0.60, AttractorKind.PERIOD_1), (0.62, AttractorKind.QUASI_PERIODIC),
-    (1.2265, AttractorKind.PERIOD_2),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "omega, kind",
+    [
+        (0.58, AttractorKind.PERIOD_1),
+        (0.60, AttractorKind.PERIOD_1),
+        (0.62, AttractorKind.QUASI_PERIODIC),
+        (1.2265, AttractorKind.PERIOD_2),
+    ],
+)
 def test_where_the_upper_first_order_solution_leads(omega, kind):
     system, state = first_order_state(published(), omega)
     attractor = _one(system, omega, state)
@@ -113,10 +108,20 @@ def test_impact_state_with_two_different_gaps_or_one():
     assert contact_impact(two, np.nan, 1.0) == contact_impact(flying_mass(1.0), np.nan, 1.0) == -1
 
 
-@pytest.mark.parametrize("name, value", [
-    ("max_periods", 0), ("block", 10), ("near", 0.0), ("ceiling", np.inf), ("highest_period", 2), ("tolerance", -1.0),
-    ("lyapunov_periods", 3), ("lyapunov_floor", np.nan), ("close", -1.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("max_periods", 0),
+        ("block", 10),
+        ("near", 0.0),
+        ("ceiling", np.inf),
+        ("highest_period", 2),
+        ("tolerance", -1.0),
+        ("lyapunov_periods", 3),
+        ("lyapunov_floor", np.nan),
+        ("close", -1.0),
+    ],
+)
 def test_settings_are_checked(name, value):
     with pytest.raises(ParameterError, match=f"^{name} ="):
         Settling(**{name: value})

@@ -5,13 +5,7 @@ import pytest
 
 from solver import ParameterError
 from solver.contact_system import gear_system
-from solver.timedomain import (
-    AttractorKind,
-    Settling,
-    basin_box,
-    basin_shares,
-    wilson_interval,
-)
+from solver.timedomain import AttractorKind, Settling, basin_box, basin_shares, wilson_interval
 from tests.conftest import published
 from tests.solver.timedomain.systems import mathieu, oscillator
 

@@ -7,12 +7,7 @@ from solver import ParameterError
 from solver.contact_system import ContactSystem, gear_system
 from solver.timedomain import Status, Zone, integrate
 from tests.conftest import antiphase, consistent, published
-from tests.solver.timedomain.systems import (
-    flying_mass,
-    full_gear_system,
-    oscillator,
-    scipy_motion,
-)
+from tests.solver.timedomain.systems import flying_mass, full_gear_system, oscillator, scipy_motion
 
 
 def _forced_response(damping, omega, time):
@@ -95,10 +90,13 @@ def test_bevel_pair_agrees_with_scipy(model, omega):
     np.testing.assert_allclose(trajectory.states[-1], end, rtol=0.0, atol=1e-8)
 
 
-@pytest.mark.parametrize("model", [
-    published(),
-    consistent(alpha_harmonics=((0.1, 0.4),), f_e_harmonics=((0.05, 1.0),), xi_support=(0.01, 0.02, 0.01) * 2),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "model",
+    [
+        published(),
+        consistent(alpha_harmonics=((0.1, 0.4),), f_e_harmonics=((0.05, 1.0),), xi_support=(0.01, 0.02, 0.01) * 2),
+    ],
+)
 def test_merged_supports_move_lambda_as_seven_degrees_of_freedom(model):
     omega, rng = 0.6, np.random.default_rng(3)
     merged, full = gear_system(model), full_gear_system(model)
@@ -153,11 +151,17 @@ def test_what_cannot_go_on_is_told_by_the_status():
     assert all(status.sentence for status in Status)
 
 
-@pytest.mark.parametrize("arguments, name", [
-    ((-1.0, np.ones(4), 0.0, 1.0), "omega"), ((0.6, np.ones(3), 0.0, 1.0), "state"),
-    ((0.6, np.full(4, np.nan), 0.0, 1.0), "state"), ((0.6, "abcd", 0.0, 1.0), "state"),
-    ((0.6, np.ones((2, 4)), 0.0, 1.0), "state"), ((0.6, np.ones(4), 1.0, 0.0), "start, stop"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "arguments, name",
+    [
+        ((-1.0, np.ones(4), 0.0, 1.0), "omega"),
+        ((0.6, np.ones(3), 0.0, 1.0), "state"),
+        ((0.6, np.full(4, np.nan), 0.0, 1.0), "state"),
+        ((0.6, "abcd", 0.0, 1.0), "state"),
+        ((0.6, np.ones((2, 4)), 0.0, 1.0), "state"),
+        ((0.6, np.ones(4), 1.0, 0.0), "start, stop"),
+    ],
+)
 def test_bad_input_is_named(arguments, name):
     with pytest.raises(ParameterError, match=f"^{name} ="):
         integrate(gear_system(published()), *arguments)

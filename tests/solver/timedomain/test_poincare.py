@@ -102,12 +102,17 @@ def test_a_ceiling_ends_a_motion_and_leaves_the_others():
     assert failed.status is Status.CEILING and np.isnan(failed.lowest)
 
 
-@pytest.mark.parametrize("call, name", [
-    (lambda s: advance(s, 0.6, START, 0), "periods"), (lambda s: advance(s, 0.6, START[:3], 1), "states"),
-    (lambda s: measure(s, 0.6, START, 1, divisor=1.5), "divisor"),
-    (lambda s: measure(s, 0.6, START, 1, order=-1), "order"),
-    (lambda s: advance(s, np.inf, START, 1), "omega"), (lambda s: growth(s, 0.6, START, True), "periods"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "call, name",
+    [
+        (lambda s: advance(s, 0.6, START, 0), "periods"),
+        (lambda s: advance(s, 0.6, START[:3], 1), "states"),
+        (lambda s: measure(s, 0.6, START, 1, divisor=1.5), "divisor"),
+        (lambda s: measure(s, 0.6, START, 1, order=-1), "order"),
+        (lambda s: advance(s, np.inf, START, 1), "omega"),
+        (lambda s: growth(s, 0.6, START, True), "periods"),
+    ],
+)
 def test_bad_input_is_named(call, name):
     with pytest.raises(ParameterError, match=f"^{name} ="):
         call(gear_system(published()))

@@ -39,9 +39,9 @@ def test_a_period_taken_too_long_is_recognised():
     np.testing.assert_allclose(np.delete(orbit.harmonics, [0, 6]), 0.0, atol=1e-10)
 
 
-@pytest.mark.parametrize("omega, first, second, largest", [
-    (0.58, 0.8888, 0.7953, 1.00981), (0.60, 0.7262, 0.6875, 1.02675),
-])
+@pytest.mark.parametrize(
+    "omega, first, second, largest", [(0.58, 0.8888, 0.7953, 1.00981), (0.60, 0.7262, 0.6875, 1.02675)]
+)
 def test_true_orbits_of_the_lower_resonance(omega, first, second, largest):
     # The order-1 start is too far away at 0.58; the orbit is followed from 0.60.
     system, state = first_order_state(published(), 0.60, which=1)
@@ -73,15 +73,24 @@ def test_the_lower_resonance_is_a_period_1_attractor_outside_two_neimark_sacker_
             orbit = shoot(system, omega, following)
             following, found[omega] = orbit.state, orbit
     assert [found[omega].stable for omega in (0.57, 0.5725, 0.575, 0.6225, 0.625, 0.63)] == [
-        True, True, False, False, True, True,
-    ]  # fmt: skip
+        True,
+        True,
+        False,
+        False,
+        True,
+        True,
+    ]
     assert all(orbit.multipliers[0].imag > 0.4 for omega, orbit in found.items() if 0.57 <= omega <= 0.625)
 
 
-@pytest.mark.parametrize("model, omega, which, multiplier", [
-    (published(), 0.62, 1, 1.010), (published(), 1.2265, -1, -1.177),
-    (consistent(rotation_coupling=COS_20, variation_translation=0.0), 1.2, 0, -1.047),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "model, omega, which, multiplier",
+    [
+        (published(), 0.62, 1, 1.010),
+        (published(), 1.2265, -1, -1.177),
+        (consistent(rotation_coupling=COS_20, variation_translation=0.0), 1.2, 0, -1.047),
+    ],
+)
 def test_orbits_that_one_harmonic_calls_stable_are_not(model, omega, which, multiplier):
     orbit = shoot(*_with_omega(first_order_state(model, omega, which), omega))
     largest = orbit.multipliers[0]
@@ -154,12 +163,16 @@ def test_search_that_finds_nothing_says_so():
     assert all(status.sentence for status in ShootingStatus)
 
 
-@pytest.mark.parametrize("call, name", [
-    (lambda s: shoot(s, 1.0, [0.0, 0.0], period=0), "period"), (lambda s: shoot(s, 1.0, [0.0]), "state"),
-    (lambda s: shoot(s, 1.0, [0.0, 0.0], tolerance=2.0), "tolerance"),
-    (lambda s: orbit_state(s, 1.0, [1.0, 2.0]), "coefficients"),
-    (lambda s: orbit_state(s, 1.0, [1.0], samples=1), "samples"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "call, name",
+    [
+        (lambda s: shoot(s, 1.0, [0.0, 0.0], period=0), "period"),
+        (lambda s: shoot(s, 1.0, [0.0]), "state"),
+        (lambda s: shoot(s, 1.0, [0.0, 0.0], tolerance=2.0), "tolerance"),
+        (lambda s: orbit_state(s, 1.0, [1.0, 2.0]), "coefficients"),
+        (lambda s: orbit_state(s, 1.0, [1.0], samples=1), "samples"),
+    ],
+)
 def test_bad_input_is_named(call, name):
     with pytest.raises(ParameterError, match=f"^{name} ="):
         call(oscillator(0.05))

@@ -30,14 +30,20 @@ def test_period_doubling_of_the_consistent_pair():
 def test_unbounded_motion_does_not_poison_what_follows():
     def system_at(strength):
         return ContactSystem(
-            [[1.0]], [[0.1]], [[0.0]], [1.0], [1.0], 0.0, 0.0, varying_force=[1.0],
-            stiffness_harmonics=[(strength, 0.0)], load=[[1.0]],
-        ), 2.0  # fmt: skip
+            [[1.0]],
+            [[0.1]],
+            [[0.0]],
+            [1.0],
+            [1.0],
+            0.0,
+            0.0,
+            varying_force=[1.0],
+            stiffness_harmonics=[(strength, 0.0)],
+            load=[[1.0]],
+        ), 2.0
 
     sweep = sweep_attractors(system_at, [0.1, 0.8, 0.05])
-    assert [one.kind for one in sweep.up] == [
-        AttractorKind.PERIOD_1, AttractorKind.UNBOUNDED, AttractorKind.PERIOD_1,
-    ]  # fmt: skip
+    assert [one.kind for one in sweep.up] == [AttractorKind.PERIOD_1, AttractorKind.UNBOUNDED, AttractorKind.PERIOD_1]
     assert sweep.down[0].mean == pytest.approx(sweep.up[0].mean, abs=1e-9)
 
 
