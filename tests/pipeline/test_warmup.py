@@ -7,14 +7,14 @@ from pathlib import Path
 
 import solver
 from pipeline.warmup import compile_beside, is_cold
-from solver.compiled import cache_folder
+from solver.kernels.compile import cache_folder
 
 SOLVER = Path(solver.__file__).parent
 
 
 def test_a_cache_is_cold_until_it_holds_kernels(tmp_path, monkeypatch):
     assert not is_cold()
-    kept = Path(cache_folder(SOLVER / "arclength.py"))
+    kept = Path(cache_folder(SOLVER / "continuation" / "arclength.py"))
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert is_cold()
     # The solver is imported here: there is nothing left to do beside.
