@@ -7,13 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.boundaries.arcs import Arcs
-from pipeline.boundaries.events import GRAZINGS_AND_FOLDS
-from pipeline.boundaries.tracing import first_order_curves, to_store
+from pipeline.boundaries.tracing import curves_through, to_store
 from pipeline.margins.lines import swept
 from pipeline.plan import Axis, Plan
 from pipeline.sweep import row_axis
 from solver import Event
-from solver.boundaries import BoundaryCurve
+from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve
 
 __all__ = ["Boundaries", "boundaries_of", "crossed", "part_of", "traced"]
 
@@ -61,7 +60,7 @@ class Boundaries:
 
 def boundaries_of(curves) -> Boundaries:
     """The arcs of curves (`StoredCurve`) that part labels; bifurcations that leave n and I alone do not."""
-    shown = [curve for curve in curves if curve.kind in GRAZINGS_AND_FOLDS and len(curve.points) > 1]
+    shown = [curve for curve in curves if curve.kind in FOLDS_AND_GRAZINGS and len(curve.points) > 1]
     flags = np.concatenate([np.empty(0, bool), *(curve.arc_shows for curve in shown)])
     arcs = Arcs(
         *(np.concatenate([np.empty((0, 5)), *(getattr(curve.arcs, name) for curve in shown)])[flags] for name in _ENDS)
@@ -104,7 +103,7 @@ def traced(
         points, kinds = swept(window, window.parameter.name, p, float(value), p[0])
         along = np.column_stack([points[:, :3], np.full(len(points), value), points[:, 3]])
         starts += [(Event(int(kind)), point) for kind, point in zip(kinds, along, strict=True)]
-    return window, first_order_curves(window, starts)
+    return window, curves_through(window, starts)
 
 
 def crossed(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> tuple[np.ndarray, np.ndarray]:
