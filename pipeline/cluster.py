@@ -8,7 +8,6 @@ import importlib
 import importlib.util
 import logging
 import signal
-import tempfile
 import threading
 import time
 from collections import Counter, deque
@@ -109,7 +108,6 @@ class Workforce:
         self.config = config
         self._client = None
         self._cluster = None
-        self._scratch = None
         self._size = None
 
     def __enter__(self):
@@ -154,15 +152,12 @@ class Workforce:
             # Whoever gave a task decides whether it is done again after its worker was lost.
             "distributed.scheduler.allowed-failures": 0,
         }
-        # Of its own: workers import what lies in their folder, and dask's usual place is the same for all users.
-        self._scratch = tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True)
         with dask.config.set(settings), _deaf_to_interrupts():
             self._cluster = LocalCluster(
                 n_workers=self.config.workers,
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=self.config.memory,
-                local_directory=self._scratch.name,
                 # Any free port: a fixed one would be taken by the next run.
                 dashboard_address=":0",
                 scheduler_kwargs={"dashboard": self.config.dashboard},
@@ -299,9 +294,7 @@ class Workforce:
         for part in (self._client, self._cluster):
             if part is not None:
                 part.close()
-        if self._scratch is not None:
-            self._scratch.cleanup()
-        self._client = self._cluster = self._scratch = None
+        self._client = self._cluster = None
 
 
 def _silence() -> None:

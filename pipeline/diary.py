@@ -9,7 +9,7 @@ from pipeline import store
 from pipeline.plan import Plan
 from pipeline.sweep import balance_of, continuation_of, row_of, seeds_of
 from solver import EndReason, Event, Row, RowError
-from solver.diary import DiaryContinuation, Outcome, Trace
+from solver.continuation.trace_log import DiaryContinuation, Outcome, Trace
 
 __all__ = ["RowDiary", "row_diary", "write_sheets"]
 

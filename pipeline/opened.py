@@ -19,8 +19,8 @@ from pipeline.store.identity import root_attributes
 from pipeline.sweep import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.traits import TRAITS
 from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
-from solver.boundaries.regions import Occurrence
-from solver.enumeration import Proof
+from solver.enumeration.solutions import Proof
+from solver.regions.regions import Occurrence
 
 __all__ = ["OpenPlane", "open_plane"]
 

@@ -13,7 +13,7 @@ from pipeline.sweep import continuation_of, frame_of
 from solver import Event, ParameterError
 from solver.boundaries import BoundaryCurve, boundary_curves
 from solver.boundaries.plane import KINDS
-from solver.boundaries.regions import Occurrence, RegionError, Regions, regions
+from solver.regions.regions import Occurrence, RegionError, Regions, regions
 
 __all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds"]
 

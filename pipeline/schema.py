@@ -52,7 +52,7 @@ class ThermalDamping:
 
 @dataclass
 class Thermal:
-    """What temperature does to a gear in physical units; see `solver.thermal`. Quantities are written with units."""
+    """What temperature does to a gear in physical units; see `solver.gear.thermal`. Quantities have units."""
 
     reference: Any = MISSING
     housing_share: float = MISSING

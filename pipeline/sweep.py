@@ -26,8 +26,8 @@ from solver import (
     RowError,
     sweep_row,
 )
-from solver.mesh_damping import MESH_DAMPING
-from solver.paths import ParameterPath, place_on
+from solver.model.mesh_damping import MESH_DAMPING
+from solver.model.parameter_path import ParameterPath, place_on
 
 __all__ = [
     "Outcome",
@@ -121,7 +121,7 @@ def seeds_of(settings: dict, every_column: bool = False):
     if settings["certify"] == "none":
         return LinearSeeds()
     if settings["balance"] == "galerkin":
-        from solver.lifted_seeds import LiftedSeeds
+        from solver.rows.lifted_seeds import LiftedSeeds
 
         if settings["certify"] == "all":
             raise ParameterError("certify", "all", "none or columns for solver=hb: only first order can be proven")

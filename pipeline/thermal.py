@@ -1,4 +1,4 @@
-"""From the key gear.thermal to laws of temperature: units here, laws and names in `solver.thermal_laws`."""
+"""From the key gear.thermal to laws of temperature: units here, laws and names in `solver.gear.thermal_laws`."""
 
 import math
 from dataclasses import asdict
@@ -6,8 +6,8 @@ from dataclasses import asdict
 from pipeline.errors import ConfigurationError
 from pipeline.units import celsius, quantity
 from solver import GearPair, ParameterError
-from solver.thermal import ThermalPair
-from solver.thermal_laws import LAWS, law_of
+from solver.gear.thermal import ThermalPair
+from solver.gear.thermal_laws import LAWS, law_of
 
 __all__ = ["thermal_numbers", "thermal_pair"]
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from solver import ImpactState, label_parts
-from solver.boundaries.bands import Line
+from solver.regions.bands import Line
 
 __all__ = [
     "RANKS",

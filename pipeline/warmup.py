@@ -14,9 +14,12 @@ __all__ = ["compile_all", "compile_beside", "is_cold"]
 # The packages' own imports would compile everything in the same order; as bare folders they let one module be chosen.
 _HELPER = """
 import sys, types
-for name in ("", ".boundaries", ".stability", ".harmonic"):
-    package = sys.modules["solver" + name] = types.ModuleType("solver" + name)
-    package.__path__ = [sys.argv[1] + name.replace(".", "/")]
+from pathlib import Path
+
+for folder in [Path(sys.argv[1]), *(inner.parent for inner in Path(sys.argv[1]).glob("*/__init__.py"))]:
+    name = "solver" if folder == Path(sys.argv[1]) else f"solver.{folder.name}"
+    package = sys.modules[name] = types.ModuleType(name)
+    package.__path__ = [str(folder)]
 import solver.stability.scan, solver.boundaries.bifurcation_curves, solver.boundaries.contact_angles
 """
 
@@ -26,10 +29,10 @@ def is_cold() -> bool:
     folder = _solver_folder()
     if folder is None:
         return False
-    module = importlib.util.spec_from_file_location("_compiled", folder / "compiled.py")
-    compiled = importlib.util.module_from_spec(module)
-    module.loader.exec_module(compiled)
-    return compiled.is_cold(folder / "arclength.py")
+    module = importlib.util.spec_from_file_location("_compile", folder / "kernels/compile.py")
+    compiling = importlib.util.module_from_spec(module)
+    module.loader.exec_module(compiling)
+    return compiling.is_cold(folder / "continuation/arclength.py")
 
 
 def _solver_folder() -> Path | None:

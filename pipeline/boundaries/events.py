@@ -11,7 +11,7 @@ from pipeline.plan import Plan
 from pipeline.store import COMPLETE
 from pipeline.sweep import balance_of, frame_of
 from solver import Event
-from solver.paths import place_on
+from solver.model.parameter_path import place_on
 
 __all__ = ["BIFURCATIONS", "GRAZINGS_AND_FOLDS", "MARGINS", "RowEvents", "half_backlash", "read_events"]
 

@@ -9,8 +9,8 @@ from pipeline.plan import Plan
 from pipeline.sweep import continuation_of, frame_of, model_at, seeds_of
 from solver import Event, sweep_row
 from solver.boundaries import row_events
-from solver.boundaries.labelling import row_codes
 from solver.boundaries.plane import Plane
+from solver.regions.labelling import row_codes
 
 __all__ = ["Line", "Stretch", "codes_along", "divided", "swept"]
 

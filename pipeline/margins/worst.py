@@ -10,7 +10,8 @@ from pipeline.plan import Plan
 from pipeline.sweep import frame_of
 from pipeline.traits import RANKS
 from solver import ImpactState, domain_label, label_parts
-from solver.boundaries import BoundaryCurve, RegionError, Regions, regions
+from solver.boundaries import BoundaryCurve
+from solver.regions import RegionError, Regions, regions
 
 __all__ = ["Corner", "corners", "labels_within", "severity"]
 

@@ -19,7 +19,7 @@ from pipeline.store import read_plan
 from pipeline.tables.article import ARTICLE_TABLES
 from pipeline.tables.sheets import Sheet, class_sheet, label_sheet, measured_sheet, notes, title
 from pipeline.tables.table import build_table
-from solver.boundaries import RegionError, Regions
+from solver.regions import RegionError, Regions
 
 __all__ = ["document_of"]
 

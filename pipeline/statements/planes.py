@@ -12,7 +12,7 @@ from pipeline.resonances import Resonance, common_resonances
 from pipeline.store import read_plan
 from pipeline.sweep import balance_of, model_at
 from solver import Model
-from solver.boundaries import RegionError, Regions
+from solver.regions import RegionError, Regions
 
 __all__ = ["Planes", "default_model", "default_value"]
 

@@ -8,7 +8,7 @@ from pipeline.errors import StoreError
 from pipeline.statements.planes import Planes, default_model
 from pipeline.traits import TRAITS, intervals, jumping, labels_with, share_of
 from solver import Continuation, Event, Proof, enumerate_row, label_parts, sweep_row
-from solver.boundaries.bands import lines
+from solver.regions.bands import lines
 
 __all__ = [
     "AllSolutions",

@@ -10,8 +10,8 @@ from pipeline.tables.edges import Edge, edges
 from pipeline.tables.rows import RowPeak
 from pipeline.traits import TRAITS, contact_lost, intervals, jumping, labels_with, share_of, unstable
 from solver import ImpactState, label_parts
-from solver.boundaries import Regions
-from solver.boundaries.bands import Band, Line, band, lines
+from solver.regions import Regions
+from solver.regions.bands import Band, Line, band, lines
 
 __all__ = ["BandAtResonance", "band_at_resonance"]
 

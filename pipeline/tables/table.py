@@ -15,7 +15,7 @@ from pipeline.tables.bands import BandAtResonance, band_at_resonance
 from pipeline.tables.claims import Verdict, judge
 from pipeline.tables.classes import ASPECTS
 from pipeline.tables.rows import RowPeak, row_peaks
-from solver.boundaries import RegionError, Regions
+from solver.regions import RegionError, Regions
 
 __all__ = ["LabelRange", "Line", "Table", "build_table"]
 

@@ -10,7 +10,7 @@ from pipeline.tables.edges import nearest_edge
 from pipeline.tables.table import Line as TableLine
 from pipeline.tables.table import Table
 from solver import ImpactState
-from solver.boundaries.bands import Line
+from solver.regions.bands import Line
 
 __all__ = ["tidy"]
 

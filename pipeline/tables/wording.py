@@ -4,7 +4,7 @@ from pipeline.numerals import percent, signed
 from pipeline.tables.bands import BandAtResonance
 from pipeline.tables.edges import band_edges
 from solver import ImpactState
-from solver.boundaries.bands import Line
+from solver.regions.bands import Line
 
 __all__ = ["changes", "impact_states", "jump_size", "jumps", "labels", "peak_shift", "ranges"]
 

@@ -110,7 +110,7 @@ def check_rows(path: str, plan: Plan, orders: tuple[int, int], columns: int, blo
 
 def _row(plan: Plan, value: float, order: int, columns: int) -> Row:
     from solver.harmonic.galerkin import Galerkin
-    from solver.lifted_seeds import LiftedSeeds
+    from solver.rows.lifted_seeds import LiftedSeeds
 
     balance = Galerkin(order, int(plan.solver["period"]))
     return row_of(plan, value, balance, continuation_of(plan.solver), LiftedSeeds(columns))

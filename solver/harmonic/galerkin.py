@@ -18,16 +18,16 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
-from solver.harmonic.contact_spectrum import extremes
+from solver.contact.spectrum import extremes
+from solver.continuation.problem import Problem
 from solver.harmonic.contact_terms import coefficient, contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES, packed
-from solver.linear import eliminate
-from solver.model import Model
-from solver.problem import Problem
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import eliminate
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
 
 __all__ = ["Galerkin", "balance", "linear_solution", "monitor"]
 

@@ -15,10 +15,19 @@ import cmath
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, kernel
-from solver.condensation import F_PM, F_PV, SIZE, VARIATION_R, VARIATION_T, XI_MESH, mesh_receptance, rotation_coupling
 from solver.harmonic.layout import DEGREES, GEAR, KIND, LOADS, OMEGA, PAIRS, PERIOD, SIGN, STIFFNESSES
-from solver.linear import eliminate_rows
+from solver.kernels.compile import ARRAY, kernel
+from solver.kernels.linear import eliminate_rows
+from solver.model.condensation import (
+    F_PM,
+    F_PV,
+    SIZE,
+    VARIATION_R,
+    VARIATION_T,
+    XI_MESH,
+    mesh_receptance,
+    rotation_coupling,
+)
 
 __all__ = ["base_frequency", "impedance", "stiffness_phasor"]
 

@@ -13,10 +13,10 @@ import math
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.contact_system import ContactSystem
-from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs
-from solver.model import Model
+from solver.contact.spectrum import COMPLEX, contact_arcs
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
 from solver.stability.system_row import SystemRow, system_row
 
 __all__ = ["SYSTEMS", "contact_shares", "monodromies", "motion_multipliers", "multipliers"]

@@ -33,7 +33,7 @@ from pipeline.tables.edges import Edge, band_edges, edges, nearest_edge
 from pipeline.tables.rows import RowPeak
 from pipeline.traits import TRAITS, contact_lost, double_sided, intervals, jumping, labels_with, share_of, unstable
 from solver import Event, enumerate_row
-from solver.boundaries import bands as parts
+from solver.regions import bands as parts
 from tests.conftest import published
 
 BESIDE = 1e-6

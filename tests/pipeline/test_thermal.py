@@ -19,7 +19,7 @@ from pipeline.plan import plan, plan_of
 from pipeline.sweep import model_at
 from pipeline.units import celsius, quantity
 from solver import Event, GearPair, ImpactState, Model, all_solutions
-from solver.contact_system import gear_system
+from solver.model.contact_system import gear_system
 from tests.pipeline.planes import contents, small_plan, small_store
 
 MITER = ["plane=omega_temperature", "gear=miter"]

@@ -6,10 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from solver import Continuation, DescribingFunction, ParameterError, gear_system
-from solver.condensation import AXES
 from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import SYSTEM_AXES
 from solver.harmonic.perturbation import contact_and_modulated, perturbation_matrix
+from solver.model.condensation import AXES
 from tests.conftest import antiphase, consistent, published
 from tests.solver.harmonic.projection import evaluated, projected
 from tests.solver.independent import difference

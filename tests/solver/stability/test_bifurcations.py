@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from solver import Continuation, EndReason, Event, Model, sweep_row
-from solver.crossings import curve_crossings
-from solver.harmonic.first_order import DescribingFunction
+from solver.continuation.on_curve import curve_crossings
+from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.stability.bifurcations import BranchSwitchError, critical_frequencies, doubled, with_bifurcations
 from solver.stability.instability import Instability

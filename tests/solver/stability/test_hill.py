@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import Continuation, Event, sweep_row
-from solver.harmonic.first_order import evaluate
+from solver.harmonic.describing_function import evaluate
 from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import packed
 from solver.harmonic.perturbation import contact_and_modulated, perturbation_matrix

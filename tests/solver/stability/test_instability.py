@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from solver import ParameterError, sweep_row
-from solver.contact_system import gear_system
 from solver.harmonic.galerkin import Galerkin
+from solver.model.contact_system import gear_system
 from solver.stability import (
     Instability,
     Truncation,

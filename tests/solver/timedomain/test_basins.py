@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import ParameterError
-from solver.contact_system import gear_system
+from solver.model.contact_system import gear_system
 from solver.timedomain import AttractorKind, Settling, basin_box, basin_shares, wilson_interval
 from tests.conftest import published
 from tests.solver.timedomain.systems import mathieu, oscillator

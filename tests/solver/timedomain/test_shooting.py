@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import ParameterError
-from solver.contact_system import gear_system
+from solver.model.contact_system import gear_system
 from solver.timedomain import ShootingStatus, advance, monodromy, orbit_state, shoot
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import ParameterError
-from solver.contact_system import ContactSystem, gear_system
+from solver.model.contact_system import ContactSystem, gear_system
 from solver.timedomain import AttractorKind, resting_state, sweep_attractors
 from tests.conftest import consistent, published
 
