@@ -4,8 +4,8 @@ With M^-1 multiplied through, y obeys, with lambda = w . y and in zone z (-1 bac
 
     y'' + D y' + S_z y + q s(tau) lambda = g_z(tau),    s(tau) = Re sum_l S_l exp(i l Omega tau)
 
-where D = M^-1 C, S_0 = M^-1 K, S_z = M^-1 (K + h w^T) in contact, q = M^-1 h_v in contact and 0 without, and g holds the
-load and the offset of the zone's law. Small deviations obey the same equation without g.
+where D = M^-1 C, S_0 = M^-1 K, S_z = M^-1 (K + h w^T) in contact, q = M^-1 h_v in contact and 0 without, and g holds
+the load and the offset of the zone's law. Small deviations obey the same equation without g.
 """
 
 import math
