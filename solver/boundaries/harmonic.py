@@ -1,15 +1,14 @@
-"""Folds, grazings, period doublings and Neimark-Sackers of a balance over a plane, as curve problems.
+"""Boundaries of a balance of any order over a plane, as the curve problems that continuation follows.
 
-The unknowns are y = (u, x, p) with the motion u and the axes x and p; for Neimark-Sackers (u, omega nu/Omega, x, p)
-with the second frequency. Rows are the balance, then what makes the motion special: the scaled determinant of Hill's
-matrix at the exponent 0 (fold), at half the base frequency (period doubling), at i omega (Neimark-Sacker: real and
-imaginary part), or the distance of an extreme of lambda from a flank (grazing).
+The unknowns are y = (u, x, p) with the motion u and the axes x and p; for Neimark-Sackers (u, kappa, x, p) with the
+cosine of the angle of the critical multipliers. Rows are the balance, then what makes the motion special: the
+determinant of its Jacobian, rows scaled (fold), the distance of an extreme of lambda from a flank (grazing), or a test
+function of the monodromy matrix (`solver.boundaries.bifurcations`).
 
-Kernels see the vectors of `solver.boundaries.problem`; the parameters are those of `solver.harmonic.layout.packed`.
-
-A determinant has an infinite gradient where the motion grazes a flank, and its curve a corner. The contact of a stretch
-says how often the motion switches contact at the front and at the back flank. A problem may be confined to it: beyond,
-its equations are not numbers, and continuation stops at the corner.
+Determinants depend on the motion through the angles of contact, which move infinitely fast where it grazes a flank:
+there their curves have corners. The contact of a stretch says how often the motion switches contact at the front and at
+the back flank. A problem may be confined to it: beyond, its equations are not numbers, and continuation stops at the
+corner.
 """
 
 import math
@@ -19,16 +18,25 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
+from solver.boundaries.bifurcations import (
+    ANGLE,
+    FLANK,
+    SENSE,
+    bifurcation_rows,
+    move_parameters,
+    spread_slopes,
+    switches_of,
+)
 from solver.boundaries.problem import (
     BACK_CONTACT,
     BIFURCATIONS,
     EVENT,
-    FLANK,
     FOLDS_AND_GRAZINGS,
     FRONT_CONTACT,
     GRAZINGS,
     HEADER,
-    LEVEL,
+    P_STEP,
+    X_STEP,
     Contact,
     Guess,
     Plane,
@@ -36,123 +44,204 @@ from solver.boundaries.problem import (
     parameters_at,
     plane_theta,
 )
-from solver.contact.spectrum import contact_arcs
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.continuation.problem import Balance
+from solver.flow.switched_system import count_degrees
 from solver.harmonic import describing_function, galerkin
-from solver.harmonic.layout import BACK, FRONT, PAIRS, SIGN, STIFFNESSES, packed
+from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
+from solver.harmonic.layout import PAIRS, PERIOD, STIFFNESSES, packed
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import eliminate
 from solver.model.condensation import SIZE
-from solver.stability.hill_determinant import HALF, WHOLE
-from solver.stability.hill_slopes import determinant_slopes
-from solver.stability.scan import critical_shares
+from solver.model.parameter_path import ParameterPath
+from solver.stability.monodromy import fill_monodromies
 
 __all__ = ["HarmonicProblem"]
 
-_FOLD, _DOUBLING, _NEIMARK_SACKER = int(Event.FOLD), int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
+_I = types.int64
+_FOLD, _NEIMARK_SACKER = int(Event.FOLD), int(Event.NEIMARK_SACKER)
+_GRAZED = tuple(int(event) for event in GRAZINGS)
+_TURN = 2.0 * math.pi
+_first_order_balance, _galerkin_balance, _margins = describing_function.balance, galerkin.balance, galerkin.monitor
 
-WINDOW, TRUNCATED = FLANK, LEVEL
-ANY = -1
-# How far to look for the other side of a corner, in scaled unknowns.
-_HOPS = (1e-3, 1e-2, 1e-4)
-
-# The imaginary part of the determinant is odd about the centre of a window. Divided by the distance from it, which is
-# taken to be at least this, it leaves a regular equation.
-_CENTRE = 1e-4
-
-_balance_1, _balance_h, _monitor_h = describing_function.balance, galerkin.balance, galerkin.monitor
-
-
-@kernel(types.UniTuple(types.int64, 2)(ARRAY, ARRAY, ARRAY))
-def _switches(theta, direction, y):
-    """How often the motion at y switches contact over its period, at the front and at the back flank."""
-    here, _, _ = parameters_at(theta, direction, y)
-    n = y.shape[0] - (3 if int(theta[EVENT]) == _NEIMARK_SACKER else 2)
-    angles, zones = np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
-    count, front = contact_arcs(y[:n], here[FRONT], here[BACK], angles, zones), 0
-    for i in range(count):
-        front += 1 if zones[i - 1 if i > 0 else count - 1] + zones[i] > 0 else 0
-    return front, count - front
+# Any number of switches of contact.
+_ANY = (-1, -1)
+# Steps of central differences by x and p, as a share of their typical step (a tenth of the range): what they
+# difference is analytic, with some 1e-14 of rounding.
+_DIFFERENCE = 1e-5
+# How far to look about a corner for motions with another contact, how deep to start among them, and how far the curve
+# may be from there, in scaled unknowns.
+_PROBES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
+_DEPTHS = (1e-6, 1e-8, 1e-4, 1e-10)
+_REACH = 0.05
+# How far from the unit circle a pair of multipliers may be at a start of a Neimark-Sacker.
+_CRITICAL = 1e-4
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY))
-def _parameters(theta, direction, y, found):
-    """The parameters at (x, p)."""
-    found[:] = parameters_at(theta, direction, y)[0]
-
-
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _balance(theta, direction, y, residual, jacobian):
-    """Rows of the module: (n + 1,) and (n + 1, n + 2), one more of each for Neimark-Sackers."""
-    total, kind, truncated = y.shape[0], int(theta[EVENT]), theta[TRUNCATED] != 0.0
-    n = total - (3 if kind == _NEIMARK_SACKER else 2)
-    if theta[FRONT_CONTACT] != ANY:
-        front, back = _switches(theta, direction, y)
-        if front != theta[FRONT_CONTACT] or back != theta[BACK_CONTACT]:
-            residual[:] = math.nan
-            jacobian[:] = math.nan
-            return
-    here, along_x, along_p = parameters_at(theta, direction, y)
-    motion, part = np.zeros(n + 1), np.empty((n, n + 1))
-    motion[:n] = y[:n]
-    jacobian[:] = 0.0
-    for column in range(total - 2, total):
-        along = along_x if column == total - 2 else along_p
-        if truncated:
-            start = PAIRS + 2 * int(here[STIFFNESSES])
-            _balance_1(here[start : start + SIZE], along[start : start + SIZE], motion, residual[:n], part)
-        else:
-            _balance_h(here, along, motion, residual[:n], part)
-        jacobian[:n, column] = part[:, n]
-    jacobian[:n, :n] = part[:, :n]
-    if kind in (_FOLD, _DOUBLING, _NEIMARK_SACKER):
-        window, share = int(theta[WINDOW]), 0.0 if kind == _FOLD else 0.5
-        distance, sense = 1.0, 1.0 if window == WHOLE else -1.0
-        if kind == _NEIMARK_SACKER:
-            distance = max(y[n] if window == WHOLE else 0.5 - y[n], _CENTRE)
-            share = distance if window == WHOLE else 0.5 - distance
-        slopes = np.empty(n + 3, np.complex128)
-        value = determinant_slopes(here, along_x, along_p, y[:n], share, window, truncated, slopes)
-        residual[n] = value.real
+@kernel(types.void(ARRAY, ARRAY, MATRIX), inner=True)
+def _scaled_square(here, motion, square):
+    """Fill in dE/du of the Galerkin balance, the rows of harmonic k divided by 1 + (k Omega/nu)^2."""
+    n = square.shape[0]
+    still, residual, part = np.zeros(here.shape[0]), np.empty(n), np.empty((n, n + 1))
+    omega, _ = base_frequency(here, still, 0.0)
+    _galerkin_balance(here, still, motion, residual, part)
+    for i in range(n):
+        rate = (i + 1) // 2 * omega
         for j in range(n):
-            jacobian[n, j] = slopes[j].real
-        jacobian[n, total - 2], jacobian[n, total - 1] = slopes[n + 1].real, slopes[n + 2].real
-        if kind == _NEIMARK_SACKER:
-            residual[n + 1] = value.imag / distance
+            square[i, j] = part[i, j] / (1.0 + rate * rate)
+
+
+@kernel(types.float64(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY), inner=True)
+def _static_determinant(theta, here, along_x, along_p, motion, switches, gradient):
+    """det dE/du of the Galerkin balance, rows scaled; fill in its gradient over (u, x, p).
+
+    The angle of a switch of contact changes dE/du by a matrix of rank one: its column is what a force at that angle
+    does to the rows, its row are the harmonics there; see `solver.boundaries.bifurcations`.
+    """
+    n = motion.shape[0] - 1
+    still, period = np.zeros(here.shape[0]), int(here[PERIOD])
+    omega, _ = base_frequency(here, still, 0.0)
+    square, changed, dump = np.empty((n, n)), np.empty((n, n)), np.zeros(n)
+    force, harmonics = np.empty(n), np.empty(n)
+    _scaled_square(here, motion, square)
+    for i in range(n):
+        for j in range(n):
+            changed[i, j] = square[i, j]
+    value = eliminate(changed, dump)
+    for j in range(n + 2):
+        gradient[j] = 0.0
+    for c in range(switches.shape[0]):
+        angle, stiffness, largest = switches[c, ANGLE], 0.0, 0.0
+        for l in range(1, int(here[STIFFNESSES]) + 1):
+            turn = complex(math.cos(l * period * angle), math.sin(l * period * angle))
+            stiffness += (stiffness_phasor(here, still, 0.0, l)[0] * turn).real
+        for k in range(n // 2 + 1):
+            (_, A, B, _), _ = impedance(here, still, 0.0, 1j * k * omega, 0j, 0 if k == 0 else -1)
+            cosine, sine = math.cos(k * angle), math.sin(k * angle)
+            row = (A + B * stiffness) * complex(cosine, -sine) / (1.0 + k * k * omega * omega)
+            if k == 0:
+                force[0], harmonics[0] = row.real, 1.0
+            else:
+                force[2 * k - 1], force[2 * k] = 2.0 * row.real, -2.0 * row.imag
+                harmonics[2 * k - 1], harmonics[2 * k] = cosine, sine
+            largest = max(largest, abs(row))
+        share = 1.0 / largest if largest > 0.0 else 1.0
+        for i in range(n):
             for j in range(n):
-                jacobian[n + 1, j] = slopes[j].imag / distance
-            jacobian[n, n] = slopes[n].real
-            jacobian[n + 1, n] = (slopes[n].imag - sense * value.imag / distance) / distance
-            jacobian[n + 1, total - 2], jacobian[n + 1, total - 1] = (
-                slopes[n + 1].imag / distance,
-                slopes[n + 2].imag / distance,
-            )
+                changed[i, j] = square[i, j] + share * force[i] * harmonics[j]
+        slope = (eliminate(changed, dump) - value) / share
+        spread_slopes(switches[c], -switches[c, SENSE] * slope / _TURN, gradient, n)
+    moved = np.empty(here.shape[0])
+    for axis in range(2):
+        along, step = (along_x, theta[X_STEP]) if axis == 0 else (along_p, theta[P_STEP])
+        for side in (-1.0, 1.0):
+            move_parameters(here, along, side * step, moved)
+            _scaled_square(moved, motion, changed)
+            gradient[n + axis] += side * eliminate(changed, dump) / (2.0 * step)
+    return value
+
+
+@kernel(types.UniTuple(_I, 2)(MATRIX), inner=True)
+def _count_switches(switches):
+    """Switches of contact at the front and at the back flank."""
+    front = 0
+    for c in range(switches.shape[0]):
+        front += 1 if switches[c, FLANK] > 0.0 else 0
+    return front, switches.shape[0] - front
+
+
+@kernel(types.boolean(ARRAY, MATRIX, ARRAY), inner=True)
+def _is_beyond(theta, switches, residual):
+    """Whether the motion has another contact than the one that the problem is confined to; the rows are nan then."""
+    front, back = _count_switches(switches)
+    if theta[FRONT_CONTACT] < 0.0 or (front == theta[FRONT_CONTACT] and back == theta[BACK_CONTACT]):
+        return False
+    for i in range(residual.shape[0]):
+        residual[i] = math.nan
+    return True
+
+
+@kernel(types.void(MATRIX, _I, MATRIX), inner=True)
+def _copy_rows(part, column, jacobian):
+    """Put the Jacobian (n, n + 1) of a balance over one axis into that of the plane, the axis in a column of it."""
+    n = part.shape[0]
+    for i in range(n):
+        for j in range(n):
+            jacobian[i, j] = part[i, j]
+        if jacobian.shape[1] == n + 3:
+            jacobian[i, n] = 0.0
+        jacobian[i, column] = part[i, n]
+
+
+@kernel(types.void(ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
+def _monitor(theta, motion, switches, values, gradient):
+    """Size of the oscillation, and its gradient; for no event the switches of contact at either flank."""
+    if theta[EVENT] == 0.0:
+        values[0], values[1] = _count_switches(switches)
         return
-    values, gradient = np.empty(5), np.empty((5, n + 1))
-    for column in range(total - 2, total):
-        _monitor_h(here, along_x if column == total - 2 else along_p, motion, values, gradient)
-        jacobian[n, column] = gradient[kind - 1, n]
-    residual[n] = values[kind - 1]
-    jacobian[n, :n] = gradient[kind - 1, :n]
+    size = 0.0
+    for j in range(1, motion.shape[0] - 1):
+        size += motion[j] * motion[j]
+    values[0] = math.sqrt(size)
+    for j in range(gradient.shape[1]):
+        gradient[0, j] = 0.0
+    for j in range(1, motion.shape[0] - 1):
+        gradient[0, j] = motion[j] / values[0] if size > 0.0 else 0.0
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _monitor(theta, direction, y, values, gradient):
-    """Size of the oscillation, and the determinant at the exponent 0 if there is room (its gradient is left at 0)."""
-    total = y.shape[0]
-    n = total - (3 if int(theta[EVENT]) == _NEIMARK_SACKER else 2)
-    gradient[:] = 0.0
-    size = 0.0
-    for j in range(1, n):
-        size += y[j] * y[j]
-    size = math.sqrt(size)
-    values[0] = size
-    for j in range(1, n):
-        gradient[0, j] = y[j] / size if size > 0.0 else 0.0
-    if values.shape[0] > 1:
-        here, along_x, along_p = parameters_at(theta, direction, y)
-        slopes = np.empty(n + 3, np.complex128)
-        values[1] = determinant_slopes(here, along_x, along_p, y[:n], 0.0, WHOLE, theta[TRUNCATED] != 0.0, slopes).real
+def _first_order(theta, direction, y, values, gradient):
+    """Describing function with `bifurcation_rows`; where there is room for two values at most, the monitor."""
+    here, along_x, along_p = parameters_at(theta, direction, y)
+    closed, switches = switches_of(here, along_x, along_p, y[:3])
+    start, last = PAIRS + 2 * int(here[STIFFNESSES]), y.shape[0] - 1
+    motion = np.zeros(4)
+    for j in range(3):
+        motion[j] = y[j]
+    if values.shape[0] <= 2:
+        _monitor(theta, motion, switches, values, gradient)
+    elif not _is_beyond(theta, switches, values):
+        part, model = np.empty((3, 4)), here[start : start + SIZE]
+        for axis in range(2):
+            along = along_x if axis == 0 else along_p
+            _first_order_balance(model, along[start : start + SIZE], motion, values[:3], part)
+            _copy_rows(part, last - 1 + axis, gradient)
+        bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, values, gradient)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _any_order(theta, direction, y, values, gradient):
+    """Galerkin balance with the row or rows of an event; where there is room for two values at most, the monitor:
+    for grazings with det dE/du, which vanishes where the motion folds as well."""
+    here, along_x, along_p = parameters_at(theta, direction, y)
+    event, last = int(theta[EVENT]), y.shape[0] - 1
+    n = last - (2 if event == _NEIMARK_SACKER else 1)
+    closed, switches = switches_of(here, along_x, along_p, y[:n])
+    motion = np.zeros(n + 1)
+    for j in range(n):
+        motion[j] = y[j]
+    if values.shape[0] <= 2:
+        _monitor(theta, motion, switches, values, gradient)
+        if event != 0 and values.shape[0] == 2:
+            values[1] = _static_determinant(theta, here, along_x, along_p, motion, switches, gradient[1])
+        return
+    if _is_beyond(theta, switches, values):
+        return
+    part, margins, slopes = np.empty((n, n + 1)), np.empty(5), np.empty((5, n + 1))
+    for axis in range(2):
+        along = along_x if axis == 0 else along_p
+        _galerkin_balance(here, along, motion, values[:n], part)
+        _copy_rows(part, last - 1 + axis, gradient)
+        if event in _GRAZED:
+            _margins(here, along, motion, margins, slopes)
+            values[n], gradient[n, n + axis] = margins[event - _FOLD], slopes[event - _FOLD, n]
+    if event == _FOLD:
+        values[n] = _static_determinant(theta, here, along_x, along_p, motion, switches, gradient[n])
+    elif event in _GRAZED:
+        for j in range(n):
+            gradient[n, j] = slopes[event - _FOLD, j]
+    else:
+        bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, values, gradient)
 
 
 @dataclass(frozen=True)
@@ -179,7 +268,7 @@ class HarmonicProblem:
         theta, direction = plane_theta(
             plane, lambda axis, p: packed(plane.system_at(p), axis, plane.omega or 0.0, balance.order, balance.period)
         )
-        theta[TRUNCATED] = balance.truncated
+        theta[[X_STEP, P_STEP]] = np.multiply(_DIFFERENCE, plane.scale)
         scale = np.array([*[plane.motion_size] * balance.unknowns, *plane.scale])
         for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
             value.setflags(write=False)
@@ -206,77 +295,115 @@ class HarmonicProblem:
 
     def parameters(self, point: np.ndarray) -> np.ndarray:
         """The packed parameters at a point (u, x, p)."""
-        found = np.empty(self._direction.size)
-        _parameters(self._theta.copy(), self._direction.copy(), np.array(point, dtype=float), found)
-        return found
+        plane, balance, (x, p) = self.plane, self.balance, point[-2:]
+        if isinstance(plane.p_axis, ParameterPath):
+            base, along = packed(plane.system_at(p), plane.x_axis, plane.omega or 0.0, balance.order, balance.period)
+            return base + x * along
+        size = self._direction.size
+        base, along = self._theta[HEADER : HEADER + size], self._theta[HEADER + size : HEADER + 2 * size]
+        return base + x * along + p * self._direction
+
+    def monodromy(self, point: np.ndarray) -> np.ndarray:
+        """Monodromy matrix of the motion of a point (u, x, p)."""
+        here = self.parameters(point)
+        still, motions = np.zeros(here.size), np.ascontiguousarray(point[:-2])[None]
+        found = np.empty((1, 2 * count_degrees(here, still, 0.0), 2 * count_degrees(here, still, 0.0)))
+        fill_monodromies(here, still, np.zeros(1), motions, found)
+        return found[0]
 
     def starts(self, kind: Event, point: np.ndarray) -> Iterable[tuple[Contact, np.ndarray]]:
-        """The y that a point (u, x, p) may stand for: several for a Neimark-Sacker."""
+        """The y of a point (u, x, p); for a Neimark-Sacker one for every pair of multipliers next to the circle."""
         if kind is not Event.NEIMARK_SACKER:
-            yield (HALF if kind is Event.PERIOD_DOUBLING else WHOLE, ANY, ANY), point.copy()
+            yield None, point.copy()
             return
-        theta, found = self.parameters(point), np.empty(64)
-        motion = np.append(point[:-2], 0.0)
-        for tolerance in (1e-8, 1e-5):
-            count = critical_shares(theta, np.zeros_like(theta), motion, self.balance.truncated, tolerance, found)
-            if count:
-                break
-        shares = np.sort(found[:count])
-        for share in shares[np.diff(shares, prepend=-1.0) > 1e-6]:
-            windows = [WHOLE, HALF] if abs(share - 0.25) < 1e-9 else [WHOLE if share < 0.25 else HALF]
-            for window in windows:
-                yield (window, ANY, ANY), np.insert(point, -2, share)
+        multipliers = np.linalg.eigvals(self.monodromy(point))
+        pairs = multipliers[multipliers.imag > 0.0]
+        distances = np.abs(np.abs(pairs) - 1.0)
+        for i in np.argsort(distances, kind="stable"):
+            if distances[i] < _CRITICAL:
+                yield None, np.insert(point, -2, pairs[i].real / abs(pairs[i]))
 
     def problem(self, kind: Event, contact: Contact) -> Problem:
-        """The curve of one kind, exponents sought in one window."""
-        return self.confined(kind, (contact[0], ANY, ANY))
+        """The curve of one kind, whatever the contact."""
+        return self._problem(kind, _ANY)
 
     def confined(self, kind: Event, contact: Contact) -> Problem:
         """The curve of one kind, confined to motions of so many switches of contact."""
-        theta = self._theta.copy()
-        theta[EVENT], theta[[WINDOW, FRONT_CONTACT, BACK_CONTACT]] = kind, contact
-        scale = self._scale.copy()
+        return self._problem(kind, contact or _ANY)
+
+    def _problem(self, kind: Event, contact: tuple[int, int]) -> Problem:
+        theta, direction, scale = self._theta.copy(), self._direction.copy(), self._scale.copy()
+        theta[EVENT], theta[[FRONT_CONTACT, BACK_CONTACT]] = kind, contact
         if kind is Event.NEIMARK_SACKER:
-            scale = np.insert(scale, self.unknowns, 0.5)
-        return Problem(_balance, _monitor, theta, self._direction.copy(), scale, monitors=2 if kind in GRAZINGS else 1)
+            scale = np.insert(scale, self.unknowns, 1.0)
+        rows = _first_order if self.balance.truncated else _any_order
+        return Problem(rows, rows, theta, direction, scale, monitors=2 if kind in GRAZINGS else 1)
 
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
-        """Low and high border of y in one window: the plane, and for Neimark-Sackers the window."""
+        """Low and high border of y: the plane, and for Neimark-Sackers the resonances kappa = -1 and 1."""
         size = len(self._scale) + (kind is Event.NEIMARK_SACKER)
         low, high = np.full(size, -np.inf), np.full(size, np.inf)
         (low[-2], high[-2]), (low[-1], high[-1]) = self.plane.x_range, self.plane.p_range
         if kind is Event.NEIMARK_SACKER:
-            low[-3], high[-3] = (0.0, 0.25) if contact[0] == WHOLE else (0.25, 0.5)
+            low[-3], high[-3] = -1.0, 1.0
         return low, high
 
     def contact_at(self, kind: Event, contact: Contact, y: np.ndarray) -> Contact:
-        """How often the motion at y switches contact; ANY for a grazing, along which that changes nothing."""
+        """How often the motion at y switches contact; None for a grazing, along which that changes nothing."""
         if kind in GRAZINGS:
-            return contact
-        problem = self.problem(kind, contact)
-        return contact[0], *_switches(problem.theta, problem.direction, y)
+            return None
+        problem, counts, point = self.problem(Event.NONE, None), np.empty(2), y[list(self.components(kind))]
+        problem.monitor(problem.theta, problem.direction, point, counts, np.empty((2, point.size)))
+        return int(counts[0]), int(counts[1])
 
     def onward(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
-        """Somewhere close to a corner, along the tangent of arrival: there lies a motion with other switches of
-        contact, whose curve, followed back, stops at the same corner."""
-        curve, (window, *_) = stretch.curve, stretch.contact
-        y, tangent, scale = curve.points[-1], curve.tangents[-1], stretch.problem.scale
-        if curve.ends[1] is EndReason.STEP_TOO_SMALL and kind not in GRAZINGS:
-            for length in _HOPS:
+        """Beyond a corner, at some distance from the grazing there.
+
+        Along the curve that distance is a minimum or moves with the square of the arc, on the side with more contact.
+        Held, it leaves a regular problem on either side.
+        """
+        curve, problem = stretch.curve, stretch.problem
+        if kind in GRAZINGS or curve.ends[1] is not EndReason.STEP_TOO_SMALL:
+            return
+        corner, across = curve.points[-1], self._across_grazing(kind, stretch)
+        if across is None:
+            return
+        for depth in _DEPTHS:
+            for sense in (1.0, -1.0):
+                y = corner + sense * depth * across * problem.scale
+                if self.contact_at(kind, None, y) != stretch.contact:
+                    yield Guess(None, y, across, _REACH)
+
+    def _across_grazing(self, kind: Event, stretch: Stretch) -> np.ndarray | None:
+        """Unit vector across the grazing at which a stretch ends, in scaled unknowns; None if there is none.
+
+        It is where the row behind the balance changes most on the side with more contact.
+        """
+        problem, n = stretch.problem, self.unknowns
+        corner, jacobian = stretch.curve.points[-1], np.empty((problem.unknowns, problem.unknowns + 1))
+
+        def steepest(y):
+            problem.balance(problem.theta, problem.direction, y, np.empty(problem.unknowns), jacobian)
+            row = jacobian[n + np.argmax(np.linalg.norm(jacobian[n:] * problem.scale, axis=1))] * problem.scale
+            return row / np.linalg.norm(row)
+
+        for length in _PROBES:
+            for way in (stretch.curve.tangents[-1], steepest(corner)):
                 for sense in (1.0, -1.0):
-                    yield Guess((window, ANY, ANY), y + sense * length * tangent * scale, tangent, length)
-        elif kind is Event.NEIMARK_SACKER and curve.ends[1] is EndReason.RANGE_LEFT and y[-3] == 0.25:
-            yield Guess((1 - window, ANY, ANY), y, np.eye(y.size)[-3] * (1.0 if window == WHOLE else -1.0), 0.3)
+                    y = corner + sense * length * way * problem.scale
+                    contact = self.contact_at(kind, None, y)
+                    if contact != stretch.contact:
+                        return steepest(y if sum(contact) > sum(stretch.contact) else corner)
+        return None
 
     def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
-        """The scaled determinant at the exponent 0: its sign is the motion's static stability."""
-        values = np.empty(2)
-        problem.monitor(problem.theta, problem.direction, y, values, np.empty((2, y.size)))
-        return float(self._theta[HEADER + SIGN] * values[1])
+        """Sign of det dE/du."""
+        square, _, _ = self.fold_rows(problem, y)
+        return float(np.linalg.slogdet(square)[0])
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """dE/du (n, n), dE/dp (n,) and the derivatives of det dE/du by u (n,)."""
-        n = self.unknowns
-        jacobian = np.empty((n + 1, n + 2))
-        problem.balance(problem.theta, problem.direction, y, np.empty(n + 1), jacobian)
-        return jacobian[:n, :n], jacobian[:n, -1], self._theta[HEADER + SIGN] * jacobian[n, :n]
+        """dE/du (n, n), dE/dp (n,) and the derivatives by u (n,) of the row behind the balance."""
+        n, size = self.unknowns, problem.unknowns
+        jacobian = np.empty((size, size + 1))
+        problem.balance(problem.theta, problem.direction, y, np.empty(size), jacobian)
+        return jacobian[:n, :n], jacobian[:n, -1], jacobian[n, :n]

@@ -36,6 +36,7 @@ __all__ = [
     "Guess",
     "Plane",
     "Stretch",
+    "curve_tangent",
     "parameters_at",
     "plane_theta",
 ]
@@ -51,9 +52,9 @@ SAME = 1e-6
 #: order, how often it switches contact at higher ones; None where nothing depends on it.
 Contact = tuple[int, int] | None
 
-# Slots of the header. Contact of either flank; at first order the grazed flank's slot of y, its level and the size of
-# lambda; at higher order the event.
-FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, HEADER = range(7)
+# Slots of the header. Contact of either flank; with contact angles the grazed flank's slot of y, its level and the size
+# of lambda; without them the event, and the steps of differences along x and p.
+FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, X_STEP, P_STEP, HEADER = range(9)
 
 
 @dataclass(frozen=True)
@@ -222,11 +223,27 @@ class BoundaryProblem(Protocol):
         """
 
 
-@kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inline=True)
+def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
+    """Unit tangent (n + 1,) of a curve at one of its points in scaled unknowns, towards growing p."""
+    n = problem.unknowns
+    jacobian = np.empty((n, n + 1))
+    problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
+    jacobian *= problem.scale
+    if not np.all(np.isfinite(jacobian)):
+        return np.full(n + 1, np.nan)
+    # The rows differ by orders of magnitude next to grazings.
+    size = np.linalg.norm(jacobian, axis=1, keepdims=True)
+    tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]
+    return tangent if tangent[-1] >= 0.0 else -tangent
+
+
+@kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
 def parameters_at(theta, direction, y):
     """The parameters at y = (..., x, p), and what either axis adds to them there."""
     size, last = direction.shape[0], y.shape[0] - 1
-    along_x, along_p = theta[HEADER + size : HEADER + 2 * size], direction.copy()
-    here = theta[HEADER : HEADER + size] + y[last - 1] * along_x + y[last] * along_p
+    here, along_x, along_p = np.empty(size), np.empty(size), np.empty(size)
+    for i in range(size):
+        along_x[i], along_p[i] = theta[HEADER + size + i], direction[i]
+        here[i] = theta[HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
     add_path(theta, HEADER + 2 * size, y[last], here, along_p)
     return here, along_x, along_p

@@ -17,8 +17,9 @@ from solver.boundaries.problem import (
     Guess,
     Plane,
     Stretch,
+    curve_tangent,
 )
-from solver.continuation.continuation import Continuation, Curve, EndReason, Event, Problem
+from solver.continuation.continuation import Continuation, Curve, EndReason, Event
 from solver.continuation.correctors import workspace_rows
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
@@ -214,8 +215,10 @@ class Tracer:
         """The stretch on which a start (u, x, p) lies."""
         found = None
         for contact, y in self.boundary_problem.starts(self.kind, point):
-            # Held at its own p, so that a start on the border stays there.
-            y = self._corrected(contact, y, np.eye(y.size)[-1], 10.0 * SAME, SAME)
+            # Held at its own p, so that a start on the border stays there, unless the boundary runs along the row.
+            heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
+            normal = np.eye(y.size)[-1] if abs(heading[-1]) > 0.01 else heading
+            y = self._corrected(contact, y, normal, 10.0 * SAME, SAME)
             if y is None:
                 continue
             heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
@@ -231,24 +234,21 @@ class Tracer:
     ) -> np.ndarray | None:
         """The point of the boundary next to y across `normal`; None if there is none.
 
-        It may move by `reach` in (u, x, p) and lie outside of the box by `beyond`, in scaled unknowns. The correction
-        is across the tangent instead where the boundary runs along the hyperplane.
+        It may move by `reach` in (u, x, p) and lie outside of the box by `beyond`, in scaled unknowns.
         """
         problem, (low, high) = (
             self.boundary_problem.problem(self.kind, contact),
             self.boundary_problem.box(self.kind, contact),
         )
         before, corrector = y, self.continuation.corrector
-        y, tangent = y.copy(), curve_tangent(problem, y)
-        if not np.all(np.isfinite(tangent)):
-            return None
+        y = y.copy()
         iterations = corrector.kernel(
             problem.balance,
             problem.theta,
             problem.direction,
             problem.scale,
             y,
-            np.ascontiguousarray(normal if abs(tangent @ normal) > 0.01 else tangent),
+            np.ascontiguousarray(normal),
             corrector.tolerance,
             2 * corrector.max_iterations,
             np.empty((workspace_rows(problem.unknowns), y.size)),
@@ -291,17 +291,3 @@ class Tracer:
                 if way.curve.ends[0] is EndReason.STEP_TOO_SMALL and gap < MEET:
                     return way
         return None
-
-
-def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
-    """Unit tangent (n + 1,) of a curve at one of its points in scaled unknowns, towards growing p."""
-    n = problem.unknowns
-    jacobian = np.empty((n, n + 1))
-    problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
-    jacobian *= problem.scale
-    if not np.all(np.isfinite(jacobian)):
-        return np.full(n + 1, np.nan)
-    # The rows differ by orders of magnitude next to grazings.
-    size = np.linalg.norm(jacobian, axis=1, keepdims=True)
-    tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]
-    return tangent if tangent[-1] >= 0.0 else -tangent
