@@ -23,80 +23,23 @@ import math
 import numpy as np
 from numba import types
 
-from solver.boundaries.problem import EVENT, P_STEP, X_STEP
-from solver.contact.spectrum import contact_arcs, displacement
-from solver.continuation.continuation import Event
+from solver.boundaries.problem import P_STEP, X_STEP
 from solver.flow.switched_system import FREQUENCY, count_degrees, new_system, system_at
 from solver.flow.taylor import carry_deviations, count_blocks, new_series
 from solver.harmonic.layout import BACK, FRONT, OMEGA, PERIOD, STIFFNESSES
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.stability.monodromy import fill_monodromies
 
-__all__ = [
-    "ANGLE",
-    "FLANK",
-    "SENSE",
-    "bifurcation_rows",
-    "characteristic_remainder",
-    "move_parameters",
-    "spread_slopes",
-    "switches_of",
-]
+__all__ = ["ANGLE", "SENSE", "bifurcation_test", "characteristic_remainder", "critical_cosines", "move_parameters"]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
-_DOUBLING = int(Event.PERIOD_DOUBLING)
 _TURN = 2.0 * math.pi
 
-#: Columns of the switches of contact: angle, sigma, flank (1 front, -1 back), how the level of lambda there moves along
-#: x and p, and d lambda/d theta.
-ANGLE, SENSE, FLANK, LEVEL_X, LEVEL_P, SLOPE, SWITCHES = range(7)
+#: Columns of the switches of contact: angle theta_c, and sigma, 1 where contact begins and -1 where it ends.
+ANGLE, SENSE = range(2)
 
-
-@kernel(types.Tuple((_B, MATRIX))(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
-def switches_of(here, along_x, along_p, u):
-    """The switches of contact of a motion.
-
-    Parameters
-    ----------
-    here, along_x, along_p : arrays
-        Packed parameters at a place (x, p), and what either axis adds to them there.
-    u : (n,) array
-
-    Returns
-    -------
-    closed : bool
-        Whether there is contact at theta = 0.
-    switches : (k, SWITCHES) array
-        By angle.
-    """
-    angles, zones = np.empty(2 * u.shape[0] + 8), np.empty(2 * u.shape[0] + 8, np.int64)
-    count = contact_arcs(u, here[FRONT], here[BACK], angles, zones)
-    found, k = np.empty((count, SWITCHES)), 0
-    for i in range(count):
-        before, after = zones[i - 1 if i > 0 else count - 1], zones[i]
-        # From one flank to the other at once, as without backlash, is no switch.
-        if abs(after) == abs(before):
-            continue
-        slot, flank = (FRONT, 1.0) if before + after > 0 else (BACK, -1.0)
-        found[k, ANGLE], found[k, SENSE], found[k, FLANK] = angles[i], abs(after) - abs(before), flank
-        found[k, LEVEL_X], found[k, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
-        found[k, SLOPE] = displacement(u, angles[i])[1]
-        k += 1
-    return zones[max(count - 1, 0)] != 0, found[:k]
-
-
-@kernel(types.void(ARRAY, _F, ARRAY, _I), inner=True)
-def spread_slopes(switch, by_angle, row, unknowns):
-    """Add to a row of a Jacobian over (u, ..., x, p) what a slope by the angle of one switch comes to."""
-    rate, last = by_angle / switch[SLOPE], row.shape[0] - 1
-    turn = complex(math.cos(switch[ANGLE]), math.sin(switch[ANGLE]))
-    z = 1.0 + 0j
-    row[0] -= rate
-    for k in range(1, unknowns // 2 + 1):
-        z *= turn
-        row[2 * k - 1] -= rate * z.real
-        row[2 * k] -= rate * z.imag
-    row[last - 1] += rate * switch[LEVEL_X]
-    row[last] += rate * switch[LEVEL_P]
+# How far from the unit circle a pair of multipliers may be at a start of a Neimark-Sacker.
+_CRITICAL = 1e-4
 
 
 @kernel(types.void(MATRIX), inner=True)
@@ -163,7 +106,7 @@ def characteristic_remainder(matrix, kappa):
 @kernel(types.UniTuple(_F, 4)(MATRIX, _B, _F), inner=True)
 def _tested(matrix, doubling, kappa):
     """The test functions, and their derivatives by kappa; `matrix` is overwritten."""
-    r_0, r_1, d_r_0, d_r_1 = characteristic_remainder(matrix, kappa)
+    r_0, r_1, d_r_0, d_r_1 = characteristic_remainder(matrix, -1.0 if doubling else kappa)
     return (r_0 - r_1, 0.0, 0.0, 0.0) if doubling else (r_0, r_1, d_r_0, d_r_1)
 
 
@@ -189,14 +132,16 @@ def _carry(here, closed, switches, matrix, columns, rows):
     for i in range(size):
         states[i // 4, i, i % 4] = 1.0
     scale = period / system.numbers[FREQUENCY]
-    begin, zone = 0.0, 1 if closed else 0
+    # Contacts at once: two where one begins and another ends at the same angle.
+    begin, contacts = 0.0, 1.0 if closed else 0.0
     for c in range(switches.shape[0] + 1):
         end = switches[c, ANGLE] if c < switches.shape[0] else _TURN
+        zone = 1 if contacts > 0.0 else 0
         if end > begin and not carry_deviations(system, zone, begin * scale, end * scale, states, series):
             return False
         if c == switches.shape[0]:
             break
-        begin, zone = end, 1 if switches[c, SENSE] > 0.0 else 0
+        begin, contacts = end, contacts + switches[c, SENSE]
         if c >= count:
             continue
         stiffness = 0.0
@@ -226,69 +171,84 @@ def move_parameters(here, along, step, moved):
     moved[FRONT], moved[BACK] = here[FRONT], here[BACK]
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _B, MATRIX, ARRAY, MATRIX), inner=True)
-def bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, residual, jacobian):
-    """Fill in the rows behind the n rows of a balance.
-
-    One row for a period doubling, y = (u, x, p); two for a Neimark-Sacker, y = (u, kappa, x, p).
+@kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _B, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
+def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, closed, switches, by_angle, by_axis):
+    """The test functions of a motion, and how they change.
 
     Parameters
     ----------
     theta : array
-        Of `solver.boundaries.problem`.
+        Of `solver.boundaries.problem`: holds the steps of differences.
     here, along_x, along_p : arrays
-        `parameters_at` y, of `solver.harmonic.layout.packed`.
-    y : (n + 2,) or (n + 3,) array
-    closed, switches
-        Of the motion; see `switches_of`.
-    residual : (n + 1,) or (n + 2,) array
-    jacobian : (n + 1, n + 2) or (n + 2, n + 3) array
+        `parameters_at` a place (x, p), of `solver.harmonic.layout.packed`.
+    doubling : bool
+        Whether of a period doubling or of a Neimark-Sacker.
+    kappa : float
+        Not used for a period doubling.
+    closed : bool
+        Whether there is contact at theta = 0.
+    switches : (k, at least 2) array
+        ANGLE and SENSE of every switch of contact, by angle.
+    by_angle : (2, k) array
+        Filled with the derivatives by the angles.
+    by_axis : (2, 2) array
+        Filled with the derivatives by x and by p, the angles held.
+
+    Returns
+    -------
+    values, by_kappa : 2 floats each
+        Of a period doubling the first value counts. nan where M is not finite.
     """
-    doubling, last = int(theta[EVENT]) == _DOUBLING, y.shape[0] - 1
-    number = 1 if doubling else 2
-    n = last - number
-    kappa = -1.0 if doubling else y[n]
     size, count = _states(here), switches.shape[0]
     matrix, changed = np.empty((size, size)), np.empty((size, size))
     columns, rows = np.empty((count, size)), np.empty((count, size))
     if not _carry(here, closed, switches, matrix, columns, rows):
-        for row in range(number):
-            residual[n + row] = math.nan
-        return
+        return math.nan, math.nan, math.nan, math.nan
     largest = 0.0
     for i in range(size):
         for j in range(size):
             changed[i, j] = matrix[i, j]
             largest = max(largest, abs(matrix[i, j]))
     value = _tested(changed, doubling, kappa)
-    for row in range(number):
-        residual[n + row] = value[row]
-        for j in range(last + 1):
-            jacobian[n + row, j] = 0.0
-        if not doubling:
-            jacobian[n + row, n] = value[2 + row]
     for c in range(count):
         reach, width = 0.0, 0.0
         for i in range(size):
             reach, width = max(reach, abs(columns[c, i])), max(width, abs(rows[c, i]))
-        if reach == 0.0 or width == 0.0:
-            continue
-        share = largest / (reach * width)
+        share = largest / (reach * width) if reach * width > 0.0 else 1.0
         for i in range(size):
             for j in range(size):
                 changed[i, j] = matrix[i, j] + share * columns[c, i] * rows[c, j]
         moved = _tested(changed, doubling, kappa)
         factor = switches[c, SENSE] * here[PERIOD] / (here[OMEGA] * share)
-        for row in range(number):
-            spread_slopes(switches[c], factor * (moved[row] - value[row]), jacobian[n + row], n)
+        by_angle[0, c], by_angle[1, c] = factor * (moved[0] - value[0]), factor * (moved[1] - value[1])
     beyond, nothing = np.empty(here.shape[0]), np.empty((0, size))
     for axis in range(2):
         along, step = (along_x, theta[X_STEP]) if axis == 0 else (along_p, theta[P_STEP])
+        by_axis[0, axis], by_axis[1, axis] = 0.0, 0.0
         for side in (-1.0, 1.0):
             move_parameters(here, along, side * step, beyond)
             whole = _carry(beyond, closed, switches, changed, nothing, nothing)
             moved = _tested(changed, doubling, kappa)
             # Where a coupling vanishes the system has fewer coordinates, and no slope.
             weight = side / (2.0 * step) if whole else math.nan
-            for row in range(number):
-                jacobian[n + row, last - 1 + axis] += weight * moved[row]
+            by_axis[0, axis] += weight * moved[0]
+            by_axis[1, axis] += weight * moved[1]
+    return value
+
+
+def multipliers_of(here: np.ndarray, motion: np.ndarray) -> np.ndarray:
+    """Multipliers of a motion (n,) with parameters of `solver.harmonic.layout.packed` at its place: complex (2n,)."""
+    still = np.zeros(here.size)
+    size = 2 * count_degrees(here, still, 0.0)
+    found = np.empty((1, size, size))
+    fill_monodromies(here, still, np.zeros(1), np.ascontiguousarray(motion)[None], found)
+    return np.linalg.eigvals(found[0])
+
+
+def critical_cosines(here: np.ndarray, motion: np.ndarray) -> list[float]:
+    """kappa of the pairs of multipliers next to the unit circle, the nearest first, of what `multipliers_of` takes."""
+    multipliers = multipliers_of(here, motion)
+    pairs = multipliers[multipliers.imag > 0.0]
+    distances = np.abs(np.abs(pairs) - 1.0)
+    order = np.argsort(distances, kind="stable")
+    return [float(pairs[i].real / abs(pairs[i])) for i in order if distances[i] < _CRITICAL]

@@ -17,7 +17,7 @@ the angle clamped there, and the unknown measures the distance instead, with the
 is a smooth problem of its own, and the grazings are the walls between them.
 
 The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the vectors
-of `solver.boundaries.problem`, the parameters being the 34 numbers of `solver.model.condensation`.
+of `solver.boundaries.problem`; the balance reads the model's numbers among the parameters.
 """
 
 import math
@@ -27,7 +27,9 @@ from numba import types
 
 from solver.boundaries.problem import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, parameters_at
 from solver.harmonic.describing_function import coefficients
+from solver.harmonic.layout import PAIRS, STIFFNESSES
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.condensation import SIZE
 
 __all__ = [
     "BACK",
@@ -58,9 +60,11 @@ _RIGHT = 0.5 * math.pi
 @kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
 def plane_coefficients(theta, direction, y):
     """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both."""
-    model, along_x, along_p = parameters_at(theta, direction, y)
-    values, by_x, constants, constants_x = coefficients(model, along_x, 0.0)
-    _, by_p, _, constants_p = coefficients(model, along_p, 0.0)
+    here, along_x, along_p = parameters_at(theta, direction, y)
+    start = PAIRS + 2 * int(here[STIFFNESSES])
+    model = here[start : start + SIZE]
+    values, by_x, constants, constants_x = coefficients(model, along_x[start : start + SIZE], 0.0)
+    _, by_p, _, constants_p = coefficients(model, along_p[start : start + SIZE], 0.0)
     return (values, by_x, by_p), (constants, constants_x, constants_p)
 
 

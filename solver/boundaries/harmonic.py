@@ -18,15 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
-from solver.boundaries.bifurcations import (
-    ANGLE,
-    FLANK,
-    SENSE,
-    bifurcation_rows,
-    move_parameters,
-    spread_slopes,
-    switches_of,
-)
+from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines, move_parameters
 from solver.boundaries.problem import (
     BACK_CONTACT,
     BIFURCATIONS,
@@ -34,7 +26,6 @@ from solver.boundaries.problem import (
     FOLDS_AND_GRAZINGS,
     FRONT_CONTACT,
     GRAZINGS,
-    HEADER,
     P_STEP,
     X_STEP,
     Contact,
@@ -44,38 +35,81 @@ from solver.boundaries.problem import (
     parameters_at,
     plane_theta,
 )
+from solver.contact.spectrum import contact_arcs, displacement
 from solver.continuation.continuation import EndReason, Event, Problem
-from solver.continuation.problem import Balance
-from solver.flow.switched_system import count_degrees
-from solver.harmonic import describing_function, galerkin
+from solver.harmonic import galerkin
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
-from solver.harmonic.layout import PAIRS, PERIOD, STIFFNESSES, packed
+from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.condensation import SIZE
-from solver.model.parameter_path import ParameterPath
-from solver.stability.monodromy import fill_monodromies
 
 __all__ = ["HarmonicProblem"]
 
-_I = types.int64
-_FOLD, _NEIMARK_SACKER = int(Event.FOLD), int(Event.NEIMARK_SACKER)
+_I, _F, _B = types.int64, types.float64, types.boolean
+_FOLD, _DOUBLING, _NEIMARK_SACKER = int(Event.FOLD), int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
 _GRAZED = tuple(int(event) for event in GRAZINGS)
 _TURN = 2.0 * math.pi
-_first_order_balance, _galerkin_balance, _margins = describing_function.balance, galerkin.balance, galerkin.monitor
+
+# Columns of the switches of contact behind those of `bifurcations`: flank (1 front, -1 back), how the level of lambda
+# there moves along x and p, and d lambda/d theta.
+FLANK, LEVEL_X, LEVEL_P, SLOPE, SWITCHES = range(2, 7)
+_galerkin_balance, _margins = galerkin.balance, galerkin.monitor
 
 # Any number of switches of contact.
 _ANY = (-1, -1)
-# Steps of central differences by x and p, as a share of their typical step (a tenth of the range): what they
-# difference is analytic, with some 1e-14 of rounding.
-_DIFFERENCE = 1e-5
 # How far to look about a corner for motions with another contact, how deep to start among them, and how far the curve
 # may be from there, in scaled unknowns.
 _PROBES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
 _DEPTHS = (1e-6, 1e-8, 1e-4, 1e-10)
 _REACH = 0.05
-# How far from the unit circle a pair of multipliers may be at a start of a Neimark-Sacker.
-_CRITICAL = 1e-4
+
+
+@kernel(types.Tuple((_B, MATRIX))(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
+def _switches_of(here, along_x, along_p, u):
+    """The switches of contact of a motion.
+
+    Parameters
+    ----------
+    here, along_x, along_p : arrays
+        Packed parameters at a place (x, p), and what either axis adds to them there.
+    u : (n,) array
+
+    Returns
+    -------
+    closed : bool
+        Whether there is contact at theta = 0.
+    switches : (k, SWITCHES) array
+        By angle.
+    """
+    angles, zones = np.empty(2 * u.shape[0] + 8), np.empty(2 * u.shape[0] + 8, np.int64)
+    count = contact_arcs(u, here[FRONT], here[BACK], angles, zones)
+    found, k = np.empty((count, SWITCHES)), 0
+    for i in range(count):
+        before, after = zones[i - 1 if i > 0 else count - 1], zones[i]
+        # From one flank to the other at once, as without backlash, is no switch.
+        if abs(after) == abs(before):
+            continue
+        slot, flank = (FRONT, 1.0) if before + after > 0 else (BACK, -1.0)
+        found[k, ANGLE], found[k, SENSE], found[k, FLANK] = angles[i], abs(after) - abs(before), flank
+        found[k, LEVEL_X], found[k, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
+        found[k, SLOPE] = displacement(u, angles[i])[1]
+        k += 1
+    return zones[max(count - 1, 0)] != 0, found[:k]
+
+
+@kernel(types.void(ARRAY, _F, ARRAY, _I), inner=True)
+def _spread_slopes(switch, by_angle, row, unknowns):
+    """Add to a row of a Jacobian over (u, ..., x, p) what a slope by the angle of one switch comes to."""
+    rate, last = by_angle / switch[SLOPE], row.shape[0] - 1
+    turn = complex(math.cos(switch[ANGLE]), math.sin(switch[ANGLE]))
+    z = 1.0 + 0j
+    row[0] -= rate
+    for k in range(1, unknowns // 2 + 1):
+        z *= turn
+        row[2 * k - 1] -= rate * z.real
+        row[2 * k] -= rate * z.imag
+    row[last - 1] += rate * switch[LEVEL_X]
+    row[last] += rate * switch[LEVEL_P]
 
 
 @kernel(types.void(ARRAY, ARRAY, MATRIX), inner=True)
@@ -130,7 +164,7 @@ def _static_determinant(theta, here, along_x, along_p, motion, switches, gradien
             for j in range(n):
                 changed[i, j] = square[i, j] + share * force[i] * harmonics[j]
         slope = (eliminate(changed, dump) - value) / share
-        spread_slopes(switches[c], -switches[c, SENSE] * slope / _TURN, gradient, n)
+        _spread_slopes(switches[c], -switches[c, SENSE] * slope / _TURN, gradient, n)
     moved = np.empty(here.shape[0])
     for axis in range(2):
         along, step = (along_x, theta[X_STEP]) if axis == 0 else (along_p, theta[P_STEP])
@@ -189,24 +223,22 @@ def _monitor(theta, motion, switches, values, gradient):
         gradient[0, j] = motion[j] / values[0] if size > 0.0 else 0.0
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _first_order(theta, direction, y, values, gradient):
-    """Describing function with `bifurcation_rows`; where there is room for two values at most, the monitor."""
-    here, along_x, along_p = parameters_at(theta, direction, y)
-    closed, switches = switches_of(here, along_x, along_p, y[:3])
-    start, last = PAIRS + 2 * int(here[STIFFNESSES]), y.shape[0] - 1
-    motion = np.zeros(4)
-    for j in range(3):
-        motion[j] = y[j]
-    if values.shape[0] <= 2:
-        _monitor(theta, motion, switches, values, gradient)
-    elif not _is_beyond(theta, switches, values):
-        part, model = np.empty((3, 4)), here[start : start + SIZE]
-        for axis in range(2):
-            along = along_x if axis == 0 else along_p
-            _first_order_balance(model, along[start : start + SIZE], motion, values[:3], part)
-            _copy_rows(part, last - 1 + axis, gradient)
-        bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, values, gradient)
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _B, MATRIX, ARRAY, MATRIX), inner=True)
+def _bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, residual, jacobian):
+    """Fill in the row of a period doubling, y = (u, x, p), or both of a Neimark-Sacker, y = (u, kappa, x, p)."""
+    doubling, last = int(theta[EVENT]) == _DOUBLING, y.shape[0] - 1
+    number = 1 if doubling else 2
+    n = last - number
+    by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
+    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[n], closed, switches, by_angle, by_axis)
+    for row in range(number):
+        residual[n + row] = values[row]
+        for j in range(n):
+            jacobian[n + row, j] = 0.0
+        jacobian[n + row, n] = values[2 + row]
+        jacobian[n + row, last - 1], jacobian[n + row, last] = by_axis[row, 0], by_axis[row, 1]
+        for c in range(switches.shape[0]):
+            _spread_slopes(switches[c], by_angle[row, c], jacobian[n + row], n)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
@@ -216,7 +248,7 @@ def _any_order(theta, direction, y, values, gradient):
     here, along_x, along_p = parameters_at(theta, direction, y)
     event, last = int(theta[EVENT]), y.shape[0] - 1
     n = last - (2 if event == _NEIMARK_SACKER else 1)
-    closed, switches = switches_of(here, along_x, along_p, y[:n])
+    closed, switches = _switches_of(here, along_x, along_p, y[:n])
     motion = np.zeros(n + 1)
     for j in range(n):
         motion[j] = y[j]
@@ -241,7 +273,7 @@ def _any_order(theta, direction, y, values, gradient):
         for j in range(n):
             gradient[n, j] = slopes[event - _FOLD, j]
     else:
-        bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, values, gradient)
+        _bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, values, gradient)
 
 
 @dataclass(frozen=True)
@@ -251,8 +283,7 @@ class HarmonicProblem:
     Parameters
     ----------
     plane : Plane
-    balance : DescribingFunction or Galerkin
-        Folds and grazings of the describing function are those of `solver.boundaries.first_order`.
+    balance : Galerkin
 
     Raises
     ------
@@ -261,14 +292,11 @@ class HarmonicProblem:
     """
 
     plane: Plane
-    balance: Balance
+    balance: galerkin.Galerkin
 
     def __post_init__(self):
         plane, balance = self.plane, self.balance
-        theta, direction = plane_theta(
-            plane, lambda axis, p: packed(plane.system_at(p), axis, plane.omega or 0.0, balance.order, balance.period)
-        )
-        theta[[X_STEP, P_STEP]] = np.multiply(_DIFFERENCE, plane.scale)
+        theta, direction = plane_theta(plane, balance.order, balance.period)
         scale = np.array([*[plane.motion_size] * balance.unknowns, *plane.scale])
         for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
             value.setflags(write=False)
@@ -277,7 +305,7 @@ class HarmonicProblem:
     @property
     def kinds(self) -> tuple[Event, ...]:
         """The boundaries that can be followed."""
-        return BIFURCATIONS if self.balance.truncated else (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
+        return *FOLDS_AND_GRAZINGS, *BIFURCATIONS
 
     @property
     def unknowns(self) -> int:
@@ -293,35 +321,14 @@ class HarmonicProblem:
         """Which components of y a boundary shows: mean, fundamental, x and p."""
         return 0, *self.balance.fundamental, *self.components(kind)[-2:]
 
-    def parameters(self, point: np.ndarray) -> np.ndarray:
-        """The packed parameters at a point (u, x, p)."""
-        plane, balance, (x, p) = self.plane, self.balance, point[-2:]
-        if isinstance(plane.p_axis, ParameterPath):
-            base, along = packed(plane.system_at(p), plane.x_axis, plane.omega or 0.0, balance.order, balance.period)
-            return base + x * along
-        size = self._direction.size
-        base, along = self._theta[HEADER : HEADER + size], self._theta[HEADER + size : HEADER + 2 * size]
-        return base + x * along + p * self._direction
-
-    def monodromy(self, point: np.ndarray) -> np.ndarray:
-        """Monodromy matrix of the motion of a point (u, x, p)."""
-        here = self.parameters(point)
-        still, motions = np.zeros(here.size), np.ascontiguousarray(point[:-2])[None]
-        found = np.empty((1, 2 * count_degrees(here, still, 0.0), 2 * count_degrees(here, still, 0.0)))
-        fill_monodromies(here, still, np.zeros(1), motions, found)
-        return found[0]
-
     def starts(self, kind: Event, point: np.ndarray) -> Iterable[tuple[Contact, np.ndarray]]:
         """The y of a point (u, x, p); for a Neimark-Sacker one for every pair of multipliers next to the circle."""
         if kind is not Event.NEIMARK_SACKER:
             yield None, point.copy()
             return
-        multipliers = np.linalg.eigvals(self.monodromy(point))
-        pairs = multipliers[multipliers.imag > 0.0]
-        distances = np.abs(np.abs(pairs) - 1.0)
-        for i in np.argsort(distances, kind="stable"):
-            if distances[i] < _CRITICAL:
-                yield None, np.insert(point, -2, pairs[i].real / abs(pairs[i]))
+        here, _, _ = parameters_at(self._theta.copy(), self._direction.copy(), point)
+        for kappa in critical_cosines(here, point[:-2]):
+            yield None, np.insert(point, -2, kappa)
 
     def problem(self, kind: Event, contact: Contact) -> Problem:
         """The curve of one kind, whatever the contact."""
@@ -336,8 +343,7 @@ class HarmonicProblem:
         theta[EVENT], theta[[FRONT_CONTACT, BACK_CONTACT]] = kind, contact
         if kind is Event.NEIMARK_SACKER:
             scale = np.insert(scale, self.unknowns, 1.0)
-        rows = _first_order if self.balance.truncated else _any_order
-        return Problem(rows, rows, theta, direction, scale, monitors=2 if kind in GRAZINGS else 1)
+        return Problem(_any_order, _any_order, theta, direction, scale, monitors=2 if kind in GRAZINGS else 1)
 
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
         """Low and high border of y: the plane, and for Neimark-Sackers the resonances kappa = -1 and 1."""

@@ -6,11 +6,11 @@ goes on beyond; `solver.boundaries.tracer` follows it. There are two of them: `s
 `solver.boundaries.harmonic`.
 
 Kernels read theta = (header | parameters with both axes at 0 | what x adds | how p bends them) and direction, what p
-adds along a straight line; the parameters are those of the balance, how they bend is the flat form of
-`solver.model.parameter_path`.
+adds along a straight line. The parameters are those of `solver.harmonic.layout.packed`; how they bend is the flat form
+of `solver.model.parameter_path`.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -18,7 +18,7 @@ import numpy as np
 from numba import types
 
 from solver.continuation.continuation import Curve, Event, Problem
-from solver.harmonic.layout import SYSTEM_AXES
+from solver.harmonic.layout import SYSTEM_AXES, packed
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import ParameterError
 from solver.model.condensation import AXES
@@ -55,6 +55,11 @@ Contact = tuple[int, int] | None
 # Slots of the header. Contact of either flank; with contact angles the grazed flank's slot of y, its level and the size
 # of lambda; without them the event, and the steps of differences along x and p.
 FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, X_STEP, P_STEP, HEADER = range(9)
+
+
+# Steps of central differences by x and p, as a share of their typical step (a tenth of the range): what they
+# difference is analytic, with some 1e-14 of rounding.
+_DIFFERENCE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -125,10 +130,16 @@ class Plane:
         return [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
 
 
-def plane_theta(plane: Plane, vectors: Callable) -> tuple[np.ndarray, np.ndarray]:
-    """`theta` and `direction` of a plane with an empty header; `vectors` as for `plane_vectors`."""
+def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
+    """`theta`, of its header only the steps, and `direction` of a plane for a balance of this order and period."""
+
+    def vectors(axis: str, p: float):
+        return packed(plane.system_at(p), axis, plane.omega or 0.0, order, period)
+
     read = plane_vectors(vectors, plane.x_axis, plane.p_axis, plane.p_range)
-    return np.concatenate([np.zeros(HEADER), read.base, read.along_x, read.bent]), read.along_p
+    header = np.zeros(HEADER)
+    header[[X_STEP, P_STEP]] = np.multiply(_DIFFERENCE, plane.scale)
+    return np.concatenate([header, read.base, read.along_x, read.bent]), read.along_p
 
 
 @dataclass(frozen=True)

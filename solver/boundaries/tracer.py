@@ -7,6 +7,7 @@ import numpy as np
 from solver.boundaries.chain import MEET, Chain, joined
 from solver.boundaries.curve import BoundaryCurve, assembled, unfollowed
 from solver.boundaries.first_order import FirstOrderProblem
+from solver.boundaries.harmonic import HarmonicProblem
 from solver.boundaries.incidence import distances
 from solver.boundaries.problem import (
     BIFURCATIONS,
@@ -115,19 +116,10 @@ def boundary_curves(
     balance, continuation = balance or DescribingFunction(), continuation or Continuation()
     kinds, points = _sorted(plane, balance.unknowns, starts)
     curves: list[BoundaryCurve] = []
-    for kind in (Event(kind) for kind in np.unique(kinds)):
-        boundary = _problem(plane, balance, kind)
-        curves += _curves(Tracer(boundary, kind, continuation), points[kinds == kind])
+    boundary = FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
+    for kind in np.unique(kinds):
+        curves += _curves(Tracer(boundary, Event(kind), continuation), points[kinds == kind])
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
-
-
-def _problem(plane: Plane, balance: Balance, kind: Event) -> BoundaryProblem:
-    if balance.truncated and kind in FOLDS_AND_GRAZINGS:
-        return FirstOrderProblem(plane)
-    # Its kernels are many, and first-order planes without bifurcations do without them.
-    from solver.boundaries.harmonic import HarmonicProblem
-
-    return HarmonicProblem(plane, balance)
 
 
 def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray]:
