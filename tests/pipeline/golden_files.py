@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline import tables
-from pipeline.tables.article import ARTICLE_TABLES
+from pipeline.study import tables
+from pipeline.study.tables.article import ARTICLE_TABLES
 from tests.pipeline.planes import small_plan, small_store
 
 __all__ = ["FOLDER", "NAMES", "PLANES", "difference", "golden", "make_stores", "written"]

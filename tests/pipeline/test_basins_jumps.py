@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline import basins, jumps
 from pipeline.__main__ import main
-from pipeline.attractor_flags import attractor_code, attractor_flags, attractor_label
-from pipeline.cluster import Workforce
-from pipeline.config import compose
-from pipeline.sweep import point_of
-from pipeline.verification import read_labels
-from pipeline.verification.verdicts import settling_of
+from pipeline.analysis.attractor_flags import attractor_code, attractor_flags, attractor_label
+from pipeline.analysis.basins import running as basins
+from pipeline.analysis.jumps import running as jumps
+from pipeline.analysis.verification import read_labels
+from pipeline.analysis.verification.verdicts import settling_of
+from pipeline.config.compose import compose
+from pipeline.plan.numerics import point_of
+from pipeline.run.workforce import Workforce
 from solver import domain_parts, gear_system
 from solver.timedomain import AttractorKind, basin_shares, settle, wilson_interval
 from tests.pipeline.planes import cluster, small_plan, small_store

@@ -8,13 +8,14 @@ import pytest
 import xarray as xr
 import zarr
 
-from pipeline import boundaries, figures, store
+from pipeline import figures, store
 from pipeline.__main__ import main
-from pipeline.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, MARGINS, half_backlash, read_events
+from pipeline.analysis import boundaries
+from pipeline.analysis.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, MARGINS, half_backlash, read_events
 from pipeline.errors import ConfigurationError
 from pipeline.figures.regions import region_codes
 from pipeline.figures.stored import read_stored
-from pipeline.sweep import model_at
+from pipeline.plan.numerics import model_at
 from solver import Event, all_solutions, domain_code, impact_state
 from solver.boundaries import SpecialPoint
 from tests.pipeline.planes import contents, small_plan, small_store
@@ -303,7 +304,7 @@ def test_the_stage(tmp_path, monkeypatch, capsys):
         raise ArithmeticError("the corrector fails")
 
     boundaries.remove_boundaries(tmp_path / "outputs/store/omega_fe.zarr")
-    monkeypatch.setattr("pipeline.boundaries.tracing.boundary_curves", fails)
+    monkeypatch.setattr("pipeline.analysis.boundaries.tracing.boundary_curves", fails)
     shutil.rmtree(tmp_path / "outputs/figures")
     assert main([*SMALL, "figures.window=[0.5,0.7,0.1,0.4]"]) == 1
     caught = capsys.readouterr()

@@ -13,9 +13,9 @@ from distributed import Client
 
 from pipeline import store
 from pipeline.__main__ import main
-from pipeline.cluster import Workforce
-from pipeline.plan import Block
-from pipeline.sweep import sweep_block
+from pipeline.plan.plan import Block
+from pipeline.run.rows import sweep_block
+from pipeline.run.workforce import Workforce
 from tests.pipeline.planes import assert_same_contents, cluster, contents, small_plan, small_store
 
 LOCAL = cluster("local")

@@ -12,23 +12,22 @@ import numpy as np
 import pytest
 import zarr
 
-from pipeline import listing as listings
 from pipeline import store
 from pipeline.__main__ import main
-from pipeline.arguments import parse
-from pipeline.completion import SHELLS, candidates, script
-from pipeline.config import compose, conf_folder
-from pipeline.diary import row_diary
+from pipeline.cli.arguments import parse
+from pipeline.cli.completion import SHELLS, candidates, script
+from pipeline.cli.help import usage
+from pipeline.config.compose import compose, conf_folder
 from pipeline.errors import ConfigurationError
-from pipeline.progress import Reporter
-from pipeline.stages import PLANE_STAGES, SHARED_STAGES
-from pipeline.sweep import balance_of, continuation_of, row_of, seeds_of
-from pipeline.usage import stages, usage
+from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
+from pipeline.run.progress import Reporter
+from pipeline.run.trace_log import row_diary
+from pipeline.stages import STAGES
+from pipeline.store import listing as listings
 from solver import Event, RowError
 from tests.pipeline.planes import contents, retold, small_plan, small_store
 
 SMALL = ["plane=omega_fe", "plane.sweep.num=41", "plane.parameter.num=5"]
-STAGES = {stage.name for stage in (*PLANE_STAGES, *SHARED_STAGES)}
 
 
 @pytest.fixture(scope="module")
@@ -54,12 +53,13 @@ def folder(kept, tmp_path, monkeypatch):
 def test_help_names_every_choice_and_stage_on_one_line_each():
     text = usage()
     assert max(map(len, text.splitlines())) <= 100
-    assert {name for name, _ in stages()} == STAGES
+    for entry in STAGES:
+        assert entry.load().name == entry.name
+        assert re.search(rf"^    {entry.name}\b +{re.escape(entry.sentence[:40])}", text, re.MULTILINE), entry
     for file in conf_folder().glob("*/*.yaml"):
         assert re.search(rf"^  [* ] {file.stem}\b +\S", text, re.MULTILINE), file
     marked = re.findall(r"^  \* (\w+)", text, re.MULTILINE)
     assert sorted(marked) == sorted(["omega_fe", "published", "paper", "first_order", "local"])
-    assert all(re.search(rf"^    {name} +\S", text, re.MULTILINE) for name in STAGES)
 
 
 def test_every_override_and_example_of_the_help_composes():
@@ -139,7 +139,7 @@ def test_list_says_what_there_is(folder, capsys):
 
 
 def test_list_knows_groups_size_hash_and_age(folder):
-    from pipeline import boundaries
+    from pipeline.analysis import boundaries
 
     path = folder / "outputs/store/omega_fe.zarr"
     planned = store.read_plan(path)
@@ -160,8 +160,8 @@ def test_list_of_nothing_says_so_and_writes_nothing(tmp_path, monkeypatch, capsy
 def test_list_on_a_terminal_is_a_table_that_obeys_no_name(folder, capsys):
     root = folder / "outputs/store"
     (root / "omega_fe.zarr").rename(root / "[red]\x1b[2Jname.zarr")
-    from pipeline.stages.job import Job
-    from pipeline.stages.listing import _run
+    from pipeline.run.job import Job
+    from pipeline.run.listing import _run
 
     class Terminal(Reporter):
         on_terminal = True

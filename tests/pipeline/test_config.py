@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from pipeline.__main__ import main
-from pipeline.config import compose, conf_folder, expand
+from pipeline.config.compose import compose, conf_folder, expand
 from pipeline.errors import ConfigurationError
-from pipeline.plan import plan, warnings
-from pipeline.sweep import model_at
+from pipeline.plan.numerics import model_at
+from pipeline.plan.planning import plan, warnings
 from tests.conftest import MODELS
 
 ROOT = Path(__file__).parents[2]
@@ -258,7 +258,7 @@ def test_conf_is_found_from_a_wheel_the_repository_and_beside_a_foreign_pipeline
     subprocess.run([sys.executable, "-m", "zipfile", "-e", wheel, installed], check=True)
     empty.mkdir()
     (empty / "conf").mkdir()
-    where = "import pipeline.config as c; print(c.conf_folder())"
+    where = "import pipeline.config.compose as c; print(c.conf_folder())"
     assert _show(empty, "-P", "-c", where, path=installed).strip() == str(installed / "pipeline" / "conf")
     assert "b: 1.0" in _show(empty, "-P", "-m", "pipeline", "--cfg", path=installed)
     assert "b: 1.0" in _show(ROOT, "-m", "pipeline", "--cfg")

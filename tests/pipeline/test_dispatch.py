@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.cluster import Task, WorkerLost
-from pipeline.dispatch import Batches, dispatch
-from pipeline.plan import Block
+from pipeline.plan.plan import Block
+from pipeline.run.dispatch import Batches, dispatch
+from pipeline.run.rows import Outcome, Receipt
+from pipeline.run.workforce import Task, WorkerLost
 from pipeline.store.tries import MOST_TRIES
-from pipeline.sweep import Outcome, Receipt
 from tests.pipeline.planes import small_plan
 
 WORKERS = 2

@@ -17,7 +17,7 @@ from pipeline.figures.map_legend import DISPUTED_CELLS, UNSTABLE_CELLS
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.stored import read_stored
 from pipeline.figures.windows import coexistence_windows
-from pipeline.pieces import labels_at
+from pipeline.plane.segments import labels_at
 from solver import domain_code
 from tests.pipeline.planes import small_plan, small_store
 

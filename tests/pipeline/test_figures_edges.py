@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from pipeline.figures.edges import curves_along, label_edges
-from pipeline.pieces import pieces_of_row
+from pipeline.plane.segments import pieces_of_row
 from solver import Event
 
 # Edges

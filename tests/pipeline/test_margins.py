@@ -7,16 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline import boundaries
 from pipeline.__main__ import main
-from pipeline.config import compose
+from pipeline.analysis import boundaries
+from pipeline.analysis.margins import Design, answer, design_of
+from pipeline.analysis.margins.distances import further_axis
+from pipeline.analysis.margins.options import nominal_value
+from pipeline.analysis.margins.sheets import lines, markdown, tidy
+from pipeline.analysis.margins.worst import severity
+from pipeline.config.compose import compose
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.margins import Design, answer, design_of
-from pipeline.margins.distances import further_axis
-from pipeline.margins.options import nominal_value
-from pipeline.margins.sheets import lines, markdown, tidy
-from pipeline.margins.worst import severity
-from pipeline.sweep import model_at
+from pipeline.plan.numerics import model_at
 from solver import Event, domain_code, domain_label, enumerate_row, impact_state
 from tests.pipeline.planes import small_plan, small_store
 
@@ -359,7 +359,7 @@ def test_without_boundaries(tmp_path):
 
 def test_other_orders_give_distances_without_labels(tmp_path):
     """From the stored curves, which an order-3 balance has too; against its own row through the point."""
-    from pipeline.sweep import balance_of, continuation_of, row_of, seeds_of
+    from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 
     made = traced_store(
         tmp_path / "hb.zarr",

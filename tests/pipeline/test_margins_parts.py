@@ -8,13 +8,13 @@ import pytest
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
-import pipeline.margins.worst
-from pipeline.boundaries.arcs import Arcs
-from pipeline.margins import Design
-from pipeline.margins.box import largest_box
-from pipeline.margins.curves import Boundaries
-from pipeline.margins.lines import divided
-from pipeline.margins.worst import severity
+import pipeline.analysis.margins.worst
+from pipeline.analysis.boundaries.arcs import Arcs
+from pipeline.analysis.margins import Design
+from pipeline.analysis.margins.box import largest_box
+from pipeline.analysis.margins.curves import Boundaries
+from pipeline.analysis.margins.lines import divided
+from pipeline.analysis.margins.worst import severity
 from solver import Event
 from tests.pipeline.planes import small_plan
 
@@ -79,7 +79,7 @@ def test_between_marked_places_an_arc_is_monotonic(ends, slopes):
 
 
 def test_severity():
-    assert doctest.testmod(pipeline.margins.worst).failed == 0
+    assert doctest.testmod(pipeline.analysis.margins.worst).failed == 0
     assert severity("1/2") > severity("3/0-1") > severity("2/0-1") > severity("1/1") > severity("2/0") > severity("1/0")
 
 

@@ -6,15 +6,15 @@ import io
 import numpy as np
 import pytest
 
-from pipeline import boundaries
 from pipeline.__main__ import main
-from pipeline.config import compose
+from pipeline.analysis import boundaries
+from pipeline.analysis.margins import Design, answer, design_of
+from pipeline.analysis.margins.options import nominal_value, replaced
+from pipeline.analysis.margins.sheets import lines, markdown, tidy
+from pipeline.config.compose import compose
 from pipeline.errors import ConfigurationError
-from pipeline.margins import Design, answer, design_of
-from pipeline.margins.options import nominal_value, replaced
-from pipeline.margins.sheets import lines, markdown, tidy
-from pipeline.physical import scales_of
-from pipeline.sweep import model_at, point_of
+from pipeline.plan.numerics import model_at, point_of
+from pipeline.plan.scales import scales_of
 from solver import all_solutions, domain_code, domain_label, impact_state
 from tests.pipeline.planes import small_plan, small_store
 

@@ -5,9 +5,10 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline import boundaries, store
+from pipeline import store
+from pipeline.analysis import boundaries
 from pipeline.errors import StoreError
-from pipeline.traits import jumping
+from pipeline.plane.labels import jumping
 from solver import ParameterError
 from tests.pipeline.planes import small_plan, small_store
 

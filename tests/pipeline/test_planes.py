@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from pipeline import boundaries
-from pipeline.config import compose, conf_folder
+from pipeline.analysis import boundaries
+from pipeline.analysis.margins.curves import P, boundaries_of
+from pipeline.config.compose import compose, conf_folder
 from pipeline.errors import ConfigurationError
-from pipeline.margins.curves import P, boundaries_of
-from pipeline.plan import plan, warnings
-from pipeline.sweep import balance_of, continuation_of, model_at, point_of, row_of, seeds_of
+from pipeline.plan.numerics import balance_of, continuation_of, model_at, point_of, row_of, seeds_of
+from pipeline.plan.planning import plan, warnings
 from solver import all_solutions
 from solver.boundaries.plane import KINDS
 from tests.conftest import MODELS

@@ -5,7 +5,7 @@ import doctest
 import pytest
 
 import pipeline
-import pipeline.regions
+import pipeline.plane.regions
 from pipeline.errors import StoreError
 from tests.pipeline.planes import small_plan, small_store
 
@@ -17,7 +17,7 @@ def stored(tmp_path_factory):
 
 
 def test_the_example_runs():
-    assert doctest.testmod(pipeline.regions).failed == 0
+    assert doctest.testmod(pipeline.plane.regions).failed == 0
 
 
 @pytest.mark.slow

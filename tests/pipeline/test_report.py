@@ -7,10 +7,10 @@ from html.parser import HTMLParser
 import pytest
 
 from pipeline.__main__ import main
-from pipeline.config import compose
-from pipeline.report import document, sources_of, write
-from pipeline.report.html import html
-from pipeline.report.markdown import markdown
+from pipeline.config.compose import compose
+from pipeline.study.report import document, sources_of, write
+from pipeline.study.report.html import html
+from pipeline.study.report.markdown import markdown
 
 SMALL = ["plane.sweep.num=60", "plane.parameter.num=12", "cluster=none"]
 VERIFY = ["verify.samples=12", "verify.beside=2", "verify.columns=21", "verify.max_periods=400"]

@@ -4,11 +4,11 @@ import re
 
 import pytest
 
-from pipeline.agreement import AGREES, DIFFERS, NOT_COMPARED
 from pipeline.errors import StoreError
-from pipeline.statements import STATEMENTS, Planes, evaluate
-from pipeline.statements.planes import default_model
-from pipeline.statements.quantities import LabelThreshold
+from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED
+from pipeline.study.statements import STATEMENTS, Planes, evaluate
+from pipeline.study.statements.planes import default_model
+from pipeline.study.statements.quantities import LabelThreshold
 from tests.conftest import MODELS, published
 from tests.pipeline.planes import small_plan, small_store
 

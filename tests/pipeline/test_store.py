@@ -8,11 +8,11 @@ import xarray as xr
 import zarr
 
 from pipeline import store
-from pipeline.cluster import Workforce
-from pipeline.dispatch import dispatch
 from pipeline.errors import StoreError
-from pipeline.plan import Block
-from pipeline.sweep import sweep_block
+from pipeline.plan.plan import Block
+from pipeline.run.dispatch import dispatch
+from pipeline.run.rows import sweep_block
+from pipeline.run.workforce import Workforce
 from solver import domain_label, sweep_row
 from tests.conftest import published
 from tests.pipeline.planes import cluster, contents, retold, small_plan, small_store
@@ -196,7 +196,7 @@ def test_a_failed_row_is_recorded_and_the_others_go_on(tmp_path):
 
 
 def test_an_unforeseen_error_in_a_row_is_recorded_by_name(tmp_path, monkeypatch):
-    import pipeline.sweep as sweep
+    import pipeline.plan.numerics as sweep
 
     plan = small_plan(columns=9, rows=3)
     path = small_store(tmp_path / "plane.zarr", plan, [])
@@ -230,7 +230,7 @@ def test_results_do_not_depend_on_blocks_or_order(tmp_path):
 
 
 def test_a_second_look_computes_only_the_rows_that_it_is_due_to(tmp_path, monkeypatch):
-    import pipeline.sweep as sweep
+    import pipeline.plan.numerics as sweep
 
     plan = small_plan(columns=9, rows=40)
     path = small_store(tmp_path / "plane.zarr", plan)

@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 import zarr
 
-from pipeline import store, tables
+from pipeline import store
 from pipeline.errors import StoreError
-from pipeline.numerals import percent
-from pipeline.tables.article import band_rows
-from pipeline.tables.latex import latex
-from pipeline.tables.markdown import markdown
-from pipeline.tables.table import build_table
-from pipeline.tables.tidy import tidy
+from pipeline.study import tables
+from pipeline.study.numerals import percent
+from pipeline.study.tables.article import band_rows
+from pipeline.study.tables.latex import latex
+from pipeline.study.tables.markdown import markdown
+from pipeline.study.tables.table import build_table
+from pipeline.study.tables.tidy import tidy
 from solver import Event
 from tests.conftest import consistent
 from tests.pipeline.golden_files import PLANES

@@ -6,18 +6,28 @@ import doctest
 import numpy as np
 import pytest
 
-import pipeline.numerals
-import pipeline.resonances
-from pipeline.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
-from pipeline.peaks import Peak, resonance_peak, solved
-from pipeline.pieces import Piece
-from pipeline.plan import Axis
-from pipeline.resonances import resonances_of
-from pipeline.tables import classes
-from pipeline.tables.article import ARTICLE_TABLES, Band, band_range, band_rows
-from pipeline.tables.bands import BandAtResonance
-from pipeline.tables.claims import READINGS, Claim, Entry, judge
-from pipeline.tables.classes import (
+import pipeline.plane.resonances
+import pipeline.study.numerals
+from pipeline.plan.axes import Axis
+from pipeline.plane.labels import (
+    TRAITS,
+    contact_lost,
+    double_sided,
+    intervals,
+    jumping,
+    labels_with,
+    share_of,
+    unstable,
+)
+from pipeline.plane.peaks import Peak, resonance_peak, solved
+from pipeline.plane.resonances import resonances_of
+from pipeline.plane.segments import Piece
+from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
+from pipeline.study.tables import classes
+from pipeline.study.tables.article import ARTICLE_TABLES, Band, band_range, band_rows
+from pipeline.study.tables.bands import BandAtResonance
+from pipeline.study.tables.claims import READINGS, Claim, Entry, judge
+from pipeline.study.tables.classes import (
     ASPECTS,
     IMPACT_SHARE,
     NEAR_LINEAR,
@@ -29,9 +39,8 @@ from pipeline.tables.classes import (
     severest,
     stability_class,
 )
-from pipeline.tables.edges import Edge, band_edges, edges, nearest_edge
-from pipeline.tables.rows import RowPeak
-from pipeline.traits import TRAITS, contact_lost, double_sided, intervals, jumping, labels_with, share_of, unstable
+from pipeline.study.tables.edges import Edge, band_edges, edges, nearest_edge
+from pipeline.study.tables.rows import RowPeak
 from solver import Event, enumerate_row
 from solver.regions import bands as parts
 from tests.conftest import published
@@ -39,7 +48,7 @@ from tests.conftest import published
 BESIDE = 1e-6
 
 
-@pytest.mark.parametrize("module", [pipeline.numerals, pipeline.resonances, classes])
+@pytest.mark.parametrize("module", [pipeline.study.numerals, pipeline.plane.resonances, classes])
 def test_the_examples_run(module):
     found = doctest.testmod(module)
     assert found.failed == 0 and found.attempted > 0

@@ -11,14 +11,14 @@ import pytest
 import xarray as xr
 
 from pipeline.errors import StoreError
-from pipeline.peaks import resonance_peak, solved
-from pipeline.pieces import pieces_of_row
-from pipeline.resonances import common_resonances, resonances
-from pipeline.tables.latex import escape, latex
-from pipeline.tables.markdown import markdown
-from pipeline.tables.rows import row_peaks
-from pipeline.tables.table import build_table
-from pipeline.tables.tidy import tidy
+from pipeline.plane.peaks import resonance_peak, solved
+from pipeline.plane.resonances import common_resonances, resonances
+from pipeline.plane.segments import pieces_of_row
+from pipeline.study.tables.latex import escape, latex
+from pipeline.study.tables.markdown import markdown
+from pipeline.study.tables.rows import row_peaks
+from pipeline.study.tables.table import build_table
+from pipeline.study.tables.tidy import tidy
 from solver import Continuation, Event, domain_label, first_order_problem, sweep_row
 from tests.conftest import consistent, published
 from tests.pipeline.golden_files import NAMES, PLANES, difference, golden, make_stores, written

@@ -8,16 +8,18 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline import boundaries, store
+from pipeline import store
 from pipeline.__main__ import main
-from pipeline.boundaries.events import half_backlash
-from pipeline.config import compose
+from pipeline.analysis import boundaries
+from pipeline.analysis.boundaries.events import half_backlash
+from pipeline.config.compose import compose
+from pipeline.config.units import celsius, quantity
 from pipeline.errors import ConfigurationError
 from pipeline.figures.naming import axis_label, fixed_parameters, value_text
-from pipeline.physical import gear_of
-from pipeline.plan import plan, plan_of
-from pipeline.sweep import model_at
-from pipeline.units import celsius, quantity
+from pipeline.plan.numerics import model_at
+from pipeline.plan.plan import plan_of
+from pipeline.plan.planning import plan
+from pipeline.plan.scales import gear_of
 from solver import Event, GearPair, ImpactState, Model, all_solutions
 from solver.model.contact_system import gear_system
 from tests.pipeline.planes import contents, small_plan, small_store

@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 
 from pipeline import scales_of, store
 from pipeline.__main__ import main
-from pipeline.config import compose
+from pipeline.config.compose import compose
+from pipeline.config.units import KINDS, quantities, quantity, speed, unit_size
 from pipeline.errors import ConfigurationError
-from pipeline.physical import gear_of
-from pipeline.plan import plan, plan_of, warnings
-from pipeline.sweep import model_at
-from pipeline.units import KINDS, quantities, quantity, speed, unit_size
+from pipeline.plan.numerics import model_at
+from pipeline.plan.plan import plan_of
+from pipeline.plan.planning import plan, warnings
+from pipeline.plan.scales import gear_of
 from tests.pipeline.planes import small_plan, small_store
 
 EXAMPLES = ("miter", "differential")
@@ -204,7 +205,9 @@ def test_a_store_keeps_the_physical_gear(tmp_path):
 def test_dimensionless_plans_know_nothing_of_units():
     found = small_plan()
     assert found.physical is None and "physical" not in found.numbers and scales_of(found) is None
-    code = "import sys; from pipeline.config import compose; from pipeline.plan import plan, warnings; "
+    code = (
+        "import sys; from pipeline.config.compose import compose; from pipeline.plan.planning import plan, warnings; "
+    )
     code += "warnings(plan(compose([]))); assert 'pint' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
 

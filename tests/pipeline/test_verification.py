@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline import boundaries, figures, verification
-from pipeline.sweep import point_of
-from pipeline.verification import Credibility, Verdict
-from pipeline.verification.credibility import Samples, credibility
-from pipeline.verification.sampling import allot, choose_cells
-from pipeline.verification.tasks import check_rows
-from pipeline.verification.verdicts import settling_of
+from pipeline import figures
+from pipeline.analysis import boundaries, verification
+from pipeline.analysis.verification import Credibility, Verdict
+from pipeline.analysis.verification.credibility import Samples, credibility
+from pipeline.analysis.verification.sampling import allot, choose_cells
+from pipeline.analysis.verification.tasks import check_rows
+from pipeline.analysis.verification.verdicts import settling_of
+from pipeline.plan.numerics import point_of
 from solver import ImpactState, domain_code, domain_label, domain_parts, gear_system
 from solver.timedomain import AttractorKind, orbit_state, settle, wilson_interval
 from tests.pipeline.planes import small_plan, small_store

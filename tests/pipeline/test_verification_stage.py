@@ -3,8 +3,10 @@
 import pytest
 import zarr
 
-from pipeline import boundaries, groups, store
+from pipeline import store
 from pipeline.__main__ import main
+from pipeline.analysis import boundaries
+from pipeline.store import groups
 from tests.pipeline.planes import contents
 
 SMALL = [

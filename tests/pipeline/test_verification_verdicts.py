@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from pipeline import verification
-from pipeline.verification import Credibility, Verdict
-from pipeline.verification.running import orders_of
-from pipeline.verification.starts import read_starts
-from pipeline.verification.tasks import check_rows, follow_starts
-from pipeline.verification.verdicts import settling_of
+from pipeline.analysis import verification
+from pipeline.analysis.verification import Credibility, Verdict
+from pipeline.analysis.verification.running import orders_of
+from pipeline.analysis.verification.starts import read_starts
+from pipeline.analysis.verification.tasks import check_rows, follow_starts
+from pipeline.analysis.verification.verdicts import settling_of
 from tests.pipeline.planes import small_plan, small_store
 from tests.pipeline.verified import RUN, settings, silent
 

@@ -10,10 +10,11 @@ import zarr
 
 from pipeline import store
 from pipeline.__main__ import main
-from pipeline.config import compose
+from pipeline.config.compose import compose
 from pipeline.errors import StoreError
-from pipeline.plan import plan, plan_of
-from pipeline.regions import thresholds
+from pipeline.plan.plan import plan_of
+from pipeline.plan.planning import plan
+from pipeline.plane.regions import thresholds
 from pipeline.store.arrays import arrays_of
 from tests.pipeline.planes import assert_same_contents, assert_same_values, contents, small_plan, small_store
 

@@ -6,11 +6,11 @@ import sys
 from pathlib import Path
 
 import solver
-from pipeline.warmup import compile_beside, is_cold
+from pipeline.cli.warmup import compile_beside, is_cold
 from solver.kernels.compile import kernel_store, module_digest
 
 SOLVER = Path(solver.__file__).parent
-CODE = "from pipeline.warmup import is_cold; print(is_cold())"
+CODE = "from pipeline.cli.warmup import is_cold; print(is_cold())"
 
 
 def _said_elsewhere(folder) -> bool:

@@ -2,8 +2,8 @@
 
 import dataclasses
 
-from pipeline.cluster import Workforce
-from pipeline.config import compose
+from pipeline.config.compose import compose
+from pipeline.run.workforce import Workforce
 from tests.pipeline.planes import cluster
 
 RUN = Workforce(cluster("none")).run
