@@ -334,4 +334,4 @@ def test_completion_in_a_real_bash(line, expected):
 
 def here() -> dict[str, str]:
     """An environment in which this checkout is what runs."""
-    return {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    return {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}

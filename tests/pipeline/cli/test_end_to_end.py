@@ -22,7 +22,7 @@ SMALL = ["plane.sweep.num=60", "plane.parameter.num=9", "figures.formats=[png]",
 
 def run(folder: Path, *arguments: str, **options) -> subprocess.CompletedProcess:
     command = [sys.executable, "-W", "error", "-m", "pipeline", *arguments]
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment, **options)
 
 

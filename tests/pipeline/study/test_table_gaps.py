@@ -18,9 +18,9 @@ from pipeline.study.tables.table import build_table
 from pipeline.study.tables.tidy import tidy
 from solver import Event
 from tests.conftest import consistent
-from tests.pipeline.golden_files import PLANES
-from tests.pipeline.latex_parser import check_latex
 from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.study.golden_files import PLANES
+from tests.pipeline.study.latex_parser import check_latex
 
 
 def make(folder, plane, *overrides, columns=121, rows=9):

@@ -9,8 +9,8 @@ from pipeline.analysis.verification.running import orders_of
 from pipeline.analysis.verification.starts import read_starts
 from pipeline.analysis.verification.tasks import check_rows, follow_starts
 from pipeline.analysis.verification.verdicts import settling_of
+from tests.pipeline.analysis.verification.verified import RUN, settings, silent
 from tests.pipeline.planes import small_plan, small_store
-from tests.pipeline.verified import RUN, settings, silent
 
 
 def test_what_the_time_domain_is_known_to_say():

@@ -14,7 +14,7 @@ from pipeline.plan.numerics import model_at
 from pipeline.plan.planning import plan, warnings
 from tests.conftest import MODELS
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.mark.parametrize("gear", sorted(MODELS))

@@ -16,8 +16,8 @@ from pipeline.analysis.verification.verdicts import settling_of
 from pipeline.plan.numerics import point_of
 from solver import ImpactState, domain_code, domain_label, domain_parts, gear_system
 from solver.timedomain import AttractorKind, orbit_state, settle, wilson_interval
+from tests.pipeline.analysis.verification.verified import RUN, settings, silent
 from tests.pipeline.planes import small_plan, small_store
-from tests.pipeline.verified import RUN, settings, silent
 
 
 @pytest.fixture(scope="module")

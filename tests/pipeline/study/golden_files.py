@@ -1,8 +1,8 @@
 """Golden files of the three tables in their three formats, from three small planes.
 
-To renew them after a change that is meant, look at what `git diff tests/pipeline/golden` says afterwards:
+To renew them after a change that is meant, look at what `git diff tests/pipeline/study/golden` says afterwards:
 
-    python -m tests.pipeline.golden_files
+    python -m tests.pipeline.study.golden_files
 """
 
 import re
