@@ -25,20 +25,14 @@ import solver.stability.scan, solver.boundaries.bifurcation_curves, solver.bound
 
 
 def is_cold() -> bool:
-    """Whether there is a cache for kernels and none of this checkout's has been compiled yet; imports no kernel."""
-    from numba.core.caching import _CacheLocator
-
+    """Whether kernels are kept and none of these sources has been compiled yet; imports no kernel."""
     folder = _solver_folder()
     if folder is None:
         return False
-    module = importlib.util.spec_from_file_location("_kernel_cache", folder / "kernels" / "compile.py")
-    compiled = importlib.util.module_from_spec(module)
-    module.loader.exec_module(compiled)
-    source = folder / "continuation" / "arclength.py"
-    cache = compiled.cache_folder(source)
-    # Numba keeps checkouts apart by their paths: what another one has compiled is not found by this one.
-    own = _CacheLocator.get_suitable_cache_subpath(str(source))
-    return cache is not None and not any((Path(cache) / own).glob("*.nbi"))
+    module = importlib.util.spec_from_file_location("_compile", folder / "kernels/compile.py")
+    compiling = importlib.util.module_from_spec(module)
+    module.loader.exec_module(compiling)
+    return compiling.is_cold(folder / "continuation/arclength.py")
 
 
 def _solver_folder() -> Path | None:
