@@ -2,6 +2,7 @@
 
 import re
 import runpy
+import tomllib
 from xml.etree import ElementTree
 
 import pytest
@@ -58,6 +59,16 @@ def test_sections_that_the_code_cites_exist():
         for number in re.findall(r"[\d.]*\d", place)
     }
     assert [(path, number) for path, number in sorted(cited) if number not in sections] == []
+
+
+def test_the_rooms_of_the_solver_are_those_that_imports_are_checked_for():
+    """In the same order: imports go down."""
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
+    (layers,) = [contract["layers"] for contract in contracts if contract.get("containers") == ["solver"]]
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    shown = re.search(r"^\| `solver/` \|.*\n\| --- .*\n((?:\|.*\n)+)", page, flags=re.MULTILINE)
+    assert re.findall(r"^\| `(\w+)`", shown[1], flags=re.MULTILINE) == layers
 
 
 def test_digits_are_those_of_the_reference_file():
