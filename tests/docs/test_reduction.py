@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from tests.docs.arithmetic import angles, complex_number, describing, gain_of, root, slopes
+from tests.docs.arithmetic import angles, complex_number, describing, determinant, gain_of, root, slopes
 from tests.docs.pair import CONSISTENT, PUBLISHED, Coefficients, jacobian, reduced, residual, static_determinant
 
 
@@ -94,6 +94,17 @@ class TestSection5:
         for mean, amplitude in ((-0.3, 0.9), (-1.6, 0.5), (-0.9, 1.7)):
             f_0, gain = describing(mean, amplitude, 1.0)
             assert mean + amplitude <= 1.0 and gain * amplitude <= 2.0 * abs(f_0) + 1e-15
+
+    def test_the_sign_of_the_determinant_from_tangent_and_bordered_matrix(self):
+        """det E_u = p' det B, along a curve of two unknowns."""
+        random = Random(9)
+        rows = [[random.uniform(-1, 1) for _ in range(3)] for _ in range(2)]
+        minors = [determinant([[row[j] for j in range(3) if j != i] for row in rows]) for i in range(3)]
+        length = math.hypot(*minors)
+        tangent = [sign * minor / length for sign, minor in zip((1, -1, 1), minors, strict=True)]
+        for row in rows:
+            assert sum(x * y for x, y in zip(row, tangent, strict=True)) == pytest.approx(0.0, abs=1e-15)
+        assert minors[2] == pytest.approx(tangent[2] * determinant([*rows, tangent]))
 
     def test_turning_points_of_fold_curves(self):
         """p - p* along the folds of A xi^2/2 + B xi eta + C eta^2/2 + h (p - p*) = 0."""
