@@ -1,4 +1,4 @@
-"""The published numbers of PHYSICS, section 7, in its order: the article's, and the reference digits."""
+"""The published numbers of docs/physics.md, section 7, in its order: the article's, and the reference digits."""
 
 from pipeline.study.agreement import THRESHOLD_AGREES
 from pipeline.study.numerals import percent

@@ -21,7 +21,8 @@ from pipeline.plane.segments import labels_at
 from solver import domain_code
 from tests.pipeline.planes import small_plan, small_store
 
-#: With c = cos 20 degrees and the stiffness varying in the mesh row only, branches run away (PHYSICS, section 7).
+#: With c = cos 20 degrees and the stiffness varying in the mesh row only, branches run away (docs/physics.md,
+#: section 7).
 RUNAWAY = (
     "plane=omega_alpha",
     "plane.parameter.min=0.5",

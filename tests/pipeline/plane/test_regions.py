@@ -22,7 +22,7 @@ def test_the_example_runs():
 
 @pytest.mark.slow
 def test_thresholds_do_not_depend_on_the_raster(stored):
-    """PHYSICS section 7: 12 rows suffice for what the article reads off a fine map."""
+    """docs/physics.md, section 7: 12 rows suffice for what the article reads off a fine map."""
     (found,) = pipeline.thresholds(stored, "1/1", window=(0.9, 2.0))
     assert found.appears == pytest.approx(0.13995830, abs=1e-6) and found.disappears == 0.5
     everything = pipeline.thresholds(str(stored))

@@ -1,4 +1,4 @@
-"""The reproduction report: complete, self-contained, the same bytes from the same stores, the numbers of PHYSICS."""
+"""The reproduction report: complete, self-contained, the same bytes from the same stores, docs/physics.md's numbers."""
 
 import base64
 import re
@@ -82,7 +82,7 @@ def test_the_page_is_valid_and_needs_nothing_else(page):
 
 @pytest.mark.slow
 def test_thresholds_are_those_of_physics(page):
-    """Our column of PHYSICS, section 7, to its printed digits."""
+    """Our column of docs/physics.md, section 7, to its printed digits."""
     rows = {row[0]: row for row in Page(page).rows if len(row) == 6}
     expected = {
         "Ω × b: at the mesh resonance 2/0-2 is gone above b": (1.011,),

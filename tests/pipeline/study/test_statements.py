@@ -1,4 +1,4 @@
-"""The published statements from small planes, against the digits of PHYSICS, section 7."""
+"""The published statements from small planes, against the digits of docs/physics.md, section 7."""
 
 import re
 
@@ -14,7 +14,7 @@ from tests.pipeline.planes import small_plan, small_store
 
 BY_KEY = {statement.key: statement for statement in STATEMENTS}
 
-#: What PHYSICS prints as ours, and half a unit of the last digit printed (two of "0.61-0.63" and "0.18").
+#: What docs/physics.md prints as ours, and half a unit of the last digit printed (two of "0.61-0.63" and "0.18").
 OURS = {
     "interval_mesh": ((0.55937, 0.63464), 5e-6),
     "interval_shaft": ((1.22381, 1.22971), 5e-6),

@@ -187,7 +187,7 @@ def test_where_things_appear_and_end(plane):
 
 
 def test_thresholds_of_the_published_gear(texts):
-    """PHYSICS, section 7, to the digits printed there, from planes of a dozen rows."""
+    """docs/physics.md, section 7, to the digits printed there, from planes of a dozen rows."""
     for table, name, what, value, digits in (
         (2, "shaft", "jump_ends", 0.278, 5e-4),
         (2, "shaft", "contact_loss_ends", 0.388, 5e-4),
@@ -236,7 +236,7 @@ def test_resonances_follow_the_modes_of_every_row(tmp_path):
 
 
 def test_an_isola_has_its_peak():
-    """An isola (PHYSICS, section 7: consistent, c = cos 20 degrees, alpha = 0.44), wherever it was started.
+    """An isola (docs/physics.md, section 7: consistent, c = cos 20 degrees, alpha = 0.44), wherever it was started.
 
     At alpha = 0.5 it has joined the main branch; from there one of its solutions is followed back in alpha.
     """

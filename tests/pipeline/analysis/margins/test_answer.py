@@ -120,7 +120,7 @@ def test_distances_of_a_point(stores, name, x, p, further):
 
 
 def test_distances_name_their_boundaries(stores):
-    """Folds of PHYSICS, section 7, seen from the middle of the multivalued stretch."""
+    """Folds of docs/physics.md, section 7, seen from the middle of the multivalued stretch."""
     down, up, *_ = ask(stores["omega_b"], 0.6, 1.2, 0.6, 0.6).margins
     assert down.kind is Event.FOLD and down.place == pytest.approx(0.559374, abs=2e-6)
     assert (up.kind, domain_label(up.beyond)) == (Event.MIN_AT_DRIVE, "2/1")
