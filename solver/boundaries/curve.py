@@ -189,9 +189,9 @@ def assembled(boundary: BoundaryProblem, kind: Event, chain: Chain) -> BoundaryC
     for number in range(0 if chain.closed and len(stretches) > 1 else 1, len(stretches)):
         special[number - 1][-1], special[number][0] = joint(kind, stretches[number - 1], stretches[number])
     codes, points = np.concatenate(special), np.concatenate(points)
-    for reason, place in zip(ends, (0, -1), strict=True):
+    for reason, place, y in zip(ends, (0, -1), chain.tips, strict=True):
         if reason is EndReason.RANGE_LEFT:
-            codes[place] = end_of(boundary.plane, kind, points[place, 3:])
+            codes[place] = end_of(boundary.plane, kind, y)
     return BoundaryCurve(
         kind,
         points,

@@ -263,7 +263,7 @@ class FirstOrderProblem:
         """The same: y is sought within its zones."""
         return contact
 
-    def onward(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
+    def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
         """Beyond the wall at which a stretch ends, unless the motion has no contact there."""
         curve = stretch.curve
         if curve.ends[1] is not EndReason.RANGE_LEFT:

@@ -221,7 +221,7 @@ class BoundaryProblem(Protocol):
     def contact_at(self, kind: Event, contact: Contact, y: np.ndarray) -> Contact:
         """The contact at y, a point of the boundary found with the equations of `contact`."""
 
-    def onward(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
+    def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
         """How the boundary may go on beyond the last point of a stretch; nothing where it ends there."""
 
     def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:

@@ -25,8 +25,9 @@ class SpecialPoint(enum.IntEnum):
     MERGER = 5
     EXTREMUM = 6
     DOUBLE_GRAZING = 7
-    RESONANCE = 8
+    RESONANCE_1_1 = 8
     CORNER = 9
+    RESONANCE_1_2 = 10
 
     @property
     def sentence(self) -> str:
@@ -43,9 +44,10 @@ _SENTENCES = {
     SpecialPoint.MERGER: "The fold curve turns round in the row parameter: two branches touch and reconnect.",
     SpecialPoint.EXTREMUM: "The grazing curve turns round in the row parameter: a contact state begins or ends.",
     SpecialPoint.DOUBLE_GRAZING: "The motion just touches both flanks.",
-    SpecialPoint.RESONANCE: "The second frequency of a Neimark-Sacker boundary comes to 0, on a fold, or to half the "
-    "motion's, on a period doubling: it ends there.",
+    SpecialPoint.RESONANCE_1_1: "The critical pair of multipliers meets at 1: the Neimark-Sacker boundary ends.",
     SpecialPoint.CORNER: "The bifurcating motion just touches a flank: the boundary has a corner.",
+    SpecialPoint.RESONANCE_1_2: "The critical pair of multipliers meets at -1: the Neimark-Sacker boundary ends on a "
+    "period doubling.",
 }
 
 
@@ -73,12 +75,14 @@ def joint(kind: Event, before: Stretch, after: Stretch) -> tuple[SpecialPoint, S
     return SpecialPoint.FOLD_GRAZING, SpecialPoint.CUSP if reversing else SpecialPoint.NONE
 
 
-def end_of(plane: Plane, kind: Event, place: np.ndarray) -> SpecialPoint:
-    """What the end of a boundary that leaves its box at a place (x, p) is."""
-    if np.any(place[:, None] == np.array([plane.x_range, plane.p_range])):
+def end_of(plane: Plane, kind: Event, y: np.ndarray) -> SpecialPoint:
+    """What the end y = (..., x, p) of a boundary that leaves its box is."""
+    if np.any(y[-2:, None] == np.array([plane.x_range, plane.p_range])):
         return SpecialPoint.BORDER
-    # What ends elsewhere ends where contact does, or where the second frequency does.
-    return SpecialPoint.RESONANCE if kind is Event.NEIMARK_SACKER else SpecialPoint.DOUBLE_GRAZING
+    # What ends elsewhere ends where contact does, or where the critical pair becomes real.
+    if kind is not Event.NEIMARK_SACKER:
+        return SpecialPoint.DOUBLE_GRAZING
+    return SpecialPoint.RESONANCE_1_1 if y[-3] > 0.0 else SpecialPoint.RESONANCE_1_2
 
 
 def _pairs_appear(boundary: BoundaryProblem, stretch: Stretch, y: np.ndarray) -> float:

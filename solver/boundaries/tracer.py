@@ -210,7 +210,7 @@ class Tracer:
             # Held at its own p, so that a start on the border stays there, unless the boundary runs along the row.
             heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
             normal = np.eye(y.size)[-1] if abs(heading[-1]) > 0.01 else heading
-            y = self._corrected(contact, y, normal, 10.0 * SAME, SAME)
+            y = self._correct_onto_curve(contact, y, normal, 10.0 * SAME, SAME)
             if y is None:
                 continue
             heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
@@ -221,7 +221,7 @@ class Tracer:
                 break
         return found
 
-    def _corrected(
+    def _correct_onto_curve(
         self, contact: Contact, y: np.ndarray, normal: np.ndarray, reach: float, beyond: float
     ) -> np.ndarray | None:
         """The point of the boundary next to y across `normal`; None if there is none.
@@ -262,7 +262,7 @@ class Tracer:
         """Follow a boundary beyond its last stretch."""
         while len(chain.stretches) < _MOST_STRETCHES and not chain.closed:
             last = chain.stretches[-1]
-            found = (self._beyond(last, guess) for guess in self.boundary_problem.onward(self.kind, last))
+            found = (self._beyond(last, guess) for guess in self.boundary_problem.guesses_beyond(self.kind, last))
             stretch = next((stretch for stretch in found if stretch is not None), None)
             if stretch is None:
                 break
@@ -273,7 +273,7 @@ class Tracer:
         """The stretch that a guess leads to, from the end of the last one on; None if it leads nowhere."""
         if guess.reach == 0.0:
             return self._followed(guess.contact, guess.y, guess.heading, self.continuation.trace)
-        y = self._corrected(guess.contact, guess.y, guess.heading, guess.reach, guess.reach)
+        y = self._correct_onto_curve(guess.contact, guess.y, guess.heading, guess.reach, guess.reach)
         if y is None or self.boundary_problem.contact_at(self.kind, guess.contact, y) == last.contact:
             return None
         stretch = self._followed(guess.contact, y, guess.heading, self.continuation.trace_both_ways)
