@@ -28,6 +28,7 @@ from solver import (
 )
 from solver.model.mesh_damping import MESH_DAMPING
 from solver.model.parameter_path import ParameterPath, place_on
+from solver.rows.seeds import Seeds
 
 __all__ = [
     "Outcome",
@@ -114,8 +115,8 @@ def continuation_of(settings: dict) -> Continuation:
     return Continuation(corrector=CORRECTORS[name](tolerance=tolerance), **settings)
 
 
-def seeds_of(settings: dict, every_column: bool = False):
-    """Where branches start, as the solver settings describe; `every_column` asks for certainty in this row anyway."""
+def seeds_of(settings: dict) -> Seeds:
+    """Where branches start, as the solver settings describe."""
     if settings["certify"] not in CERTIFY:
         raise ParameterError("certify", settings["certify"], f"one of {', '.join(CERTIFY)}")
     if settings["certify"] == "none":
@@ -125,8 +126,8 @@ def seeds_of(settings: dict, every_column: bool = False):
 
         if settings["certify"] == "all":
             raise ParameterError("certify", "all", "none or columns for solver=hb: only first order can be proven")
-        return LiftedSeeds(settings["certify_columns"], every_column)
-    return ProvenSeeds(settings["certify_columns"], every_column or settings["certify"] == "all")
+        return LiftedSeeds(settings["certify_columns"])
+    return ProvenSeeds(settings["certify_columns"], every_column=settings["certify"] == "all")
 
 
 def model_at(plan: Plan, row: float, column: float) -> Model:
@@ -166,7 +167,7 @@ def point_of(plan: Plan, row: float, column: float) -> tuple[Model, float]:
     return model_at(plan, row, column), axes.get("omega", plan.omega)
 
 
-def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds) -> Row:
     """One row of the plane, with whatever balance; raises as `solver.sweep_row` does."""
     omega = value if plan.parameter.name == "omega" else plan.omega
     model = model_at(plan, value, plan.sweep.low)
@@ -175,7 +176,7 @@ def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuatio
     )
 
 
-def _sweep(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+def _sweep(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds) -> Row:
     row = row_of(plan, value, balance, continuation, seeds)
     for name, size, room in (
         ("max_solutions", row.mean.shape[1], plan.max_solutions),
@@ -187,12 +188,10 @@ def _sweep(plan: Plan, value: float, balance: Balance, continuation: Continuatio
     return row
 
 
-def sweep_block(
-    path: str, plan: Plan, block: Block, every_column: frozenset[int] = frozenset(), limit: float | None = None
-) -> Receipt:
+def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None) -> Receipt:
     """Compute one block of rows and write it; a row that fails for good is stored as failed, with the reason.
 
-    Rows that are stored already as they shall be stay.
+    Rows that are complete in the store are kept.
 
     Parameters
     ----------
@@ -200,8 +199,6 @@ def sweep_block(
         The store, its template already written.
     plan : Plan
     block : Block
-    every_column : set of int
-        Rows in which all solutions are enumerated at every column, whatever the settings say.
     limit : float, optional
         Seconds that a row may take; the process ends where one takes longer.
 
@@ -216,14 +213,13 @@ def sweep_block(
     """
     begin = perf_counter()
     balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
-    rows: list[Row | str | None] = []
-    kept = store.kept_rows(Path(path), plan, block, every_column)
+    seeds, rows = seeds_of(plan.solver), []
+    kept = store.kept_rows(Path(path), plan, block)
     with Tries(Path(path), block.start, limit) as tries:
         for index in range(block.start, block.stop):
             if index in kept:
                 rows.append(None)
                 continue
-            seeds = seeds_of(plan.solver, index in every_column)
             verdict = tries.verdict(index)
             if verdict is not None:
                 rows.append(verdict)
@@ -247,12 +243,12 @@ def sweep_block(
     return Receipt(block, failures, points, perf_counter() - begin)
 
 
-def sweep_blocks(path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]], ...], limit: float | None) -> Outcome:
+def sweep_blocks(path: str, plan: Plan, blocks: tuple[Block, ...], limit: float | None) -> Outcome:
     """Several blocks one after the other, as far as their rows can be computed; see `sweep_block`."""
     receipts = []
-    for block, every_column in work:
+    for block in blocks:
         try:
-            receipts.append(sweep_block(path, plan, block, every_column, limit))
+            receipts.append(sweep_block(path, plan, block, limit))
         except RowTrouble:
             return Outcome(tuple(receipts), _worker(), trouble=True)
     return Outcome(tuple(receipts), _worker())

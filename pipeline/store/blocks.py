@@ -48,7 +48,7 @@ def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str | None
         else:
             _fill_raster(values, i, row)
             _fill_branches(values, i, row, plan.sweep.name)
-            values["status"][i] = COMPLETE
+            values["message"][i], values["status"][i] = " ".join(row.notes), COMPLETE
     if root.attrs["configuration_hash"] != plan.digest:
         # A task of a run that is no more, on a scheduler that goes on.
         raise StoreError(f"{path} is no longer the store that these rows are of")
@@ -88,4 +88,4 @@ def _fill_branches(values: dict, i: int, row: Row, axis: str) -> None:
         values["branches/end_reason"][i, number] = curve.ends
         start = here.stop
     values["branches/n_points"][i] = start
-    values["branches/n_folds"][i], values["branches/n_gained"][i] = row.n_folds, row.n_gained
+    values["branches/n_folds"][i] = row.n_folds
