@@ -3,7 +3,6 @@
 import numpy as np
 from numba import types
 
-from solver.enumeration.interval import exact
 from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
@@ -113,7 +112,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     n_roots, n_boxes, flags, visits = search(reduced, roots, boxes, stack)
     count, n_open, above, degree = 0, 0, _EMPTY, 0
     for i in range(n_roots):
-        roots[i, 0], roots[i, 1], roots[i, 2], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1])
+        roots[i, 0], roots[i, 1], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1], roots[i, 2])
     for i in range(n_roots):
         left, right, sign = roots[i, 0], roots[i, 1], roots[i, 2]
         _describe(reduced, left, right, roots[i, 3], found[count])
@@ -127,7 +126,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
             elif j != i:
                 found[count, GAIN_BOUNDS + 1] = min(found[count, GAIN_BOUNDS + 1], low)
         q = determinant_over(reduced, left, right)
-        if sign == 0.0 or not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
+        if not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
             # A root whose motion may be infinite, or whose box is so coarse that it may reach to another solution.
             if found[count, AMPLITUDE] > ceiling:
                 above = _OPEN
@@ -159,7 +158,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     if n_open > 0:
         proof = _NOT_DECIDED
     # The signs of det J over all solutions add up to that of the linear system.
-    q = numerators_at(reduced, exact(1.0))[1]
+    q = numerators_at(reduced, 1.0)[1]
     if decided and proof == _PROVEN and ((q[0] > 0.0 and degree != 1) or (q[1] < 0.0 and degree != -1)):
         proof = _CONTRADICTORY
     if flags & CONTRADICTION:
