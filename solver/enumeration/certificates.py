@@ -3,7 +3,7 @@
 import numpy as np
 from numba import types
 
-from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
+from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 
@@ -158,7 +158,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     if n_open > 0:
         proof = _NOT_DECIDED
     # The signs of det J over all solutions add up to that of the linear system.
-    q = numerators_at(reduced, 1.0)[1]
+    q = determinant_over(reduced, 1.0, 1.0)
     if decided and proof == _PROVEN and ((q[0] > 0.0 and degree != 1) or (q[1] < 0.0 and degree != -1)):
         proof = _CONTRADICTORY
     if flags & CONTRADICTION:

@@ -23,6 +23,10 @@ chi in (0, 1] is the share of the period in contact. Three remarks make this com
 - h(1) = 0 exactly where contact is never lost (phi(1) >= 1), otherwise h(1) < 0; h(0) > 0 if f_pm is not 0.
 - Without mean load a motion inside the gap, t = 0 and |F_1/D| <= b, leaves the mean free: a continuum, not a root.
 - h is continuous, and Lipschitz with dN/dphi phi' + dN/dbeta beta' - 1 as (generalised) derivative, where l is not 0.
+
+Without any damping, and if neither Q nor e is there, D + t A' is real and a common factor of q, l and n, which all
+vanish with it. It is left out then: q = D + t A', l = G and n = f_pm q/c describe the same motions, and the determinant
+is that above with q^2 in place of q.
 """
 
 import math
@@ -53,7 +57,7 @@ from solver.enumeration.interval import (
     times,
 )
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.condensation import F_PM, B
+from solver.model.condensation import ALPHA, ALPHA_2, F_PM, SIGMA, VARIATION_R, XI_MESH, XI_SUPPORT, XI_TRANSLATION, B
 
 __all__ = [
     "GAP",
@@ -76,7 +80,9 @@ _D, _A, _Q, _L_0, _L_1, _E = 0, 2, 4, 5, 7, 9
 _C, LOAD, GAP, _Q_1, _Q_2, _N_1, _N_2, _FORCE, _GAP = 11, 12, 13, 14, 15, 16, 17, 18, 22
 # l = l_0 + t l_1: |l_1|, Re(l_1 conj l_0) and how close the straight line comes to 0.
 _SPEED, _APPROACH, _CLOSEST = 26, 27, 28
-ROWS = 29
+# 1 where the common factor is left out, else 0.
+_FACTORED = 29
+ROWS = 30
 
 # Reduced coefficients must lie below the first, so that no product of them overflows, and the amplitude's numerator
 # above its inverse; slopes must lie below the second.
@@ -106,6 +112,19 @@ def _put_cubic(reduced, row, n_0, n_1, n_2, r_0, r_1, r_2):
     _put(reduced, row + 3, multiply(n_2, r_2))
 
 
+@kernel(types.boolean(ARRAY, ARRAY, _F), inner=True)
+def _has_common_factor(theta, direction, p):
+    """Whether nothing is damped, and neither the second harmonic of the stiffness nor a varying c k_r acts."""
+    if theta[XI_MESH] + p * direction[XI_MESH] != 0.0 or theta[ALPHA_2] + p * direction[ALPHA_2] != 0.0:
+        return False
+    if theta[SIGMA] + p * direction[SIGMA] != 0.0:
+        for slots in (XI_TRANSLATION, XI_SUPPORT):
+            for slot in range(slots, slots + (2 if slots == XI_TRANSLATION else 6)):
+                if theta[slot] + p * direction[slot] != 0.0:
+                    return False
+    return theta[ALPHA] + p * direction[ALPHA] == 0.0 or theta[VARIATION_R] + p * direction[VARIATION_R] == 0.0
+
+
 @kernel(types.boolean(ARRAY, ARRAY, _F, MATRIX), inner=True)
 def reduce_balance(theta, direction, p, reduced):
     """Fill `reduced` (ROWS, 2) with the reduced balance at one axis value; False if it is not finite or D may be 0.
@@ -128,6 +147,10 @@ def reduce_balance(theta, direction, p, reduced):
     G = complex_subtract(F, complex_scale(multiply(load, per_c), P_1))
     L_0 = complex_multiply(complex_conjugate(D), G)
     L_1 = complex_subtract(complex_multiply(complex_conjugate(A), G), complex_multiply(Q, complex_conjugate(G)))
+    factored, zero = _has_common_factor(theta, direction, p), (0.0, 0.0)
+    if factored:
+        L_0, L_1 = G, (zero, zero)
+    _put(reduced, _FACTORED, exact(1.0 if factored else 0.0))
     for i in range(2):
         _put(reduced, _D + i, D[i])
         _put(reduced, _A + i, A[i])
@@ -143,6 +166,8 @@ def reduce_balance(theta, direction, p, reduced):
     q_0 = add(square(D[0]), square(D[1]))
     q_1 = multiply(exact(2.0), add(multiply(D[0], A[0]), multiply(D[1], A[1])))
     q_2 = subtract(add(square(A[0]), square(A[1])), Q_squared)
+    if factored:
+        q_0, q_1, q_2 = D[0], A[0], zero
     scale = multiply(load, per_c)
     n_0 = multiply(scale, q_0)
     n_1 = subtract(multiply(scale, q_1), multiply(per_c, add(multiply(e[0], L_0[0]), multiply(e[1], L_0[1]))))
@@ -165,7 +190,7 @@ def reduce_balance(theta, direction, p, reduced):
         for side in range(2):
             if not abs(reduced[row, side]) < _LARGEST:
                 return False
-    return q_0[0] > 0.0
+    return q_0[0] > 0.0 or q_0[1] < 0.0
 
 
 @kernel(types.UniTuple(INTERVAL, 2)(MATRIX, _F), inline=True)
@@ -182,8 +207,10 @@ def numerators_at(reduced, t):
     """n, q and |l| at one gain; q is summed so that no digits cancel at a resonance."""
     X_real = add(_get(reduced, _D), times(t, _get(reduced, _A)))
     X_imaginary = add(_get(reduced, _D + 1), times(t, _get(reduced, _A + 1)))
-    q = add(square(X_real), square(X_imaginary))
-    q = subtract(q, times(t, times(t, _get(reduced, _Q))))
+    q = X_real
+    if reduced[_FACTORED, 0] == 0.0:
+        q = add(square(X_real), square(X_imaginary))
+        q = subtract(q, times(t, times(t, _get(reduced, _Q))))
     l_real, l_imaginary = _l_at(reduced, t)
     work = add(multiply(_get(reduced, _E), l_real), multiply(_get(reduced, _E + 1), l_imaginary))
     n = multiply(_get(reduced, _C), subtract(multiply(_get(reduced, LOAD), q), times(t, work)))
@@ -395,8 +422,9 @@ def turning_point(reduced, left, right):
 
 @kernel(INTERVAL(MATRIX, _F, _F), inner=True)
 def determinant_over(reduced, left, right):
-    """Range of q over an interval of gains."""
-    return _numerators_over(reduced, left, right)[1]
+    """Range of q over an interval of gains, with the common factor."""
+    q = _numerators_over(reduced, left, right)[1]
+    return q if reduced[_FACTORED, 0] == 0.0 else square(q)
 
 
 @kernel(types.UniTuple(INTERVAL, 4)(MATRIX, _F, _F, _F), inner=True)

@@ -17,7 +17,7 @@ import math
 
 from numba import types
 
-from solver.enumeration.interval import above, below, divide, exact, subtract
+from solver.enumeration.interval import above, absolute, below, divide, exact, subtract
 from solver.enumeration.reduction import GAP, LOAD, approximate_gain, gain_at, numerators_at, slope_over, turning_point
 from solver.kernels.compile import MATRIX, kernel
 
@@ -120,7 +120,7 @@ def search(reduced, roots, undecided, stack):
     if reduced[LOAD, 0] == 0.0 and not at_zero[0] > 0.0:
         _n, q, length = numerators_at(reduced, 0.0)
         start_sign = _UNKNOWN
-        if reduced[GAP, 0] * q[0] > above(length[1]):
+        if reduced[GAP, 0] * absolute(q)[0] > above(length[1]):
             start_sign, flags = _ZERO, FREE_MOTION
 
     _push(stack, 0, 0.0, 1.0, start_sign, -1.0, math.nan)
