@@ -24,7 +24,7 @@ chi in (0, 1] is the share of the period in contact. Three remarks make this com
 - Without mean load a motion inside the gap, t = 0 and |F_1/D| <= b, leaves the mean free: a continuum, not a root.
 - h is continuous, and Lipschitz with dN/dphi phi' + dN/dbeta beta' - 1 as (generalised) derivative, where l is not 0.
 
-Without any damping, and if neither Q nor e is there, D + t A' is real and a common factor of q, l and n, which all
+Without any damping, and if Q and e are 0 as well, D + t A' is real and a common factor of q, l and n, which all
 vanish with it. It is left out then: q = D + t A', l = G and n = f_pm q/c describe the same motions, and the determinant
 is that above with q^2 in place of q.
 """
@@ -57,7 +57,18 @@ from solver.enumeration.interval import (
     times,
 )
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.condensation import ALPHA, ALPHA_2, F_PM, SIGMA, VARIATION_R, XI_MESH, XI_SUPPORT, XI_TRANSLATION, B
+from solver.model.condensation import (
+    ALPHA,
+    ALPHA_2,
+    F_PM,
+    SIGMA,
+    VARIATION_R,
+    VARIATION_T,
+    XI_MESH,
+    XI_SUPPORT,
+    XI_TRANSLATION,
+    B,
+)
 
 __all__ = [
     "GAP",
@@ -73,7 +84,7 @@ __all__ = [
     "turning_point",
 ]
 
-_F = types.float64
+_F, _I = types.float64, types.int64
 
 # Rows (low, high) of the array that holds a reduced balance.
 _D, _A, _Q, _L_0, _L_1, _E = 0, 2, 4, 5, 7, 9
@@ -112,17 +123,31 @@ def _put_cubic(reduced, row, n_0, n_1, n_2, r_0, r_1, r_2):
     _put(reduced, row + 3, multiply(n_2, r_2))
 
 
+@kernel(types.boolean(ARRAY, ARRAY, _F, _I, _I), inline=True)
+def _are_zero(theta, direction, p, first, stop):
+    """Whether parameters first ... stop - 1 are exactly 0 at an axis value."""
+    for slot in range(first, stop):  # noqa: SIM110 (kernels have no generators)
+        if theta[slot] + p * direction[slot] != 0.0:
+            return False
+    return True
+
+
 @kernel(types.boolean(ARRAY, ARRAY, _F), inner=True)
 def _has_common_factor(theta, direction, p):
-    """Whether nothing is damped, and neither the second harmonic of the stiffness nor a varying c k_r acts."""
-    if theta[XI_MESH] + p * direction[XI_MESH] != 0.0 or theta[ALPHA_2] + p * direction[ALPHA_2] != 0.0:
-        return False
-    if theta[SIGMA] + p * direction[SIGMA] != 0.0:
-        for slots in (XI_TRANSLATION, XI_SUPPORT):
-            for slot in range(slots, slots + (2 if slots == XI_TRANSLATION else 6)):
-                if theta[slot] + p * direction[slot] != 0.0:
-                    return False
-    return theta[ALPHA] + p * direction[ALPHA] == 0.0 or theta[VARIATION_R] + p * direction[VARIATION_R] == 0.0
+    """Whether D and A' are real and Q and e are 0 for certain: nothing is damped, and what could make Q and e is 0."""
+    uncoupled = _are_zero(theta, direction, p, SIGMA, SIGMA + 1)
+    undamped = _are_zero(theta, direction, p, XI_MESH, XI_MESH + 1) and (
+        uncoupled
+        or (
+            _are_zero(theta, direction, p, XI_TRANSLATION, XI_TRANSLATION + 2)
+            and _are_zero(theta, direction, p, XI_SUPPORT, XI_SUPPORT + 6)
+        )
+    )
+    first_fixed = _are_zero(theta, direction, p, ALPHA, ALPHA + 1)
+    second_fixed = _are_zero(theta, direction, p, ALPHA_2, ALPHA_2 + 1)
+    rotation_fixed = _are_zero(theta, direction, p, VARIATION_R, VARIATION_R + 1)
+    all_fixed = rotation_fixed and (uncoupled or _are_zero(theta, direction, p, VARIATION_T, VARIATION_T + 1))
+    return undamped and (first_fixed or rotation_fixed) and (second_fixed or all_fixed)
 
 
 @kernel(types.boolean(ARRAY, ARRAY, _F, MATRIX), inner=True)

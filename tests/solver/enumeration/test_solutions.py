@@ -306,7 +306,12 @@ def test_undamped_gears_are_proven(seed):
     changes = {**UNDAMPED, "alpha_harmonics": [], "f_pm": rng.uniform(0.2, 0.8), "k_support": rng.uniform(0.3, 3.0, 6)}
     if seed % 3 == 0:
         # Without translations their damping does not matter.
-        changes |= {"translation_coupling": 0.0, "xi_support": 0.01, "xi_translation": 0.02}
+        changes |= {
+            "translation_coupling": 0.0,
+            "xi_support": 0.01,
+            "xi_translation": 0.02,
+            "alpha_harmonics": [(0.2, 1.0)],
+        }
     model, omega = random_model(rng, sorted(MODELS)[seed % 2], **changes), rng.uniform(0.2, 2.2)
     result, expected = all_solutions(model, omega, amplitude_max=8.0), dense_search(model, omega, 8.0, 120)
     assert result.proof is Proof.PROVEN and len(result.mean) == len(expected)
