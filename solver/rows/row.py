@@ -12,12 +12,13 @@ from solver.continuation.on_curve import curve_crossings
 from solver.continuation.problem import Balance
 from solver.enumeration.solutions import Above, Proof, RowSolutions, enumerate_row
 from solver.harmonic.describing_function import DescribingFunction
+from solver.harmonic.layout import packed
 from solver.model.checks import ParameterError
 from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
 from solver.rows.seeds import ProvenSeeds, RowError, RowSpan, missing_degree
 from solver.stability import assess
-from solver.stability.bifurcations import with_bifurcations
+from solver.stability.bifurcations import KnownMotions, with_bifurcations
 
 __all__ = ["Row", "sweep_row"]
 
@@ -56,6 +57,8 @@ class Row:
         How many of the curves were found without looking at the grid values.
     everywhere : bool
         Whether seeds were sought at the grid values as well.
+    notes : tuple of str
+        What could not be decided, in sentences.
     """
 
     balance: Balance
@@ -72,6 +75,7 @@ class Row:
     certified: np.ndarray
     early: int
     everywhere: bool
+    notes: tuple[str, ...]
 
     @property
     def n_folds(self) -> int:
@@ -194,7 +198,6 @@ def sweep_row(
     span = RowSpan(balance, model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
     seeds = seeds or ProvenSeeds()
     curves, early = seeds.branches(span, grid)
-    curves = tuple(_with_bifurcations(span, curve) for curve in curves)
     b = grid if axis == "b" else np.full(grid.size, model.b)
     row = _assemble(span, grid, b, curves, early, seeds.every_column)
     if not isinstance(seeds, ProvenSeeds):
@@ -205,14 +208,6 @@ def sweep_row(
     row.open[asked] = solutions.above != Above.EMPTY
     row.open[_beside(grid, _exits(curves))] = 1
     return _certify(row, solutions, float(span.problem.scale[0])) if seeds.every_column else row
-
-
-def _with_bifurcations(span: RowSpan, curve: Curve) -> Curve:
-    """The curve with the points at which dynamic stability changes."""
-    try:
-        return with_bifurcations(span.balance, span.problem, curve, span.continuation)
-    except ArithmeticError as error:
-        raise RowError(str(error)) from error
 
 
 def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> Row:
@@ -240,6 +235,9 @@ def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> R
     stability = assess(
         span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
     )
+    parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
+    known = KnownMotions(grid[column], unknowns, stability.tests)
+    located = [with_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in curves]
     instability, multiplier = np.full(shape, -1, dtype=np.int8), np.full(shape, np.nan)
     instability[column, place], multiplier[column, place] = stability.kind, stability.modulus
     return Row(
@@ -247,7 +245,7 @@ def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> R
         span.axis,
         grid,
         b,
-        tuple(curves),
+        tuple(curve for curve, _ in located),
         motions,
         stabilities,
         impact,
@@ -257,6 +255,7 @@ def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> R
         np.full(grid.size, -1, dtype=np.int8),
         early,
         everywhere,
+        tuple(note for _, notes in located for note in notes),
     )
 
 
