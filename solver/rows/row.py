@@ -12,6 +12,7 @@ from solver.continuation.continuation import Continuation, Curve, EndReason, Eve
 from solver.continuation.problem import Balance
 from solver.enumeration.solutions import Above, Proof
 from solver.harmonic.describing_function import DescribingFunction
+from solver.harmonic.layout import packed
 from solver.model.checks import ascending_grid, frequency, one_of
 from solver.model.condensation import AXES
 from solver.model.gear_model import Model
@@ -19,7 +20,7 @@ from solver.rows.crossings import crossings
 from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, proven_solutions
 from solver.rows.span import RowSpan
 from solver.stability import assess
-from solver.stability.bifurcations import with_bifurcations
+from solver.stability.bifurcations import KnownMotions, with_bifurcations
 
 __all__ = ["Row", "sweep_row"]
 
@@ -269,23 +270,19 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
         result[column, place] = values
         return result
 
-    curves, notes = [], [*found.notes, *raster.notes]
-    for curve in found.curves:
-        try:
-            curves.append(with_bifurcations(span.balance, span.problem, curve, span.continuation))
-        except ArithmeticError as error:
-            curves.append(curve)
-            notes.append(f"Where a branch changes its dynamic stability is not known: {error}")
     motions = arranged(unknowns, np.nan)
     stability = assess(
         span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
     )
+    parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
+    known = KnownMotions(grid[column], unknowns, stability.tests)
+    located = [with_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in found.curves]
     return Row(
         span.balance,
         span.axis,
         grid,
         b,
-        tuple(curves),
+        tuple(curve for curve, _ in located),
         motions,
         arranged(stable, -1),
         impact_state(*span.balance.extremes(motions), b[:, None]),
@@ -293,7 +290,7 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
         arranged(stability.modulus, np.nan),
         raster.open.astype(np.int8),
         raster.certified,
-        tuple(notes),
+        (*found.notes, *raster.notes, *(note for _, notes in located for note in notes)),
     )
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from solver import Continuation, EndReason, Event, ParameterError
-from solver.boundaries import SpecialPoint, boundary_curves
-from solver.boundaries.bifurcation_curves import bifurcation_curves, bifurcation_events
-from solver.boundaries.bifurcation_plane import BifurcationPlane
+from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SpecialPoint, boundary_curves, row_events
+from solver.boundaries.harmonic import HarmonicProblem
+from solver.boundaries.problem import Plane
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.stability.bifurcations import with_bifurcations
@@ -26,8 +26,7 @@ GEARS = {
 RANGE = (0.05, 0.5)
 PLANES = [("published", "f_e"), ("parametric", "alpha"), ("antiphase", "f_e")]
 FIRST, HIGHER = DescribingFunction(), Galerkin(3)
-BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
-EVERYTHING = (Event.FOLD, Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK, *BIFURCATIONS)
+EVERYTHING = (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
 OMEGA = (LOW, HIGH)
 planes = pytest.mark.parametrize(("gear", "axis"), PLANES)
 balances = pytest.mark.parametrize("balance", [FIRST, HIGHER], ids=["first", "higher"])
@@ -39,13 +38,13 @@ def starts_of(gear, axis, balance, count=24):
     found = []
     for value in np.linspace(*RANGE, count):
         problem, curve = branch(GEARS[gear](**{axis: value}), balance)
-        found += bifurcation_events([with_bifurcations(balance, problem, curve, Continuation())], value, kinds)
+        found += row_events([with_bifurcations(balance, problem, curve, Continuation())], value, kinds)
     return found
 
 
 @functools.cache
 def curves_of(gear, axis, balance):
-    return bifurcation_curves(balance, GEARS[gear](), "omega", axis, OMEGA, RANGE, starts_of(gear, axis, balance))
+    return boundary_curves(GEARS[gear](), "omega", axis, OMEGA, RANGE, starts_of(gear, axis, balance), balance=balance)
 
 
 def shown(balance, point):
@@ -82,11 +81,11 @@ def test_derivatives_are_those_of_differences(balance, x_axis, p_axis, kind):
         "k_support": 0.9,
     }
     where = [places.get(axis) or getattr(model, axis) for axis in (x_axis, p_axis)]
-    plane = BifurcationPlane(balance, model, x_axis, p_axis, *((w - 0.3, w + 0.4) for w in where), omega=1.1)
+    plane = Plane(model, x_axis, p_axis, *((w - 0.3, w + 0.4) for w in where), omega=1.1)
     rng = np.random.default_rng(5)
     for share in (0.1, 0.4) if kind is Event.NEIMARK_SACKER else (0.0,):
-        (window,) = plane.windows(kind, share)
-        problem = plane.problem(kind, window)
+        window = int(share == 0.4 or kind is Event.PERIOD_DOUBLING)
+        problem = HarmonicProblem(plane, balance).problem(kind, (window, -1, -1))
         for _ in range(8):
             u = rng.normal(size=balance.unknowns) / (1.0 + np.arange(balance.unknowns) // 2)
             extra = [share] if kind is Event.NEIMARK_SACKER else []
@@ -111,10 +110,10 @@ def test_derivatives_are_those_of_differences(balance, x_axis, p_axis, kind):
 def test_points_solve_the_balance_and_their_own_condition(gear, axis, balance):
     for curve in curves_of(gear, axis, balance):
         assert np.all(np.diff(curve.arclength) >= 0.0)
-        for piece in curve.pieces:
-            problem, n = piece.problem, piece.problem.unknowns
+        for stretch in curve.stretches:
+            problem, n = stretch.problem, stretch.problem.unknowns
             residual, jacobian = np.empty(n), np.empty((n, n + 1))
-            for y in piece.curve.points[::7]:
+            for y in stretch.curve.points[::7]:
                 problem.balance(problem.theta, problem.direction, y, residual, jacobian)
                 # Next to a grazing a determinant varies with the root of a margin that rounding leaves at 1e-16.
                 steepness = np.linalg.norm(jacobian * problem.scale, axis=1)
@@ -144,7 +143,7 @@ def test_rows_that_nobody_started_from_meet_the_curves(gear, axis, balance):
     for value in values:
         problem, curve = branch(GEARS[gear](**{axis: value}), balance)
         row = with_bifurcations(balance, problem, curve, Continuation())
-        for kind, point in bifurcation_events([row], value, kinds):
+        for kind, point in row_events([row], value, kinds):
             total += 1
             gaps = [np.max(np.abs(p - shown(balance, point))) for k, p in crossings[value] if k is kind]
             assert min(gaps, default=np.inf) < 1e-7, (kind, point[-2:])
@@ -154,7 +153,7 @@ def test_rows_that_nobody_started_from_meet_the_curves(gear, axis, balance):
 def test_order_of_the_starts_does_not_matter():
     starts = starts_of("published", "f_e", HIGHER)
     shuffled = [starts[i] for i in np.random.default_rng(3).permutation(len(starts))]
-    again = bifurcation_curves(HIGHER, published(), "omega", "f_e", OMEGA, RANGE, shuffled)
+    again = boundary_curves(published(), "omega", "f_e", OMEGA, RANGE, shuffled, balance=HIGHER)
     for first, second in zip(curves_of("published", "f_e", HIGHER), again, strict=True):
         assert first.kind is second.kind and first.ends == second.ends
         np.testing.assert_array_equal(first.points, second.points)
@@ -179,7 +178,7 @@ def test_fold_curves_cross_a_row_where_it_folds():
     balance = Galerkin(1)
     starts = starts_of("published", "f_e", balance)
     folds = [s for s in starts if s[0] is Event.FOLD]
-    curves = bifurcation_curves(balance, published(), "omega", "f_e", OMEGA, RANGE, folds)
+    curves = boundary_curves(published(), "omega", "f_e", OMEGA, RANGE, folds, balance=balance)
     ours = np.sort(np.concatenate([c.crossings([0.2])[1][:, 3] for c in curves]))
     problem, curve = branch(published(f_e=0.2), balance)
     theirs = np.sort(curve.points[curve.event == Event.FOLD][:, -1])
@@ -191,9 +190,9 @@ def test_fold_curves_cross_a_row_where_it_folds():
 
 def test_corners_join_what_stops_there():
     curves = curves_of("published", "f_e", HIGHER)
-    assert any(len(curve.pieces) > 1 for curve in curves)
+    assert any(len(curve.stretches) > 1 for curve in curves)
     for curve in curves:
-        for before, after in zip(curve.pieces[:-1], curve.pieces[1:], strict=True):
+        for before, after in zip(curve.stretches[:-1], curve.stretches[1:], strict=True):
             gap = np.abs(before.curve.points[-1] - after.curve.points[0]) / after.problem.scale
             assert np.max(gap) < 1e-4
         for end, place in zip(curve.ends, (0, -1), strict=True):
@@ -220,20 +219,21 @@ def test_refinement_is_solved_not_interpolated():
 def test_wrong_input_is_refused():
     start = starts_of("published", "f_e", HIGHER)[0]
     with pytest.raises(ParameterError, match="of the kinds"):
-        bifurcation_curves(FIRST, published(), "omega", "f_e", OMEGA, RANGE, [(Event.FOLD, np.zeros(5))])
+        boundary_curves(published(), "omega", "f_e", OMEGA, RANGE, [(Event.BRANCH_POINT, np.zeros(5))])
     with pytest.raises(ParameterError, match="9 numbers"):
-        bifurcation_curves(HIGHER, published(), "omega", "f_e", OMEGA, RANGE, [(start[0], start[1][:5])])
+        boundary_curves(published(), "omega", "f_e", OMEGA, RANGE, [(start[0], start[1][:5])], balance=HIGHER)
     with pytest.raises(ParameterError, match="inside the plane"):
-        bifurcation_curves(HIGHER, published(), "omega", "f_e", OMEGA, (0.0, 0.01), [start])
+        boundary_curves(published(), "omega", "f_e", OMEGA, (0.0, 0.01), [start], balance=HIGHER)
     with pytest.raises(ParameterError, match="another parameter"):
-        BifurcationPlane(HIGHER, published(), "b", "b", (0.1, 0.2), (0.1, 0.2), omega=1.0)
+        Plane(published(), "b", "b", (0.1, 0.2), (0.1, 0.2), omega=1.0)
     with pytest.raises(ParameterError, match="as no axis is the frequency"):
-        BifurcationPlane(HIGHER, published(), "b", "alpha", (0.1, 0.2), (0.1, 0.2))
+        Plane(published(), "b", "alpha", (0.1, 0.2), (0.1, 0.2))
 
 
 def test_a_start_that_leads_nowhere_is_a_curve_of_one_point():
     lost = np.array([1.0, *np.full(6, 0.3), 1.0, 0.2])
-    (curve,) = bifurcation_curves(HIGHER, published(), "omega", "f_e", OMEGA, RANGE, [(Event.PERIOD_DOUBLING, lost)])
+    starts = [(Event.PERIOD_DOUBLING, lost)]
+    (curve,) = boundary_curves(published(), "omega", "f_e", OMEGA, RANGE, starts, balance=HIGHER)
     assert len(curve.points) == 1 and curve.ends == (EndReason.STEP_TOO_SMALL,) * 2
 
 
@@ -264,5 +264,5 @@ def test_first_order_boundaries_are_not_changed_by_what_both_share():
     problem, curve = branch(model, FIRST)
     folds = [(Event.FOLD, np.append(y, 0.2)) for y in curve.points[curve.event == Event.FOLD]]
     for boundary in boundary_curves(model, "omega", "f_e", OMEGA, RANGE, folds):
-        assert boundary.seen == (0, 1, 2, 5, 6)
+        assert boundary.shown == (0, 1, 2, 5, 6)
         assert np.max(boundary.distances(boundary.points[::5])) < 1e-9

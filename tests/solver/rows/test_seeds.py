@@ -181,7 +181,7 @@ def test_an_isola_is_born_where_enumeration_first_finds_it():
     """The fold curve's turning point, from rows on one side of it only, against counts of proven solutions."""
     model = consistent(rotation_coupling=0.93969262)
     rows = [(alpha, sweep_row(model.replace(alpha=alpha), "omega", grid(200))) for alpha in (0.41, 0.42)]
-    starts = [event for alpha, row in rows for event in row_events(row, alpha)]
+    starts = [event for alpha, row in rows for event in row_events(row.curves, alpha)]
     curves = boundary_curves(model, "omega", "alpha", (0.05, 2.0), (0.3, 0.43), starts)
     (birth,) = [c.points[i] for c in curves for i in np.flatnonzero(c.special == SpecialPoint.ISOLA)]
     omega, alpha = birth[3:]
