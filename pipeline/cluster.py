@@ -5,27 +5,17 @@ Tasks are independent and write their own results; only small receipts come back
 
 import contextlib
 import importlib
-import importlib.util
 import logging
-import signal
-import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
+from pipeline.cluster_settings import address_of, security_of, setting_of
 from pipeline.errors import ConfigurationError
 from pipeline.schema import Cluster
 
-__all__ = ["KINDS", "Task", "WorkerLost", "Workforce", "check_cluster"]
-
-KINDS = ("local", "none", "scheduler")
-
-#: One thread each for the libraries that would otherwise start one per core in every worker.
-_ONE_THREAD = {
-    f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS", "NUMBA", "NUMEXPR", "VECLIB_MAXIMUM")
-}
+__all__ = ["Task", "WorkerLost", "Workforce"]
 
 #: Tasks under way per thread: one is computed, one waits.
 _AHEAD = 2
@@ -47,59 +37,18 @@ class Task:
     avoid: str | None = None
 
 
-def check_cluster(config: Cluster) -> None:
-    """Raise ConfigurationError unless the cluster settings make sense; nothing is started."""
-    if config.kind not in KINDS:
-        raise ConfigurationError(f"cluster.kind = {config.kind!r} is not allowed: it must be one of {', '.join(KINDS)}")
-    if config.kind == "local" and not 1 <= config.workers <= 1024:
-        raise ConfigurationError(f"cluster.workers = {config.workers} is not allowed: it must be from 1 to 1024")
-    if config.kind == "scheduler" and bool(config.address) == bool(config.scheduler_file):
-        raise ConfigurationError(
-            f"cluster.address = {config.address!r} is not allowed with "
-            f"cluster.scheduler_file = {config.scheduler_file!r}: "
-            "one of them must say where the scheduler is, such as tcp://host:8786"
-        )
-    if config.kind == "scheduler" and config.scheduler_file and not Path(config.scheduler_file).is_file():
-        raise ConfigurationError(
-            f"cluster.scheduler_file = {config.scheduler_file!r} is not allowed: "
-            "it must be a file that dask scheduler wrote"
-        )
-    if not 0.0 < config.row_seconds <= 1e6:
-        raise ConfigurationError(f"cluster.row_seconds = {config.row_seconds} is not allowed: it must be from 0 to 1e6")
-    _check_memory(config.memory)
-    if config.dashboard and importlib.util.find_spec("bokeh") is None:
-        raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
-    if not 0.0 < config.timeout <= 3600.0:
-        raise ConfigurationError(
-            f"cluster.timeout = {config.timeout} is not allowed: it must be from 0 to 3600 seconds"
-        )
-
-
-def _check_memory(memory: str) -> None:
-    if memory == "auto":
-        return
-    from dask.utils import parse_bytes
-
-    try:
-        known = parse_bytes(memory) > 0
-    except ValueError:
-        known = False
-    if not known:
-        raise ConfigurationError(f"cluster.memory = {memory!r} is not allowed: it must be auto or a size such as 4GB")
-
-
 class Workforce:
     """Runs tasks; workers start when first needed and serve all planes of a run.
 
     Parameters
     ----------
     config : Cluster
-        Checked by `check_cluster`.
+        Checked by `pipeline.cluster_settings.check_cluster`.
 
     Examples
     --------
-    >>> from pipeline.schema import Cluster
-    >>> with Workforce(Cluster("none", 1, "auto", 60.0, False, None, None, 10.0)) as workforce:
+    >>> from pipeline.config import compose
+    >>> with Workforce(compose(["cluster=none"]).config.cluster) as workforce:
     ...     list(workforce.run(pow, [(2, 3), (3, 2)]))
     [((2, 3), 8), ((3, 2), 9)]
     """
@@ -107,7 +56,7 @@ class Workforce:
     def __init__(self, config: Cluster):
         self.config = config
         self._client = None
-        self._cluster = None
+        self._open = contextlib.ExitStack()
         self._size = None
 
     def __enter__(self):
@@ -141,46 +90,30 @@ class Workforce:
         return f"tasks run on the scheduler at {address}, {threads} threads at present{dashboard}"
 
     def _start_local(self) -> None:
-        import dask
-        from distributed import Client, LocalCluster
+        from distributed import Client
 
-        settings = {
-            "distributed.nanny.pre-spawn-environ": {
-                **dask.config.get("distributed.nanny.pre-spawn-environ", {}),
-                **_ONE_THREAD,
-            },
-            # Whoever gave a task decides whether it is done again after its worker was lost.
-            "distributed.scheduler.allowed-failures": 0,
-        }
-        with dask.config.set(settings), _deaf_to_interrupts():
-            self._cluster = LocalCluster(
-                n_workers=self.config.workers,
-                threads_per_worker=1,
-                processes=True,
-                memory_limit=self.config.memory,
-                # Any free port: a fixed one would be taken by the next run.
-                dashboard_address=":0",
-                scheduler_kwargs={"dashboard": self.config.dashboard},
-                silence_logs=logging.CRITICAL,
-            )
-        self._client = Client(self._cluster, set_as_default=False)
+        from pipeline.local_cluster import local_cluster
+
+        cluster = local_cluster(self.config.workers, self.config.memory, self.config.dashboard)
+        self._client = Client(self._open.enter_context(cluster), set_as_default=False)
+        self._open.enter_context(contextlib.closing(self._client))
         # Loading the kernels takes a worker a second, all of them at once here and not when the first rows are due.
         self._client.run(importlib.import_module, "solver")
 
     def _reach_scheduler(self) -> None:
         from distributed import Client
 
-        file = self.config.scheduler_file
-        where = {"scheduler_file": file} if file else {"address": self.config.address}
-        key = "cluster.scheduler_file" if file else "cluster.address"
+        address = address_of(self.config)
+        security = security_of(self.config, address)
         try:
-            self._client = Client(**where, timeout=self.config.timeout, set_as_default=False)
+            self._client = Client(address, security=security, timeout=self.config.timeout, set_as_default=False)
         except (OSError, ValueError, KeyError, TimeoutError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise ConfigurationError(
-                f"{key} = {file or self.config.address!r} is not allowed: it must be that of a dask scheduler, "
+                f"{setting_of(self.config)} is not allowed: it must be that of a dask scheduler, "
                 f"and none answered there within {self.config.timeout:g} s ({reason})"
             ) from None
+        self._open.enter_context(contextlib.closing(self._client))
 
     def run(self, function: Callable, tasks: Iterable[tuple]) -> Iterator[tuple[tuple, object]]:
         """Call `function(*task)` for every task; yields (task, result), or (task, exception) where it raised.
@@ -291,10 +224,8 @@ class Workforce:
 
     def close(self) -> None:
         """Stop the workers that this object started; a foreign scheduler goes on."""
-        for part in (self._client, self._cluster):
-            if part is not None:
-                part.close()
-        self._client = self._cluster = None
+        self._client = None
+        self._open.close()
 
 
 def _silence() -> None:
@@ -304,19 +235,6 @@ def _silence() -> None:
     for name in ["distributed", *logging.root.manager.loggerDict]:
         if name.split(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL)
-
-
-@contextlib.contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes started inside ignore Ctrl-C, which a terminal sends to all: stopping is this process's business."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, handler)
 
 
 def _attempt(function: Callable, task: tuple):

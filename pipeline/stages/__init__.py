@@ -5,7 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from pipeline import store
-from pipeline.cluster import Workforce, check_cluster
+from pipeline.cluster import Workforce
+from pipeline.cluster_settings import check_cluster
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.layers import cut, layer_of, of_layer

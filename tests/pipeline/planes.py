@@ -9,7 +9,7 @@ import zarr
 from pipeline import store
 from pipeline.config import compose
 from pipeline.plan import Plan, plan
-from pipeline.schema import Cluster
+from pipeline.schema import Cluster, Security
 from pipeline.store.seal import sealed
 from pipeline.sweep import sweep_block
 
@@ -27,6 +27,7 @@ def cluster(kind: str, **changes) -> Cluster:
         address=None,
         scheduler_file=None,
         timeout=10.0,
+        security=Security(None, None, None),
     )
     return Cluster(**{**usual, **changes})
 
