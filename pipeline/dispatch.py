@@ -8,8 +8,8 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from pipeline.cluster import Task, WorkerLost, Workforce
-from pipeline.errors import StoreError
+from pipeline.cluster import Task, Workforce
+from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan import Block, Plan
 from pipeline.store.tries import MOST_TRIES
 from pipeline.sweep import Outcome, Receipt, sweep_blocks

@@ -3,12 +3,12 @@
 This is what runs on workers. A row that fails is recorded with its reason and the others go on.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 from pipeline import store
+from pipeline.admission import worker_address
 from pipeline.plan import Block, Plan
 from pipeline.store.tries import Tries
 from pipeline.thermal import thermal_pair
@@ -254,18 +254,5 @@ def sweep_blocks(path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]]
         try:
             receipts.append(sweep_block(path, plan, block, every_column, limit))
         except RowTrouble:
-            return Outcome(tuple(receipts), _worker(), trouble=True)
-    return Outcome(tuple(receipts), _worker())
-
-
-def _worker() -> str | None:
-    """The address of the worker that this runs on, None in a process of its own."""
-    # A process without dask is no worker, and dask takes half a second to import.
-    if "distributed" not in sys.modules:
-        return None
-    from distributed import get_worker
-
-    try:
-        return get_worker().address
-    except ValueError:
-        return None
+            return Outcome(tuple(receipts), worker_address(), trouble=True)
+    return Outcome(tuple(receipts), worker_address())

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.cluster import Task, WorkerLost
+from pipeline.cluster import Task
 from pipeline.dispatch import Batches, dispatch
+from pipeline.errors import WorkerLost
 from pipeline.plan import Block
 from pipeline.store.tries import MOST_TRIES
 from pipeline.sweep import Outcome, Receipt

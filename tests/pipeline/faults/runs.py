@@ -15,7 +15,9 @@ from tests.pipeline.planes import assert_same_contents, contents
 
 __all__ = [
     "COMMAND",
+    "INJECTED",
     "KEPT",
+    "ROOT",
     "ROWS",
     "Run",
     "complete",
@@ -28,6 +30,8 @@ __all__ = [
 ]
 
 ROOT = Path(__file__).parents[3]
+#: Put on PYTHONPATH, it makes processes fail as BEVELMAP_TEST_FAULT says.
+INJECTED = Path(__file__).parent / "injected"
 ROWS = 36
 #: A plane of twelve blocks, each of three rows that take some hundredths of a second.
 COMMAND = (

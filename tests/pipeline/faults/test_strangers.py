@@ -84,7 +84,7 @@ def test_only_the_ports_that_peers_need_are_open_and_on_loopback_alone(started):
 
 def test_a_dask_client_without_the_key_cannot_connect(started, stranger):
     workforce, places = started
-    address = workforce._client.scheduler.address
+    address = workforce._connection.address
     assert address.startswith("tls://")
     for security, scheme in ((Security(), "tcp"), (stranger, "tls")):
         with pytest.raises(OSError):
@@ -95,7 +95,7 @@ def test_scheduler_nannies_and_workers_know_the_key_of_the_run_and_no_other(star
     workforce, places = started
     for place in places:
         own, other = f"tls://{place.ip}:{place.port}", f"tcp://{place.ip}:{place.port}"
-        assert answers(own, workforce._client.security)
+        assert answers(own, workforce._connection._client.security)
         assert not answers(own, stranger) and not answers(other, Security(require_encryption=False))
 
 
@@ -109,20 +109,20 @@ def test_who_shows_no_certificate_is_cut_off(started):
 
 def test_a_worker_without_the_key_cannot_join(started, stranger):
     workforce, _ = started
-    before = workforce._client.nthreads()
+    before = workforce._connection.workers()
 
     async def join():
-        await Worker(workforce._client.scheduler.address, security=stranger, nthreads=1, death_timeout=2)
+        await Worker(workforce._connection.address, security=stranger, nthreads=1, death_timeout=2)
 
     with pytest.raises((OSError, TimeoutError)):
         asyncio.run(join())
-    assert workforce._client.nthreads() == before
+    assert workforce._connection.workers() == before
 
 
 def test_the_folders_of_workers_are_private_and_go_with_them():
     with Workforce(cluster("local", workers=1)) as workforce:
         workforce.start()
-        (folder,) = workforce._client.run(_folder).values()
+        (folder,) = workforce._connection._client.run(_folder).values()
         private = [place for place in folder.parents if place.exists() and place.stat().st_mode & 0o077 == 0]
         assert private and all(place.stat().st_uid == os.getuid() for place in private) and folder.is_dir()
     assert not private[-1].exists()
