@@ -12,7 +12,7 @@ import pytest
 from distributed import Client, Security, Worker
 from distributed.comm import connect
 
-from pipeline.cluster import Workforce
+from pipeline.run.workforce import Workforce
 from tests.pipeline.planes import cluster
 
 WORKERS = 2

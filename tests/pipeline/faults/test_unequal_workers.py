@@ -12,7 +12,7 @@ import pytest
 from distributed import Client
 
 from pipeline import store
-from pipeline.environment import ARITHMETIC, differences, facts
+from pipeline.run.environment import ARITHMETIC, differences, facts
 from tests.pipeline.faults.runs import INJECTED, KEPT, ROOT, finished, same, start, until
 from tests.pipeline.schedulers import Scheduler, wait_until
 
@@ -129,7 +129,7 @@ def test_where_all_workers_differ_nothing_is_written(kind, tmp_path, scheduler, 
 
 def _facts_of_a_process(folder=ROOT, code="", **environment):
     """The facts of another process, as this one would see them, after some code has run there."""
-    script = f"from pipeline.environment import facts\n{code}\nprint(facts())"
+    script = f"from pipeline.run.environment import facts\n{code}\nprint(facts())"
     command = [sys.executable, "-c", script]
     environment = {"PATH": "", "PYTHONPATH": str(folder), **environment}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
