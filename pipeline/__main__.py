@@ -89,7 +89,7 @@ def _run_all(all_settings, reporter) -> int:
         helper.wait()
     if not jobs:
         return status
-    with Workforce(jobs[0].settings.config.cluster) as workforce:
+    with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
         # Tables need several planes: once, after all of them.

@@ -8,10 +8,10 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from pipeline.errors import StoreError
+from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import Outcome, Receipt, sweep_blocks
-from pipeline.run.workforce import Task, WorkerLost, Workforce
+from pipeline.run.workforce import Task, Workforce
 from pipeline.store.tries import MOST_TRIES
 
 __all__ = ["Batches", "dispatch"]

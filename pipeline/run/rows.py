@@ -3,7 +3,6 @@
 This is what runs on workers. A row that fails is recorded with its reason and the others go on.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -11,6 +10,7 @@ from time import perf_counter
 from pipeline import store
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Block, Plan
+from pipeline.run.admission import worker_address
 from pipeline.store.tries import Tries
 from solver import Balance, Continuation, Row, RowError
 from solver.rows.seeds import Seeds
@@ -131,18 +131,5 @@ def sweep_blocks(path: str, plan: Plan, blocks: tuple[Block, ...], limit: float 
         try:
             receipts.append(sweep_block(path, plan, block, limit))
         except RowTrouble:
-            return Outcome(tuple(receipts), _worker(), trouble=True)
-    return Outcome(tuple(receipts), _worker())
-
-
-def _worker() -> str | None:
-    """The address of the worker that this runs on, None in a process of its own."""
-    # A process without dask is no worker, and dask takes half a second to import.
-    if "distributed" not in sys.modules:
-        return None
-    from distributed import get_worker
-
-    try:
-        return get_worker().address
-    except ValueError:
-        return None
+            return Outcome(tuple(receipts), worker_address(), trouble=True)
+    return Outcome(tuple(receipts), worker_address())
