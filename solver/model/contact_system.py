@@ -136,16 +136,24 @@ class ContactSystem:
         return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
 
 
+# A support has no part in the contact direction where its share of d . d is rounding.
+_NO_COUPLING = 1e-30
+
+
 def gear_system(model: Model) -> ContactSystem:
     """The bevel pair, supports of equal (xi_j, k_j) merged; coordinates are one u = sum d_j x_j per kind, then lambda.
 
     u'' + 2 xi u' + k u = -sum_j d_j^2 [kappa_g k_t f + 2 xi_hg lambda'] over the supports j of that kind, and all u''
-    together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own.
+    together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own;
+    nor are supports without a share in d, of which there is no coordinate: with sigma = 0 lambda alone is left.
     """
     squares = model.direction**2
+    # What the contact does not reach is no part of the motion; cos 90 degrees is 6e-17.
+    reached = squares > _NO_COUPLING
     kappa, xi_mesh = np.repeat(model.kappa, 3), np.repeat(model.xi_translation, 3)
-    kinds = list(dict.fromkeys(zip(model.xi_support, model.k_support, strict=True)))
-    member = np.array([kinds.index(pair) for pair in zip(model.xi_support, model.k_support, strict=True)])
+    pairs = list(zip(model.xi_support, model.k_support, strict=True))
+    kinds = list(dict.fromkeys(pair for pair, part in zip(pairs, reached, strict=True) if part))
+    member = np.array([kinds.index(pair) if part else -1 for pair, part in zip(pairs, reached, strict=True)])
     groups = len(kinds)
     n, c = groups + 1, model.rotation
     mass, damping, stiffness = np.eye(n), np.zeros((n, n)), np.zeros((n, n))

@@ -18,7 +18,7 @@ from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
 from solver.rows.seeds import ProvenSeeds, RowError, RowSpan, missing_degree
 from solver.stability import assess
-from solver.stability.bifurcations import KnownMotions, with_bifurcations
+from solver.stability.bifurcations import KnownMotions, locate_bifurcations
 
 __all__ = ["Row", "sweep_row"]
 
@@ -237,7 +237,7 @@ def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> R
     )
     parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
     known = KnownMotions(grid[column], unknowns, stability.tests)
-    located = [with_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in curves]
+    located = [locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in curves]
     instability, multiplier = np.full(shape, -1, dtype=np.int8), np.full(shape, np.nan)
     instability[column, place], multiplier[column, place] = stability.kind, stability.modulus
     return Row(
