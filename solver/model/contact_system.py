@@ -10,6 +10,7 @@ only along d and merge into one coordinate each, exactly (docs/physics.md, secti
 coordinates remain of seven.
 """
 
+import dataclasses
 import math
 from dataclasses import dataclass, field
 
@@ -18,7 +19,7 @@ import numpy as np
 from solver.model.checks import ParameterError
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
-__all__ = ["ContactSystem", "gear_system"]
+__all__ = ["ContactSystem", "gear_system", "reduced"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +135,38 @@ class ContactSystem:
     def dynamic_stiffness(self, omega) -> np.ndarray:
         """Z = K - omega^2 M + i omega C, complex (n, n); omega may be an array of shape (..., 1, 1)."""
         return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
+
+
+def reduced(system: ContactSystem) -> ContactSystem:
+    """The system without coordinates that the contact force does not reach and that are not seen at lambda.
+
+    They are no part of the motion: their equations have no solution but their own (docs/physics.md, section 9). The
+    system itself where there are none; else it is written with M = I.
+    """
+    parts = [system.stiffness, system.damping, system.force[:, None], system.varying_force[:, None]]
+    inverse = np.linalg.solve(system.mass, np.hstack([*parts, system.load.T, system.inertial_load.T]))
+    n = system.degrees
+    stiffness, damping, force, varying = inverse[:, :n], inverse[:, n : 2 * n], inverse[:, 2 * n], inverse[:, 2 * n + 1]
+    coupled = (stiffness != 0.0) | (damping != 0.0)
+    reached, seen = (force != 0.0) | (varying != 0.0), system.contact != 0.0
+    for _ in range(n):
+        reached = reached | np.any(coupled & reached[None, :], axis=1)
+        seen = seen | np.any(coupled & seen[:, None], axis=0)
+    kept = reached | seen
+    if np.all(kept):
+        return system
+    both, load = np.ix_(kept, kept), inverse[:, 2 * n + 2 :].T
+    return dataclasses.replace(
+        system,
+        mass=np.eye(int(np.sum(kept))),
+        damping=damping[both].real,
+        stiffness=stiffness[both].real,
+        contact=system.contact[kept],
+        force=force[kept].real,
+        varying_force=varying[kept].real,
+        load=load[: len(system.load), kept],
+        inertial_load=load[len(system.load) :, kept],
+    )
 
 
 # A support has no part in the contact direction where its share of d . d is rounding.

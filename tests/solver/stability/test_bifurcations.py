@@ -161,7 +161,7 @@ def test_cells_agree_with_their_branch(model, axis, omega):
 
 
 def test_what_the_raster_knows_is_found_between_points_of_the_branch():
-    """A narrow tongue of parametric resonance between two points of a coarse branch: only cells show that it is there."""
+    """A narrow tongue of parametric resonance between two points of a coarse branch: only cells show it."""
     model = consistent(rotation_coupling=COUPLING, variation_translation=0.0, alpha=0.09)
     grid = np.linspace(1.1, 1.35, 400)
     fine = sweep_row(model, "omega", grid)
