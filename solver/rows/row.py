@@ -20,7 +20,7 @@ from solver.rows.crossings import crossings
 from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, proven_solutions
 from solver.rows.span import RowSpan
 from solver.stability import assess
-from solver.stability.bifurcations import KnownMotions, with_bifurcations
+from solver.stability.bifurcations import KnownMotions, locate_bifurcations
 
 __all__ = ["Row", "sweep_row"]
 
@@ -276,7 +276,7 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
     )
     parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
     known = KnownMotions(grid[column], unknowns, stability.tests)
-    located = [with_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in found.curves]
+    located = [locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in found.curves]
     return Row(
         span.balance,
         span.axis,

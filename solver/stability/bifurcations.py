@@ -21,12 +21,14 @@ from numba import types
 from solver.continuation.continuation import Continuation, Curve, Event
 from solver.continuation.curve_point import SETUP, Setup, land_between, point_size
 from solver.continuation.hermite import cubic, cubic_slope, cubic_value
-from solver.continuation.problem import Problem
+from solver.continuation.problem import Balance, Problem
+from solver.harmonic import layout
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
 from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room
 from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
 
-__all__ = ["KnownMotions", "with_bifurcations"]
+__all__ = ["KnownMotions", "locate_bifurcations", "packed_parameters", "with_bifurcations"]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
 _INDICES = types.int64[::1]
@@ -70,8 +72,8 @@ class _Watch(NamedTuple):
 
 
 class _Found(NamedTuple):
-    """Bifurcations found: behind which point of the branch, at which fraction of the arc, kind, and point array; how
-    many were found, not located, and how many points and motions had no multipliers."""
+    """Bifurcations found: behind which point of the branch, at which fraction of the arc, kind, and point array; and
+    how many were found, how many were not located, and how many points had no multipliers."""
 
     after: np.ndarray
     fractions: np.ndarray
@@ -255,7 +257,7 @@ def _fraction_at(setup, left, right, arc, level):
 
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, _I, _I), inner=True)
 def _on_piece(setup, left, right, arc, x, motions, first, last):
-    """Which of the motions first ... last - 1 is the branch's own at one fraction of a piece; -1 if none surely is."""
+    """Which of the motions first ... last - 1 lies on the branch at one fraction of a piece; -1 if none surely does."""
     nearest, distance, second = -1, math.inf, math.inf
     for k in range(first, last):
         gap = 0.0
@@ -335,7 +337,31 @@ def _bifurcations(
             at_low[j] = at_right[j]
 
 
-def with_bifurcations(
+def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors of `solver.harmonic.layout.packed` for the motions of a problem of a balance.
+
+    A Galerkin problem carries them. That of the describing function knows two harmonics of the stiffness; where the
+    gear has more, pack them from the gear.
+    """
+    if not balance.truncated:
+        return problem.theta, problem.direction
+    vectors = []
+    for model, constant in ((problem.theta, 1.0), (problem.direction, 0.0)):
+        head = np.zeros(layout.PAIRS)
+        head[[layout.HARMONICS, layout.PERIOD, layout.LOADS, layout.SIGN]] = constant
+        head[layout.KIND], head[layout.STIFFNESSES] = layout.GEAR, 2.0 * constant
+        head[[layout.OMEGA, layout.FRONT, layout.BACK]] = model[[OMEGA, B, B]]
+        pairs, load = model[[ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE]], model[[F_E, F_E_PHASE]]
+        vectors.append(np.concatenate([head, pairs, model, load]))
+    return vectors[0], vectors[1]
+
+
+def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
+    """`locate_bifurcations` of a branch by itself, with the parameters that its problem knows; the branch alone."""
+    return locate_bifurcations(packed_parameters(balance, problem), problem, curve, continuation)[0]
+
+
+def locate_bifurcations(
     parameters: tuple[np.ndarray, np.ndarray],
     problem: Problem,
     curve: Curve,
