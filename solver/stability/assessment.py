@@ -184,6 +184,9 @@ def _checked(system, axis: str, values, motions, omega, order: int, period: int)
     frequencies = values if axis == "omega" else np.full(values.size, math.nan if omega is None else omega)
     if not np.all((frequencies > 0.0) & (frequencies < np.inf)):
         raise ParameterError("omega", omega, "a finite number above 0")
+    if isinstance(system, Model) and axis != "omega" and values.size:
+        for value in (values.min(), values.max()):
+            system.replace(**{axis: float(value)})
     motions = np.ascontiguousarray(motions, dtype=float)
     if motions.ndim != 2 or len(motions) != values.size or motions.shape[1] % 2 == 0:
         raise ParameterError("motions", f"array of shape {motions.shape}", f"({values.size}, an odd number)")
