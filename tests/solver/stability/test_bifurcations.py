@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from solver import Continuation, EndReason, Event, Model, ProvenSeeds, sweep_row
+from solver.harmonic import layout
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
-from solver.harmonic import layout
 from solver.harmonic.layout import packed
 from solver.model.condensation import F_PM
 from solver.stability import Instability

@@ -62,7 +62,7 @@ def test_functions_of_given_multipliers():
     assert found[DOUBLING] == pytest.approx(np.prod([1 - 1.2, 1.5, *(1 + z for z in pair)]).real)
     assert found[LARGEST] == pytest.approx(1.2) and found[GAP] == pytest.approx(abs(pair[0]) - 1.0)
     # One beyond -1 is left out of the count; so is one beyond +1, and two beyond one of them are as good as a pair.
-    assert [functions_of(v)[OUTSIDE] for v in ([-1.2, 0.5, *pair], [1.2, -1.3, *pair], [-1.1, -1.3, *inside], inside)] == [
-        2, 2, 2, 0,
-    ]  # fmt: skip
+    for values in ([-1.2, 0.5, *pair], [1.2, -1.3, *pair], [-1.1, -1.3, *inside]):
+        assert functions_of(values)[OUTSIDE] == 2
+    assert functions_of(inside)[OUTSIDE] == functions_of([-1.2, *inside])[OUTSIDE] == 0
     assert np.all(np.isnan(functions_of([np.nan, 0.1])[[LARGEST, DOUBLING, OUTSIDE]]))
