@@ -12,9 +12,9 @@ from pipeline.plan.axes import ROLES, Axis
 __all__ = ["OLDEST_READ", "SCHEMA_VERSION", "Block", "Plan", "numbers_digest", "plan_of"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 #: Stores from this version on can be read; rows are only written to stores of this program's own version.
-OLDEST_READ = 2
+OLDEST_READ = 4
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16

@@ -19,7 +19,7 @@ from solver.model.condensation import AXES
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.stability.instability import named
-from solver.stability.monodromy import carry_through, find_switches, fitted_room, new_room
+from solver.stability.monodromy import carry_through, fill_monodromies, find_switches, fitted_room, new_room
 from solver.stability.multipliers import LARGEST, TESTS, eigenvalues, spectral_tests, where_multipliers_lie
 
 __all__ = ["TOLERANCE", "Stability", "assess", "classify", "monodromies", "motion_multipliers", "multipliers"]
@@ -117,21 +117,6 @@ def _assess(theta, direction, values, motions, tolerance, bits, tests):
                 known_tests[zone, i] = tests[k, i]
 
 
-@kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX, _CUBE))
-def _monodromies(theta, direction, values, motions, found):
-    """Fill found (k, 2 n, 2 n); the number of coordinates of the first motion that has not n, else 0."""
-    for k in range(values.shape[0]):
-        room = new_room(theta, direction, values[k], motions.shape[1])
-        room = fitted_room(theta, direction, values[k], room)
-        if room.matrix.shape[0] != found.shape[1]:
-            return room.system.vectors.shape[1]
-        carry_through(find_switches(motions[k], room), theta[PERIOD], room)
-        for i in range(found.shape[1]):
-            for j in range(found.shape[1]):
-                found[k, i, j] = room.matrix[i, j]
-    return 0
-
-
 @kernel(types.void(_CUBE, MATRIX, MATRIX))
 def _eigenvalues(matrices, real, imaginary):
     for k in range(matrices.shape[0]):
@@ -184,6 +169,9 @@ def _checked(system, axis: str, values, motions, omega, order: int, period: int)
     frequencies = values if axis == "omega" else np.full(values.size, math.nan if omega is None else omega)
     if not np.all((frequencies > 0.0) & (frequencies < np.inf)):
         raise ParameterError("omega", omega, "a finite number above 0")
+    if isinstance(system, Model) and axis != "omega" and values.size:
+        for value in (values.min(), values.max()):
+            system.replace(**{axis: float(value)})
     motions = np.ascontiguousarray(motions, dtype=float)
     if motions.ndim != 2 or len(motions) != values.size or motions.shape[1] % 2 == 0:
         raise ParameterError("motions", f"array of shape {motions.shape}", f"({values.size}, an odd number)")
@@ -227,9 +215,9 @@ def monodromies(
     if values.size == 0:
         return np.empty((0, 0, 0))
     one = np.empty((1, 0, 0))
-    states = 2 * (_monodromies(theta, direction, values[:1], motions[:1], one))
+    states = 2 * (fill_monodromies(theta, direction, values[:1], motions[:1], one))
     found = np.empty((values.size, states, states))
-    if _monodromies(theta, direction, values, motions, found):
+    if fill_monodromies(theta, direction, values, motions, found):
         raise ParameterError("values", values.tolist(), "such that all have the same number of coordinates")
     return found
 

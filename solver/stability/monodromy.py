@@ -39,7 +39,16 @@ from solver.flow.taylor import BLOCKS, SERIES, Series, carry_deviations, count_b
 from solver.harmonic.layout import PERIOD, STIFFNESSES
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
-__all__ = ["ROOM", "Room", "carry_through", "find_switches", "fitted_room", "monodromy_at", "new_room"]
+__all__ = [
+    "ROOM",
+    "Room",
+    "carry_through",
+    "fill_monodromies",
+    "find_switches",
+    "fitted_room",
+    "monodromy_at",
+    "new_room",
+]
 
 _I, _F = types.int64, types.float64
 _TURN = 2.0 * math.pi
@@ -133,3 +142,18 @@ def monodromy_at(theta, direction, motion, p, room):
     room = fitted_room(theta, direction, p, room)
     carry_through(find_switches(motion, room), theta[PERIOD], room)
     return room
+
+
+@kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX, types.float64[:, :, ::1]))
+def fill_monodromies(theta, direction, values, motions, found):
+    """Fill found (k, 2 n, 2 n); the number of coordinates of the first motion that has not n, else 0."""
+    room = new_room(theta, direction, values[0], motions.shape[1])
+    for k in range(values.shape[0]):
+        room = fitted_room(theta, direction, values[k], room)
+        if room.matrix.shape[0] != found.shape[1]:
+            return room.system.vectors.shape[1]
+        carry_through(find_switches(motions[k], room), theta[PERIOD], room)
+        for i in range(found.shape[1]):
+            for j in range(found.shape[1]):
+                found[k, i, j] = room.matrix[i, j]
+    return 0

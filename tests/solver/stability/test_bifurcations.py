@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from solver import Continuation, EndReason, Event, Model, ProvenSeeds, sweep_row
+from solver.harmonic import layout
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import packed
+from solver.model.condensation import F_PM
 from solver.stability import Instability
 from solver.stability.bifurcations import locate_bifurcations, with_bifurcations
 from tests.conftest import antiphase, consistent, published
@@ -162,7 +164,7 @@ def test_cells_agree_with_their_branch(model, axis, omega):
 
 def test_what_the_raster_knows_is_found_between_points_of_the_branch():
     """A narrow tongue of parametric resonance between two points of a coarse branch: only cells show it."""
-    model = consistent(rotation_coupling=COUPLING, variation_translation=0.0, alpha=0.09)
+    model = consistent(rotation_coupling=COUPLING, variation_translation=0.0, alpha=0.12)
     grid = np.linspace(1.1, 1.35, 400)
     fine = sweep_row(model, "omega", grid)
     tongue = np.sort(np.concatenate([at(curve, Event.PERIOD_DOUBLING)[:, -1] for curve in fine.curves]))
@@ -194,7 +196,9 @@ def test_what_cannot_be_located_is_a_note():
     problem, curve = branch(published(), balance)
     parameters = packed(published(), "omega", None, 1, 1)
     assert np.any(locate_bifurcations(parameters, problem, curve, Continuation())[0].event >= Event.PERIOD_DOUBLING)
-    spoiled = dataclasses.replace(problem, theta=problem.theta * np.nan)
+    theta = problem.theta.copy()
+    theta[layout.PAIRS + 2 * int(theta[layout.STIFFNESSES]) + F_PM] = np.nan
+    spoiled = dataclasses.replace(problem, theta=theta)
     found, notes = locate_bifurcations(parameters, spoiled, curve, Continuation())
     assert not np.any(found.event >= Event.PERIOD_DOUBLING)
     assert len(notes) == 1 and "cannot be located" in notes[0]

@@ -10,7 +10,8 @@ from solver.stability import Instability, assess, monodromies, motion_multiplier
 from tests.conftest import consistent, published
 from tests.solver.stability.orbits import matched, oscillator
 
-MOTION = np.array([1.1, 0.5, 0.3])
+#: One that loses contact, and one that does not.
+MOTION, PRESSED = np.array([1.1, 0.5, 0.3]), np.array([5.0, 0.5, 0.3])
 
 
 @pytest.mark.parametrize("supports", [{}, {"xi_support": [0.0, 0.01, 0.02, 0.0, 0.03, 0.04], "k_support": 1.7}])
@@ -22,7 +23,7 @@ def test_without_translation_coupling_lambda_alone_is_left(supports):
     found = motion_multipliers(model, 0.7, MOTION)
     assert matched(found, motion_multipliers(single, 0.7, MOTION)) < 1e-12
     # Undamped supports would leave a multiplier on the unit circle.
-    assert assess(model, "omega", [0.7], MOTION[None]).kind[0] == Instability.NONE
+    assert assess(model, "omega", [0.7], PRESSED[None]).kind[0] == Instability.NONE
 
 
 def test_supports_across_the_contact_direction_are_left_out():
@@ -64,7 +65,7 @@ def test_a_coordinate_neither_reached_nor_seen_is_left_out_of_a_contact_system()
     small, large = coupled(False), coupled(True)
     assert reduced(small) is small and reduced(large).degrees == 2
     assert matched(motion_multipliers(large, 0.8, MOTION), motion_multipliers(small, 0.8, MOTION)) < 1e-12
-    kinds = [assess(system, "omega", [0.8], MOTION[None], balance=Galerkin(1)).kind[0] for system in (small, large)]
+    kinds = [assess(system, "omega", [0.8], PRESSED[None], balance=Galerkin(1)).kind[0] for system in (small, large)]
     assert kinds[0] == kinds[1] == Instability.NONE
     # Its frequency is a resonance of nothing that is left.
     problem = Galerkin(2).problem(large, "omega", 0.5, 1.0)

@@ -117,7 +117,7 @@ def test_constant_pieces_are_exponentials():
     half = np.pi / omega
     found = monodromies(system, "omega", [omega], np.array([[0.0, 0.0, 1.0]]))[0]
     expected = expm(first_order_form(system, 0.0) * half) @ expm(first_order_form(system, 1.0) * half)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
 
 
 @given(models(), frequencies, st.lists(st.integers(-2000, 2000), min_size=7, max_size=7), st.integers(1, 3))

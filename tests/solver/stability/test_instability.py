@@ -50,13 +50,14 @@ def test_every_kind_has_its_sentence():
     assert len({kind.sentence for kind in Instability}) == len(Instability) == 6
 
 
-def test_motions_of_the_published_pair_against_its_true_orbits():
-    """docs/physics.md, section 8: upper motions of both resonances that are no attractors."""
-    for omega, which, kind in [(0.62, 2, Instability.PERIOD_DOUBLING), (1.2265, 2, Instability.PERIOD_DOUBLING)]:
-        motions, static = first_order(published(), omega)
-        found = assess(published(), "omega", np.full(3, omega), motions, static=static)
-        assert found.kind[which] == kind and static[which] == 1
-        assert found.kind[0] == Instability.NONE
+@pytest.mark.parametrize("omega, index, static, modulus", [(0.58, 1, 0, 0.952), (0.62, 2, 1, 1.137)])
+def test_contradictory_motions_of_the_published_pair(omega, index, static, modulus):
+    """Upper motions of the mesh-frequency resonance: the multiplier and det J disagree about +1."""
+    motions, stable = first_order(published(), omega)
+    found = assess(published(), "omega", np.full(3, omega), motions, static=stable)
+    assert stable[index] == static and found.kind[index] == Instability.CONTRADICTORY
+    assert abs(found.modulus[index] - modulus) < 5e-4
+    assert found.kind[0] == Instability.NONE
 
 
 def test_period_doubling_that_one_harmonic_calls_stable():

@@ -49,7 +49,7 @@ def test_what_is_not_finite_has_none(bad):
     assert np.all(np.isnan(eigenvalues(matrix[None])))
 
 
-def tests_of(values):
+def functions_of(values):
     values = np.asarray(values, dtype=complex)
     found = np.empty(TESTS)
     spectral_tests(np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag), found)
@@ -58,11 +58,11 @@ def tests_of(values):
 
 def test_functions_of_given_multipliers():
     pair, inside = [0.8 + 0.7j, 0.8 - 0.7j], [0.3 + 0.4j, 0.3 - 0.4j]
-    found = tests_of([-1.2, 0.5, *pair])
+    found = functions_of([-1.2, 0.5, *pair])
     assert found[DOUBLING] == pytest.approx(np.prod([1 - 1.2, 1.5, *(1 + z for z in pair)]).real)
     assert found[LARGEST] == pytest.approx(1.2) and found[GAP] == pytest.approx(abs(pair[0]) - 1.0)
     # One beyond -1 is left out of the count; so is one beyond +1, and two beyond one of them are as good as a pair.
-    assert [tests_of(v)[OUTSIDE] for v in ([-1.2, 0.5, *pair], [1.2, -1.3, *pair], [-1.1, -1.3, *inside], inside)] == [
-        2, 2, 2, 0,
-    ]  # fmt: skip
-    assert np.all(np.isnan(tests_of([np.nan, 0.1])[[LARGEST, DOUBLING, OUTSIDE]]))
+    for values in ([-1.2, 0.5, *pair], [1.2, -1.3, *pair], [-1.1, -1.3, *inside]):
+        assert functions_of(values)[OUTSIDE] == 2
+    assert functions_of(inside)[OUTSIDE] == functions_of([-1.2, *inside])[OUTSIDE] == 0
+    assert np.all(np.isnan(functions_of([np.nan, 0.1])[[LARGEST, DOUBLING, OUTSIDE]]))
