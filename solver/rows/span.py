@@ -65,7 +65,7 @@ class RowSpan:
         return y if found > 0 and np.all(np.isfinite(y)) and within else None
 
     def traced(self, start: np.ndarray) -> Curve:
-        """The whole branch through a solution y = (u, p), however it ends; below two points if it cannot be followed."""
+        """The whole branch through a solution y = (u, p), however it ends; fewer than two points if it has none."""
         if start[-1] in (self.low, self.high):
             heading = 1 if start[-1] == self.low else -1
             return self.continuation.trace(self.problem, start, self.low, self.high, heading)
