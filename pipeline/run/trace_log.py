@@ -195,4 +195,4 @@ def _outcome_lines(diary: RowDiary) -> list[str]:
         events = [Event(int(kind)).name.lower() for kind in curve.event if kind != Event.NONE]
         ends = " / ".join(EndReason(end).name.lower() for end in curve.ends)
         lines.append(f"branch {number}: {len(curve.points)} points, ends {ends}; {', '.join(events) or 'no events'}")
-    return lines
+    return [*lines, *diary.result.notes]

@@ -17,7 +17,7 @@ from solver.harmonic.galerkin import Galerkin
 from solver.model.checks import ParameterError
 from solver.rows.crossings import Crossings, crossings
 from solver.rows.seeds import Branches, grown_solution, missing_degree, proven_solutions
-from solver.rows.span import RowSpan, broken_ends, runs
+from solver.rows.span import RowSpan, ends_notes, runs
 
 __all__ = ["LiftedSeeds", "equal_motions"]
 
@@ -126,12 +126,11 @@ class _Found:
     @property
     def notes(self) -> tuple[str, ...]:
         """What could not be traced, in sentences."""
-        ends = [(end, y) for curve in self.curves for end, y in broken_ends(curve)]
-        return (*(f"{end.sentence} It happened at {self.span.place(y)}." for end, y in ends), *self._lost)
+        return (*ends_notes(self.span, self.curves), *self._lost)
 
     def _follow(self, y: np.ndarray) -> None:
         curve = _one_phase(self.span, self.span.traced(y))
-        if not len(curve.points):
+        if len(curve.points) < 2:
             return
         self.curves.append(curve)
         met = crossings(self.span, curve, self.probes)

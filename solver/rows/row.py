@@ -18,7 +18,7 @@ from solver.model.condensation import AXES
 from solver.model.gear_model import Model
 from solver.rows.crossings import crossings
 from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, proven_solutions
-from solver.rows.span import RowSpan
+from solver.rows.span import BROKEN, RowSpan
 from solver.stability import assess
 from solver.stability.bifurcations import KnownMotions, locate_bifurcations
 
@@ -250,7 +250,7 @@ def _traced_raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
         between[between] = proven_solutions(span, grid[between]).above != Above.EMPTY
     is_open = missing_degree(span, grid, met) | between
     is_open |= _between(grid, found.curves, EndReason.AMPLITUDE_CEILING, False)
-    for reason in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
+    for reason in BROKEN:
         is_open |= _between(grid, found.curves, reason, False)
     return _Raster(column, unknowns, stable, is_open | unreached, np.full(grid.size, -1, np.int8), tuple(notes))
 

@@ -17,7 +17,7 @@ from solver.continuation.continuation import Curve, EndReason
 from solver.enumeration.solutions import Proof, RowSolutions, enumerate_values
 from solver.model.checks import whole_number
 from solver.rows.crossings import Crossings, Known, crossings
-from solver.rows.span import RowError, RowSpan, broken_ends, runs
+from solver.rows.span import RowError, RowSpan, ends_notes, runs
 
 __all__ = [
     "Branches",
@@ -162,7 +162,8 @@ class _Coverage:
         self.solutions = solutions
         self._known = Known(solutions.motions, solutions.stable, (solutions.proof == Proof.PROVEN).astype(np.int8))
         self._found: list[tuple[Curve, Crossings]] = []
-        self._notes: list[str] = []
+        self._lost: list[np.ndarray] = []
+        self._given_up = False
 
     @property
     def curves(self) -> tuple[Curve, ...]:
@@ -180,9 +181,13 @@ class _Coverage:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        ends = [(end, y) for curve in self.curves for end, y in broken_ends(curve)]
-        said = [f"{end.sentence} It happened at {self._span.place(y)}." for end, y in ends]
-        return (*said, *self._notes)
+        sentences = ends_notes(self._span, self.curves)
+        if self._lost:
+            more = f" and {len(self._lost) - 1} more solutions" if len(self._lost) > 1 else ""
+            sentences.append(f"No branch can be followed from {self._span.place(self._lost[0])}{more}.")
+        if self._given_up:
+            sentences.append(f"Tracing was given up after {_MOST_STEPS} steps.")
+        return tuple(sentences)
 
     def complete(self) -> None:
         """Trace branches until one passes through every solution, or nothing more can be traced."""
@@ -192,7 +197,7 @@ class _Coverage:
             if not columns.size:
                 return
             if steps > _MOST_STEPS:
-                self._notes.append(f"Tracing was given up after {steps} steps.")
+                self._given_up = True
                 return
             # The ends first.
             column = columns[-1] if columns[-1] == missing.shape[0] - 1 and columns[0] != 0 else columns[0]
@@ -207,8 +212,8 @@ class _Coverage:
         y = np.append(self.solutions.motions[column, place], self._probes[column])
         curve = self._span.traced(y)
         met = crossings(self._span, curve, self._probes, self._known)
-        if not len(curve.points):
-            self._notes.append(f"No branch can be followed from {self._span.place(y)}.")
+        if len(curve.points) < 2:
+            self._lost.append(y)
             return curve, met
         met.on_curve[column, place] = True
         # Regular points lie on one branch: curves that share solutions are one, of which a corrector that failed, or
@@ -278,7 +283,7 @@ class LinearSeeds:
         if start is None or any(_lies_on(span, curve, start) for curve in curves):
             return None
         curve = span.traced(start)
-        return curve if len(curve.points) else None
+        return curve if len(curve.points) > 1 else None
 
 
 def grown_solution(span: RowSpan, p: float) -> np.ndarray | None:

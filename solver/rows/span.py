@@ -1,5 +1,6 @@
 """What is continued in a row: one balance of one gear over one axis, and how its branches are traced."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +13,7 @@ from solver.harmonic.describing_function import DescribingFunction
 from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
 
-__all__ = ["RowError", "RowSpan", "broken_ends", "runs"]
+__all__ = ["BROKEN", "RowError", "RowSpan", "ends_notes", "runs"]
 
 
 class RowError(ArithmeticError):
@@ -64,7 +65,7 @@ class RowSpan:
         return y if found > 0 and np.all(np.isfinite(y)) and within else None
 
     def traced(self, start: np.ndarray) -> Curve:
-        """The whole branch through a solution y = (u, p), however it ends; without points where it has no tangent."""
+        """The whole branch through a solution y = (u, p), however it ends; fewer than two points if it has none."""
         if start[-1] in (self.low, self.high):
             heading = 1 if start[-1] == self.low else -1
             return self.continuation.trace(self.problem, start, self.low, self.high, heading)
@@ -75,13 +76,24 @@ class RowSpan:
         return f"{self.axis} = {y[-1]:.9g} with mean {y[0]:.6g}"
 
 
-def broken_ends(curve: Curve) -> list[tuple[EndReason, np.ndarray]]:
-    """The ends (reason, y) of a curve that is known to go on there: its steps became too small or its room ran out."""
-    return [
-        (end, curve.points[place])
-        for end, place in zip(curve.ends, (0, -1), strict=True)
-        if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT) and len(curve.points)
-    ]
+#: Why a branch ends although it goes on: its steps became too small, or its room ran out.
+BROKEN = (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT)
+
+
+def ends_notes(span: RowSpan, curves: Iterable[Curve]) -> list[str]:
+    """A sentence for every reason why branches of a row break off."""
+    sentences = []
+    for reason in BROKEN:
+        places = [
+            curve.points[place]
+            for curve in curves
+            for end, place in zip(curve.ends, (0, -1), strict=True)
+            if end is reason and len(curve.points)
+        ]
+        if places:
+            more = f" and at {len(places) - 1} more ends of branches" if len(places) > 1 else ""
+            sentences.append(f"{reason.sentence} It happened at {span.place(places[0])}{more}.")
+    return sentences
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:
