@@ -12,7 +12,14 @@ with (ROOT / "pyproject.toml").open("rb") as _file:
 project = "bevelmap"
 author = copyright = "the bevelmap authors"
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "bevelmap_docs.mathml", "bevelmap_docs.generated"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+    "bevelmap_docs.mathml",
+    "bevelmap_docs.generated",
+    "bevelmap_docs.offline",
+]
 exclude_patterns = ["_build", "_extensions"]
 
 # Markdown as on GitHub, with formulas; headings are targets of links.

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import yaml
 
-from pipeline.schema import Configuration
+from pipeline.config.schema import Configuration
 
 __all__ = ["PARTS", "Key", "choices", "documented", "keys", "types_of_keys"]
 

@@ -1,5 +1,6 @@
 """The public names of a package with their docstrings, as instructions for autodoc."""
 
+import enum
 import importlib
 import inspect
 import sys
@@ -29,7 +30,8 @@ def names(package: str) -> str:
             lines += [f"## {section}", "", _summary(section), ""]
         value = getattr(importlib.import_module(package), name)
         if inspect.isclass(value):
-            lines += _directive(f"autoclass:: {package}.{name}", ":members:")
+            shown = [":members:", ":undoc-members:"] if issubclass(value, enum.Enum) else [":members:"]
+            lines += _directive(f"autoclass:: {package}.{name}", *shown)
         elif callable(value):
             lines += _directive(f"autofunction:: {package}.{name}")
         else:
