@@ -63,7 +63,6 @@ def cut(layer: Layer, path: Path, plan: Plan, name: str, configuration: str) -> 
     name, configuration : str
         As for `store.create`.
     """
-    store.refuse_to_write_older(layer.volume)
     draft = path.with_name(f".{path.name}.layer")
     shutil.rmtree(draft, ignore_errors=True)
     store.create(draft, plan, name, configuration)

@@ -26,10 +26,9 @@ __all__ = [
     "warnings",
 ]
 
-#: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
+#: Raised when stored numbers would no longer mean the same; part of the configuration's digest. Only stores of this
+#: version are read.
 SCHEMA_VERSION = 3
-#: Stores from this version on can be read; rows are only written to stores of this program's own version.
-OLDEST_READ = 2
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16

@@ -17,7 +17,6 @@ _SHOWN = 20
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     path, config = job.store_path, job.settings.config
     begin = perf_counter()
-    store.refuse_to_write_older(path)
     damage = store.find_damage(path)
     for item in damage[:_SHOWN]:
         reporter.error(f"check: {item.sentence}")

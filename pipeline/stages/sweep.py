@@ -47,8 +47,6 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks and not _neighbours(job).size:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
-    if present:
-        store.refuse_to_write_older(path)
     where = workforce.start()
     open_log(job, reporter)
     if present:

@@ -6,7 +6,7 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 from pipeline.store.attributes import axis_attributes, flags, label_flags
 from pipeline.store.blocks import write_block
 from pipeline.store.damage import damage_error, find_damage, mend, remove_left_overs
-from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign, refuse_to_write_older
+from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign
 from pipeline.store.states import (
     COMPLETE,
     FAILED,
@@ -40,7 +40,6 @@ __all__ = [
     "read_numbers",
     "read_plan",
     "refuse_foreign",
-    "refuse_to_write_older",
     "remove_left_overs",
     "rows_to_certify",
     "statuses",

@@ -16,8 +16,8 @@ import google_crc32c
 import numpy as np
 import zarr
 
-from pipeline.errors import DamagedError, StoreError
-from pipeline.plan import SCHEMA_VERSION, Block, Plan
+from pipeline.errors import StoreError
+from pipeline.plan import Block, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.chunks import Chunks
 from pipeline.store.identity import plan_from, root_attributes
@@ -220,14 +220,9 @@ def remove_left_overs(path: Path) -> None:
         file.unlink(missing_ok=True)
 
 
-def damage_error(path: Path, error: Exception) -> StoreError | None:
-    """What to say where `error` came up over a store: the first damaged file and the way on; None if all is well."""
+def damage_error(path: Path) -> StoreError | None:
+    """What to say of an error that came up over a store: the first damaged file and the way on; None if all is well."""
     try:
-        if (version := root_attributes(path)["bevelmap_schema"]) < SCHEMA_VERSION:
-            said = " ".join(str(error).split())
-            return DamagedError(
-                f"{path} cannot be read ({said}); being of schema {version}, it has no checksums to mend it by"
-            )
         found = find_damage(path)
     except StoreError as refused:
         return refused

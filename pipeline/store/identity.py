@@ -5,25 +5,15 @@ import re
 from pathlib import Path
 
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.plan import OLDEST_READ, SCHEMA_VERSION, Plan
+from pipeline.plan import SCHEMA_VERSION, Plan
 from pipeline.store.believed import believed
 from pipeline.store.opening import look_over
 from pipeline.store.seal import sealed
 
-__all__ = [
-    "check",
-    "plan_from",
-    "read_numbers",
-    "read_plan",
-    "refuse_foreign",
-    "refuse_to_write_older",
-    "root_attributes",
-]
+__all__ = ["check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "root_attributes"]
 
 _MOST_BYTES = 2**24
 _CHUNK = re.compile(r"(\w+/){1,2}c(/\d+)+(\.\w+\.partial)?", re.ASCII)
-#: The first version of the schema that seals what the root says.
-_SEALED = 3
 
 
 def root_attributes(path: Path) -> dict:
@@ -39,11 +29,11 @@ def root_attributes(path: Path) -> dict:
     first, second = path / "zarr.json", path / "branches" / "zarr.json"
     copies = [copy for copy in (_copy(first, "attributes"), _copy(second, "attributes", "plane")) if copy is not None]
     for attributes in copies:
-        if attributes["bevelmap_schema"] < _SEALED or attributes == sealed(attributes):
+        if attributes == sealed(attributes):
             return attributes
     for attributes in copies:
-        # What a newer version seals, and how, is not known here.
-        if attributes["bevelmap_schema"] > SCHEMA_VERSION:
+        # What another version seals, and how, is not known here.
+        if attributes["bevelmap_schema"] != SCHEMA_VERSION:
             return attributes
     if not copies and _left_over(path):
         raise StoreError(f"there is no store at {path}")
@@ -95,8 +85,11 @@ def plan_from(attributes: dict, path: Path) -> Plan:
             f"{path} was made by a newer version of this program "
             f"(schema {version}, this one knows {SCHEMA_VERSION}): update it"
         )
-    if version < OLDEST_READ:
-        raise _older(path, version)
+    if version < SCHEMA_VERSION:
+        raise StoreError(
+            f"{path} was made by an older version of this program (schema {version}, this one knows {SCHEMA_VERSION}): "
+            "store.overwrite=true makes it anew, another store.name= keeps it"
+        )
     try:
         return believed(json.loads(attributes["numbers"]))
     except (
@@ -115,20 +108,6 @@ def _short(error: Exception) -> str:
     """One line of an error that may quote anything."""
     said = " ".join(str(error).split()) or type(error).__name__
     return said if len(said) <= 200 else f"{said[:200]}…"
-
-
-def refuse_to_write_older(path: Path) -> None:
-    """Raise if rows of a store were written by an older version: what this one writes would not go with them."""
-    version = root_attributes(path)["bevelmap_schema"]
-    if version < SCHEMA_VERSION:
-        raise _older(path, version)
-
-
-def _older(path: Path, version: int) -> StoreError:
-    return StoreError(
-        f"{path} was made by an older version of this program (schema {version}, this one writes {SCHEMA_VERSION}): "
-        "store.overwrite=true makes it anew, another store.name= keeps it"
-    )
 
 
 def read_numbers(path: Path) -> dict:
@@ -163,7 +142,6 @@ def check(path: Path, plan: Plan) -> bool:
     stored = read_numbers(path)
     if stored == plan.numbers:
         return True
-    refuse_to_write_older(path)
     old, new = _flatten(stored), _flatten(plan.numbers)
     keys = [key for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
     changes = "; ".join(f"{key}: stored {old.get(key, 'nothing')}, asked {new.get(key, 'nothing')}" for key in keys)

@@ -44,8 +44,6 @@ _TYPES = {
 }
 #: What all added groups may claim together, in bytes, however small the plane.
 _ADDED_BYTES = 2**30
-#: The first version of the schema whose chunks are all written.
-_WHOLE = 3
 
 
 def look_over(path: Path, plan: Plan, attributes: dict) -> None:
@@ -66,7 +64,7 @@ def look_over(path: Path, plan: Plan, attributes: dict) -> None:
     StoreError
         If there is anything but files and folders in it.
     """
-    files, whole = files_of(path), attributes["bevelmap_schema"] >= _WHOLE
+    files = files_of(path)
     _check_claims(path, plan)
     for file, fault in _disagreements(path):
         raise damaged(path, f"{file} {fault}")
@@ -79,16 +77,13 @@ def look_over(path: Path, plan: Plan, attributes: dict) -> None:
         expected[name] = tuple(dims[dim] for dim in spec["dims"]), {"str": "string"}.get(spec["dtype"], spec["dtype"])
     for name, (shape, kind) in expected.items():
         if name not in listed:
-            if not whole:
-                continue
             raise damaged(path, f"{name}/{METADATA} is not listed")
         told = tuple(listed[name]["shape"])
         if told != shape or listed[name]["data_type"] != kind:
             raise damaged(
                 path, f"{name}/{METADATA} claims {listed[name]['data_type']} {told}, its plane has {kind} {shape}"
             )
-    if whole:
-        _check_files(path, plan, listed, files)
+    _check_files(path, plan, listed, files)
 
 
 def damaged(path: Path, what: str) -> DamagedError:
