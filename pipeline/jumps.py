@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline import groups, store
+from pipeline import store
 from pipeline.attractor_flags import attractor_code, attractor_flags, attractor_label
 from pipeline.plan import Plan
 from pipeline.schema import Jumps
+from pipeline.store import groups
 from pipeline.sweep import point_of
 from pipeline.verification.verdicts import settling_of
 from solver import gear_system

@@ -1,6 +1,5 @@
 """One layer of a volume taken out as a plane: a store of its own, to which every stage may add."""
 
-import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,6 +12,8 @@ from pipeline.errors import ConfigurationError
 from pipeline.plan import Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.codecs import every_chunk
+from pipeline.store.names import STORE_FILE
+from pipeline.store.removal import remove_known
 
 __all__ = ["Layer", "cut", "layer_of", "of_layer"]
 
@@ -64,7 +65,7 @@ def cut(layer: Layer, path: Path, plan: Plan, name: str, configuration: str) -> 
         As for `store.create`.
     """
     draft = path.with_name(f".{path.name}.layer")
-    shutil.rmtree(draft, ignore_errors=True)
+    remove_known(draft, STORE_FILE)
     store.create(draft, plan, name, configuration)
     source, target = zarr.open_group(layer.volume, mode="r"), zarr.open_group(draft, mode="r+")
     with every_chunk():

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline import groups, store
+from pipeline import store
 from pipeline.boundaries.arcs import Arcs, arcs_of
 from pipeline.plan import Plan
+from pipeline.store import groups
 from solver import EndReason, Event
 from solver.boundaries import SpecialPoint
 

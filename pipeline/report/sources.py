@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline import groups, store
+from pipeline import store
 from pipeline.config import Settings, compose
 from pipeline.errors import StoreError
 from pipeline.plan import plan
+from pipeline.store import groups
 
 __all__ = ["OTHER_GEARS", "STUDY_PLANES", "Source", "missing", "sources_of"]
 

@@ -34,7 +34,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not config.check.repair:
         reporter.line(f"check: {what}; the same command with check.repair=true mends them")
         return 1
-    store.mend(path, damage)
+    store.repair(path, damage)
     status = _again(job, workforce, reporter) if blocks else 0
     left = store.find_damage(path)
     for name in groups:

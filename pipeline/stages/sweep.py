@@ -6,14 +6,16 @@ from time import perf_counter
 
 import numpy as np
 
-from pipeline import groups, store
+from pipeline import store
 from pipeline.cluster import Workforce
 from pipeline.errors import ConfigurationError
 from pipeline.plan import ROLES, Block, warnings
 from pipeline.progress import Reporter, RowProgress
 from pipeline.stages.job import Job, open_log
 from pipeline.stages.stage import Stage
-from pipeline.store.removal import remove
+from pipeline.store import groups
+from pipeline.store.names import STORE_FILE
+from pipeline.store.removal import remove_known
 from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
@@ -53,7 +55,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         # They belong to the rows as they were.
         groups.remove_added(path)
     else:
-        remove(path)
+        remove_known(path, STORE_FILE)
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""

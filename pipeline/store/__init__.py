@@ -5,8 +5,9 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 
 from pipeline.store.attributes import axis_attributes, flags, label_flags
 from pipeline.store.blocks import write_block
-from pipeline.store.damage import damage_error, find_damage, mend, remove_left_overs
 from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign
+from pipeline.store.inspection import damage_error, find_damage
+from pipeline.store.repair import remove_left_overs, repair
 from pipeline.store.states import (
     COMPLETE,
     FAILED,
@@ -35,12 +36,12 @@ __all__ = [
     "flags",
     "kept_rows",
     "label_flags",
-    "mend",
     "pending_blocks",
     "read_numbers",
     "read_plan",
     "refuse_foreign",
     "remove_left_overs",
+    "repair",
     "rows_to_certify",
     "statuses",
     "write_block",

@@ -1,12 +1,14 @@
-"""Every array that a plane has: its dimensions, type, fill value and attributes."""
+"""Every array that a plane has: its dimensions, type, fill value, attributes and files."""
 
-from pipeline.plan import Plan
+from pipeline.plan import Axis, Plan
+from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.attributes import LONG_NAMES, UNITS, flags, label_flags
+from pipeline.store.names import ROWS
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, domain_labels
 from solver.stability import Instability
 
-__all__ = ["arrays_of"]
+__all__ = ["arrays_of", "axes_in_store", "layouts_of", "row_layouts"]
 
 
 def arrays_of(plan: Plan) -> dict[str, dict]:
@@ -115,6 +117,41 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             flag_meanings="pending complete failed",
         ),
     }
+
+
+def axes_in_store(plan: Plan) -> dict[str, Axis]:
+    """Every array that holds the values of an axis, each in one chunk: name -> axis."""
+    rows = {f"{ROWS}/{axis.name}": axis for axis in plan.row_axes}
+    return {axis.name: axis for axis in plan.axes} | rows
+
+
+def layouts_of(plan: Plan) -> dict[str, ArrayLayout]:
+    """Where every array of a plane has its chunks: name -> layout."""
+    axes = {
+        name: ArrayLayout(name, (axis.num,), (axis.num,), "float64", (axis.name,), 0.0)
+        for name, axis in axes_in_store(plan).items()
+    }
+    return axes | row_layouts(plan)
+
+
+def row_layouts(plan: Plan) -> dict[str, ArrayLayout]:
+    """The layouts of the arrays that have rows; a chunk holds the rows of one block. `status` comes last."""
+    sizes = {
+        **{axis.name: axis.num for axis in plan.axes},
+        "solution": plan.max_solutions,
+        "point": plan.max_points,
+        "branch_number": plan.max_branches,
+        "end": 2,
+        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
+    }
+    along_rows = (1,) * (len(plan.row_axes) - 1) + (plan.rows_per_block,)
+    layouts = {}
+    for name, spec in arrays_of(plan).items():
+        shape = tuple(sizes[dim] for dim in spec["dims"])
+        kind = {"str": "string"}.get(spec["dtype"], spec["dtype"])
+        fill = spec["fill"] if spec["fill"] == spec["fill"] else "NaN"
+        layouts[name] = ArrayLayout(name, shape, (*along_rows, *shape[len(along_rows) :]), kind, spec["dims"], fill)
+    return layouts
 
 
 def _order_h_arrays(spec, solution: tuple[str, ...], point: tuple[str, ...]) -> dict[str, dict]:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline import groups, store
+from pipeline import store
 from pipeline.plan import Plan
 from pipeline.schema import Verify
+from pipeline.store import groups
 from pipeline.verification.credibility import Credibility
 from pipeline.verification.starts import Start
 from pipeline.verification.verdicts import Seen, Verdict

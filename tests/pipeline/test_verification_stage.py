@@ -3,8 +3,9 @@
 import pytest
 import zarr
 
-from pipeline import boundaries, groups, store
+from pipeline import boundaries, store
 from pipeline.__main__ import main
+from pipeline.store import groups
 from tests.pipeline.planes import contents
 
 SMALL = [

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from pipeline import groups, store
+from pipeline import store
 from pipeline.__main__ import main
+from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
 from pipeline.sweep import sweep_block
 from tests.pipeline.faults.runs import COMMAND, continued, same
@@ -108,7 +109,7 @@ def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
     damage = store.find_damage(path)
     assert any(file in item.sentence for item in damage), (file, kind, damage)
     assert {item.file for item in damage} <= {file, "zarr.json"} or file == "zarr.json"
-    store.mend(path, damage)
+    store.repair(path, damage)
     repaired = {item.block for item in damage if item.block is not None}
     code = main([*_SHARED, f"output.root={folder / 'outputs'}", "cluster=none", "stages=[sweep]"]) if repaired else 0
     assert code == 0
@@ -225,7 +226,7 @@ def test_tables_name_a_damaged_plane(copy, tmp_path, capsys):
 
 
 def test_left_overs_of_killed_writers_are_removed(copy, tmp_path, capsys):
-    left = copy / "mean/c/3/0/0.0123456789abcdef.partial"
+    left = copy / "mean/c/3/0/0.0123456789abcdef0123456789abcdef.partial"
     left.write_bytes(b"half of a chunk")
     code, out, err = run(tmp_path, capsys, "stages=[sweep]")
     assert (code, err) == (0, "") and "nothing to do" in out and not left.exists()
@@ -251,7 +252,7 @@ def test_a_last_block_that_fills_its_chunk_in_part_is_mended(tmp_path, kind):
     harm(path / f"mean/c/{len(plan.blocks) - 1}/0/0", kind)
     damage = store.find_damage(path)
     assert {item.block for item in damage} == {last} and len(damage) == 2
-    store.mend(path, damage)
+    store.repair(path, damage)
     assert store.pending_blocks(path, plan) == [last]
     sweep_block(str(path), plan, last)
     assert store.find_damage(path) == []

@@ -6,14 +6,14 @@ from pipeline.axes import PATHS, Axis
 from pipeline.plan import Plan, check_numbers, plan_of
 from solver import SCALAR_PARAMETERS
 
-__all__ = ["believed"]
+__all__ = ["validate_plan"]
 
 _MOST_CELLS = 10**9
 #: Room per row: lowest and highest, as `store.max_...` may be.
 _ROOM = {"max_solutions": (1, 100), "max_branches": (1, 100), "max_points": (2, 10**7)}
 
 
-def believed(numbers: dict) -> Plan:
+def validate_plan(numbers: dict) -> Plan:
     """The plan that `Plan.numbers` came from.
 
     Raises
