@@ -70,7 +70,7 @@ def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
     """
     every_column, stored = False, "there is no store yet"
     if path.exists():
-        every_column = index in store.certified_rows(path)
+        every_column = index in store.certified_rows(path, plan)
         words = {store.PENDING: "pending", store.COMPLETE: "complete", store.FAILED: "failed"}
         stored = f"{words[int(store.statuses(path).ravel()[index])]} in the store"
         stored += "".join(f": {text}" for row, text in store.failures(path) if row == index)

@@ -4,18 +4,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import zarr
 
 from pipeline import store
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError
-from pipeline.plan import Plan
-from pipeline.store.arrays import arrays_of
-from pipeline.store.codecs import every_chunk
+from pipeline.plan import Block, Plan
 from pipeline.store.names import STORE_FILE
 from pipeline.store.removal import remove_known
 
-__all__ = ["Layer", "cut", "layer_of", "of_layer"]
+__all__ = ["Layer", "extract_layer", "layer_of", "of_layer"]
 
 
 @dataclass(frozen=True)
@@ -51,7 +48,7 @@ def of_layer(settings: Settings, volume: Plan, layer: Layer) -> Settings:
     return replace(settings, config=replace(config, store=replace(config.store, name=name)))
 
 
-def cut(layer: Layer, path: Path, plan: Plan, name: str, configuration: str) -> None:
+def extract_layer(layer: Layer, path: Path, plan: Plan, name: str, configuration: str) -> None:
     """Copy a layer of a volume, as far as it is computed, into a store of its own.
 
     Parameters
@@ -63,14 +60,20 @@ def cut(layer: Layer, path: Path, plan: Plan, name: str, configuration: str) -> 
         Of the layer.
     name, configuration : str
         As for `store.create`.
+
+    Raises
+    ------
+    DamagedError
+        If anything that is stored of the layer is missing or damaged.
     """
+    volume = store.read_plan(layer.volume)
     draft = path.with_name(f".{path.name}.layer")
     remove_known(draft, STORE_FILE)
     store.create(draft, plan, name, configuration)
-    source, target = zarr.open_group(layer.volume, mode="r"), zarr.open_group(draft, mode="r+")
-    with every_chunk():
-        for block in plan.blocks:
-            (rows,) = plan.place(block)
-            for array in arrays_of(plan):
-                target[array][rows] = source[array][layer.index, rows]
+    first = layer.index * plan.rows
+    for block in plan.blocks:
+        values = store.read_rows(layer.volume, volume, Block(first + block.start, first + block.stop))
+        if np.any(values["status"] != store.PENDING):
+            rows = [{name: found[i, ...] for name, found in values.items()} for i in range(block.stop - block.start)]
+            store.write_block(draft, plan, block, rows)
     draft.rename(path)

@@ -148,12 +148,15 @@ class Plan:
     @property
     def blocks(self) -> list[Block]:
         """All blocks in order."""
+        layer = self.parameter.num
+        return [block for first in range(0, self.rows, layer) for block in self.blocks_of(Block(first, first + layer))]
+
+    def blocks_of(self, rows: Block) -> list[Block]:
+        """The blocks that hold some rows of one layer, in order."""
         size, layer = self.rows_per_block, self.parameter.num
-        return [
-            Block(first + i, first + min(i + size, layer))
-            for first in range(0, self.rows, layer)
-            for i in range(0, layer, size)
-        ]
+        first = rows.start - rows.start % layer
+        begin = (rows.start - first) // size * size
+        return [Block(first + i, first + min(i + size, layer)) for i in range(begin, rows.stop - first, size)]
 
     @property
     def bytes(self) -> int:

@@ -8,7 +8,7 @@ from pipeline import store
 from pipeline.cluster import Workforce, check_cluster
 from pipeline.config import Settings
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.layers import cut, layer_of, of_layer
+from pipeline.layers import extract_layer, layer_of, of_layer
 from pipeline.plan import plan
 from pipeline.progress import Reporter
 from pipeline.stages import (
@@ -128,16 +128,16 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         store.remove_left_overs(job.store_path)
         # What was checked before a wait may have become another store.
         job = prepare(job.settings) if waited else job
-        _cut(job, reporter)
+        _extract_layer(job, reporter)
         return _run(PLANE_STAGES, job, workforce, reporter)
 
 
-def _cut(job: Job, reporter: Reporter) -> None:
+def _extract_layer(job: Job, reporter: Reporter) -> None:
     """Take the layer out of its volume, where there is one and that has not been done."""
     anew = job.settings.config.store.overwrite and job.asks(sweep.STAGE.name)
     if job.layer is None or job.store_path.exists() or not job.layer.volume.exists() or anew:
         return
-    cut(job.layer, job.store_path, job.plan, job.settings.store_name, job.settings.yaml())
+    extract_layer(job.layer, job.store_path, job.plan, job.settings.store_name, job.settings.yaml())
     reporter.line(f"layer: {job.settings.store_name} taken out of {job.layer.volume} into {job.store_path}")
 
 

@@ -81,6 +81,12 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     lost, points = _run_blocks(job, blocks, {}, workforce, reporter, RowProgress(reporter, rows))
     if not lost:
         lost += _certify_neighbours(job, workforce, reporter)
+        pending = store.statuses(path) == store.PENDING
+        lost += [
+            f"rows {block.start}-{block.stop - 1} are stored no longer: the same command computes them again"
+            for block in job.plan.blocks
+            if np.any(pending[block.start : block.stop])
+        ]
     seconds = perf_counter() - ready
     failed = store.failures(path)
     for row, reason in failed[:10]:
@@ -89,6 +95,8 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
         reporter.line(f"  and {len(failed) - 10} more; `message` in the store has every reason")
     for text in lost:
         reporter.error(text)
+    # A chunk that went missing while the others were computed would be read as fill values.
+    store.read_plan(path)
     reporter.line(
         f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
         f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"
@@ -99,20 +107,22 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
 
 def _neighbours(job: Job):
     """Rows that a second look is due to; none where enumeration is off or looks everywhere anyway."""
-    return store.rows_to_certify(job.store_path) if job.plan.solver["certify"] == "columns" else np.empty(0, int)
+    return (
+        store.rows_to_certify(job.store_path, job.plan) if job.plan.solver["certify"] == "columns" else np.empty(0, int)
+    )
 
 
 def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> list[str]:
     """Look everywhere in rows beside which folds come or go, until no more such rows turn up; why blocks were lost."""
-    lost, before = [], store.certified_rows(job.store_path).size
+    lost, before = [], store.certified_rows(job.store_path, job.plan).size
     while not lost and (due := _neighbours(job)).size:
-        rows = np.union1d(due, store.certified_rows(job.store_path))
+        rows = np.union1d(due, store.certified_rows(job.store_path, job.plan))
         chosen = {
             block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks
         }
         blocks = [block for block in job.plan.blocks if np.any((due >= block.start) & (due < block.stop))]
         lost, _ = _run_blocks(job, blocks, chosen, workforce, reporter, RowProgress(None, 0))
-    count = store.certified_rows(job.store_path).size - before
+    count = store.certified_rows(job.store_path, job.plan).size - before
     reporter.line(f"sweep: {count} rows next to births and deaths of folds enumerated at every column")
     return lost
 
@@ -130,6 +140,8 @@ def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, repo
                 progress.advance(count, count)
             else:
                 points += result.points
+                if result.lost:
+                    reporter.line(f"note: rows {block.start}-{block.stop - 1} were computed again: {result.lost}")
                 progress.advance(count, len(result.failures))
     return lost, points
 

@@ -5,9 +5,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
-__all__ = ["ArrayLayout"]
+__all__ = ["MOST_TEXT", "ArrayLayout"]
 
-#: Bytes per entry of the types that this program writes, as zarr names them; of texts, room for a long one.
+#: Longest text that is stored, in characters.
+MOST_TEXT = 1000
+#: Bytes per entry of the types that this program writes, as zarr names them; of texts, the most.
 _TYPES = {
     "bool": 1,
     "int8": 1,
@@ -20,7 +22,7 @@ _TYPES = {
     "uint64": 8,
     "float32": 4,
     "float64": 8,
-    "string": 200,
+    "string": 4 + 4 * MOST_TEXT,
 }
 _KEYS = {"name": "default", "configuration": {"separator": "/"}}
 
@@ -82,8 +84,16 @@ class ArrayLayout:
 
     @property
     def bytes(self) -> int:
-        """Bytes of the whole array, about as many where it holds texts."""
+        """Bytes of the whole array, where it holds texts at most."""
         return math.prod(self.shape) * _TYPES[self.kind]
+
+    @property
+    def chunk_bytes(self) -> tuple[int, int]:
+        """Fewest and most bytes of a chunk before it is compressed: the same unless it holds texts."""
+        entries = math.prod(self.chunks)
+        most = entries * _TYPES[self.kind]
+        # Of texts, their number and the length of each come first.
+        return (4 + 4 * entries, 4 + most) if self.kind == "string" else (most, most)
 
     @property
     def count(self) -> int:

@@ -1,5 +1,7 @@
 """Every array that a plane has: its dimensions, type, fill value, attributes and files."""
 
+from functools import cache
+
 from pipeline.plan import Axis, Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.attributes import LONG_NAMES, UNITS, flags, label_flags
@@ -14,7 +16,6 @@ __all__ = ["arrays_of", "axes_in_store", "layouts_of", "row_layouts"]
 def arrays_of(plan: Plan) -> dict[str, dict]:
     """Every array that has rows: name -> dims, dtype, fill value and attributes. `status` comes last."""
     row, column = tuple(axis.name for axis in plan.row_axes), plan.sweep.name
-    labels = domain_labels(plan.max_solutions)
     cell, solution, point = (*row, column), (*row, column, "solution"), (*row, "point")
     states = flags(ImpactState, [state.symbol for state in ImpactState])
 
@@ -40,7 +41,12 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
         "n_solutions": spec(cell, "uint8", 255, "number of periodic solutions; 255: not computed"),
         "n_stable": spec(cell, "uint8", 255, "number of statically stable solutions; 255: not computed"),
         "domain": spec(
-            cell, "uint16", 0, "n/I label of the solution domain; 0: not computed", None, **label_flags(labels)
+            cell,
+            "uint16",
+            0,
+            "n/I label of the solution domain; 0: not computed",
+            None,
+            **_domain_flags(plan.max_solutions),
         ),
         "mean": spec(solution, "float64", nan, "mean of the mesh displacement"),
         "amplitude": spec(solution, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
@@ -117,6 +123,12 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             flag_meanings="pending complete failed",
         ),
     }
+
+
+@cache
+def _domain_flags(max_solutions: int) -> dict:
+    """CF attributes of labels: there are hundreds."""
+    return label_flags(domain_labels(max_solutions))
 
 
 def axes_in_store(plan: Plan) -> dict[str, Axis]:

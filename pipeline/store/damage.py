@@ -39,4 +39,6 @@ class Damage:
 
 def damaged(path: Path, what: str) -> DamagedError:
     """The error for a store of which `what` is damaged."""
-    return DamagedError(f"{path} is damaged: {what}; stages=[check] lists and check.repair=true mends it")
+    error = DamagedError(f"{path} is damaged: {what}; stages=[check] lists and check.repair=true mends it")
+    error.what = what
+    return error

@@ -13,6 +13,7 @@ import zarr
 
 from pipeline.store.codecs import COMPRESSORS, every_chunk
 from pipeline.store.documents import listed_in
+from pipeline.store.identity import read_plan
 from pipeline.store.names import ADDED, GROUP_FILE
 from pipeline.store.removal import refuse_unknown, remove_known
 from pipeline.store.template import consolidate
@@ -34,9 +35,16 @@ class Variable:
 
 
 def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str, Variable]) -> None:
-    """Put a group into the store at `path`, in place of what was there."""
+    """Put a group into the store at `path`, in place of what was there.
+
+    Raises
+    ------
+    DamagedError
+        If rows went missing meanwhile: what the group was computed from may have been read as fill values.
+    """
     if name not in ADDED:
         raise ValueError(f"{name!r} is no group that stages add: one of {', '.join(ADDED)}")
+    read_plan(path)
     draft = _beside(path, name, "draft")
     remove_known(draft, GROUP_FILE)
     group = zarr.create_group(draft, zarr_format=3, attributes=attributes)

@@ -227,7 +227,7 @@ def test_the_diary_is_of_the_very_row(folder):
         seeds_of(planned.solver, found.every_column),
     )
     np.testing.assert_array_equal(found.result.motions, row.motions)
-    assert found.every_column == (2 in store.certified_rows(path))
+    assert found.every_column == (2 in store.certified_rows(path, planned))
 
 
 @pytest.mark.parametrize("row", ["5", "-1", "1.5", "x"])

@@ -59,6 +59,8 @@ def harm(file: Path, kind: str, place: float = 0.5, bit: int = 0) -> None:
         file.write_bytes(b"")
     elif kind == "truncated":
         file.write_bytes(content[:at])
+    elif kind == "zeroed":
+        file.write_bytes(bytes(len(content)))
     else:
         file.write_bytes(content[:at] + bytes([content[at] ^ 1 << bit]) + content[at + 1 :])
 
@@ -99,7 +101,7 @@ def _kinds_of_files(path: Path) -> dict[str, list[str]]:
 def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
     kinds = _kinds_of_files(whole)
     file = data.draw(st.sampled_from(sorted(kinds)).flatmap(lambda kind: st.sampled_from(kinds[kind])))
-    kind = data.draw(st.sampled_from(["missing", "empty", "truncated", "flipped"]))
+    kind = data.draw(st.sampled_from(["missing", "empty", "truncated", "flipped", "zeroed"]))
     folder = tmp_path_factory.mktemp("damaged")
     path = Path(shutil.copytree(whole, folder / "outputs/store/plane.zarr"))
     before = _chunks(path)

@@ -1,0 +1,228 @@
+"""Chunks that go missing while a store is written: what is kept is verified, and nothing is made up in its place."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+
+from pipeline import store
+from pipeline.errors import DamagedError
+from pipeline.plan import Block
+from pipeline.recompute import drawn_rows
+from pipeline.stages import sweep
+from pipeline.store.arrays import arrays_of
+from pipeline.sweep import sweep_block
+from tests.pipeline.faults.runs import same
+from tests.pipeline.faults.test_damage import harm, run
+from tests.pipeline.planes import small_plan, small_store
+
+_FEW = ("plane.sweep.num=9", "plane.parameter.num=17", "solver.certify_columns=197")
+_KINDS = ("missing", "empty", "truncated", "flipped", "zeroed")
+
+
+@pytest.fixture(scope="module")
+def first_pass(undisturbed, tmp_path_factory) -> Path:
+    """The undisturbed store as it is before rows are looked at a second time; not to be changed."""
+    path = tmp_path_factory.mktemp("first") / "outputs/store/plane.zarr"
+    plan = store.read_plan(undisturbed)
+    store.create(path, plan, "plane", "")
+    for block in plan.blocks:
+        sweep_block(str(path), plan, block)
+    assert store.rows_to_certify(path, plan).size
+    return path
+
+
+@pytest.fixture
+def copy(first_pass, tmp_path) -> Path:
+    """A copy that may be harmed."""
+    return Path(shutil.copytree(first_pass, tmp_path / "outputs/store/plane.zarr"))
+
+
+def _due(path: Path) -> tuple:
+    """The first block with rows that are due, and its number."""
+    plan = store.read_plan(path)
+    first = int(store.rows_to_certify(path, plan)[0])
+    return plan.blocks_of(Block(first, first + 1))[0], first // plan.rows_per_block
+
+
+def _file(path: Path, name: str, number: int) -> Path:
+    (file,) = (file for file in (path / name / "c" / str(number),) if file.exists())
+    while file.is_dir():
+        (file,) = file.iterdir()
+    return file
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+@pytest.mark.parametrize(
+    "name", ["amplitude", "status", "message", "branches/n_folds", "branches/n_gained", "branches/cos"]
+)
+def test_a_chunk_lost_before_the_second_look_is_never_made_up(
+    copy, undisturbed, tmp_path, capsys, monkeypatch, name, kind
+):
+    """Its rows are computed again, or the run says what is damaged; then repair brings the undisturbed store."""
+    _, number = _due(copy)
+    honest = sweep._certify_neighbours
+
+    def harmed(*arguments):
+        harm(_file(copy, name, number), kind)
+        return honest(*arguments)
+
+    monkeypatch.setattr(sweep, "_certify_neighbours", harmed)
+    code, out, err = run(tmp_path, capsys, "stages=[sweep]")
+    monkeypatch.undo()
+    rows = f"rows {3 * number}-{3 * number + 2}"
+    if code == 0:
+        assert f"{rows} were computed again: {name}/c/{number}" in out and err == ""
+    else:
+        assert code == 1 and len(err.splitlines()) == 1
+        lost = (name, kind) == ("status", "missing")
+        assert (f"{rows} are stored no longer" if lost else f"is damaged: {name}/c/{number}") in err
+        again = ["stages=[sweep]"] if lost else ["stages=[check]", "check.repair=true"]
+        code, _, _ = run(tmp_path, capsys, *again)
+    assert code == 0 and store.find_damage(copy) == []
+    same(copy, undisturbed)
+
+
+def test_a_chunk_lost_elsewhere_during_the_second_look_is_named(copy, tmp_path, capsys, monkeypatch):
+    """No row of that block is due, so that nobody would read it: the run must not end as if all were well."""
+    plan = store.read_plan(copy)
+    due = {row // plan.rows_per_block for row in store.rows_to_certify(copy, plan).tolist()}
+    other = min(set(range(len(plan.blocks))) - due)
+    honest = sweep._certify_neighbours
+
+    def harmed(*arguments):
+        lost = honest(*arguments)
+        _file(copy, "amplitude", other).unlink()
+        return lost
+
+    monkeypatch.setattr(sweep, "_certify_neighbours", harmed)
+    code, _, err = run(tmp_path, capsys, "stages=[sweep]")
+    assert code == 1 and f"is damaged: amplitude/c/{other}/0/0 is missing" in err
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    plan = small_plan(columns=9, rows=17)
+    return plan, small_store(tmp_path_factory.mktemp("small") / "plane.zarr", plan)
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+def test_every_array_of_a_block_is_verified_before_its_rows_are_kept(small, tmp_path, kind):
+    plan, whole = small
+    assert plan.rows_per_block == 2
+    path = Path(shutil.copytree(whole, tmp_path / "plane.zarr"))
+    for i, name in enumerate(arrays_of(plan)):
+        # The last block fills its chunk in part.
+        block = plan.blocks[-1] if i % 2 else plan.blocks[3]
+        file = _file(path, name, block.start // 2)
+        content = file.read_bytes()
+        harm(file, kind)
+        if (name, kind) == ("status", "missing"):
+            assert store.kept_rows(path, plan, block, frozenset()) == {}
+        else:
+            with pytest.raises(DamagedError, match=name):
+                store.kept_rows(path, plan, block, frozenset())
+        file.write_bytes(content)
+        kept = store.kept_rows(path, plan, block, frozenset())
+        assert sorted(kept) == list(range(block.start, block.stop))
+        for row, values in kept.items():
+            np.testing.assert_array_equal(values[name], zarr.open_group(whole, mode="r")[name][row])
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+@pytest.mark.parametrize(("name", "number"), [("mean", 3), ("message", 8), ("status", 8), ("branches/event", 8)])
+def test_a_block_that_cannot_be_verified_is_computed_again(small, tmp_path, name, number, kind):
+    plan, whole = small
+    path = Path(shutil.copytree(whole, tmp_path / "plane.zarr"))
+    harm(_file(path, name, number), kind)
+    receipt = sweep_block(str(path), plan, plan.blocks[number])
+    assert receipt.lost.startswith(name) or (name, kind) == ("status", "missing")
+    same(path, whole)
+    assert store.find_damage(path) == []
+
+
+def test_what_was_verified_is_written_whatever_becomes_of_the_files(small, tmp_path, monkeypatch):
+    plan, whole = small
+    path = Path(shutil.copytree(whole, tmp_path / "plane.zarr"))
+    block = plan.blocks[3]
+    zarr.open_group(path, mode="r+")["status"][block.start] = store.FAILED
+    honest, computed = sweep_block.__globals__["stored_row"], []
+
+    def harmful(*arguments):
+        computed.append(arguments[1])
+        for name in ("mean", "branches/cos", "message"):
+            _file(path, name, 3).unlink(missing_ok=True)
+        return honest(*arguments)
+
+    monkeypatch.setitem(sweep_block.__globals__, "stored_row", harmful)
+    receipt = sweep_block(str(path), plan, block)
+    assert computed == [plan.parameter.values[block.start]] and receipt.lost == ""
+    same(path, whole)
+
+
+def test_no_group_is_written_from_rows_that_went_missing(small, tmp_path, monkeypatch, capsys):
+    from pipeline.boundaries import tracing
+
+    _, whole = small
+    path = Path(shutil.copytree(whole, tmp_path / "outputs/store/plane.zarr"))
+    honest = tracing.read_events
+
+    def harmed(*arguments):
+        _file(path, "branches/event", 5).unlink(missing_ok=True)
+        return honest(*arguments)
+
+    monkeypatch.setattr(tracing, "read_events", harmed)
+    code, _, err = run(tmp_path, capsys, "stages=[boundaries]", *_FEW)
+    assert code == 1 and "branches/event/c/5/0 is missing" in err and not (path / "boundaries").exists()
+
+
+def test_a_layer_is_not_taken_out_of_a_damaged_volume(tmp_path, capsys):
+    words = ["plane=omega_b_fe", "plane.sweep.num=9", "plane.parameter.num=4", "plane.parameter2.num=2"]
+    words += ["store.name=volume", "solver.certify_columns=9"]
+    assert run(tmp_path, capsys, *words, "stages=[sweep]")[0] == 0
+    volume = tmp_path / "outputs/store/volume.zarr"
+    harm(volume / "mean/c/1/2/0/0", "flipped")
+    code, _, err = run(tmp_path, capsys, *words, "stages=[figures]", "plane.layer=0.5")
+    assert code == 1 and "mean/c/1/2/0/0 does not agree with its checksum" in err
+    assert [place.name for place in volume.parent.glob("*.zarr")] == ["volume.zarr"]
+
+
+def test_rows_computed_again_are_those_that_are_stored(small, tmp_path, capsys):
+    plan, whole = small
+    shutil.copytree(whole, tmp_path / "outputs/store/plane.zarr")
+    code, out, err = run(tmp_path, capsys, "stages=[check]", "check.recompute=5", *_FEW)
+    assert (code, err) == (0, "") and "5 rows are bit by bit what is computed here" in out
+    assert drawn_rows(whole, plan, 5, 0) == drawn_rows(whole, plan, 5, 0) != drawn_rows(whole, plan, 5, 1)
+    assert drawn_rows(whole, plan, 100, 0) == list(range(17))
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("amplitude", lambda values: np.nextafter(values, 2.0)),
+        ("domain", lambda values: values + 1),
+        ("branches/cos", lambda values: -values),
+        ("message", lambda values: np.full(values.shape, "well", dtype=object)),
+    ],
+)
+def test_a_wrong_number_with_a_right_checksum_is_found(small, tmp_path, capsys, name, change):
+    plan, whole = small
+    path = Path(shutil.copytree(whole, tmp_path / "outputs/store/plane.zarr"))
+    array = zarr.open_group(path, mode="r+")[name]
+    array[6] = change(array[6])
+    assert store.find_damage(path) == []
+    before = {file: file.read_bytes() for file in path.rglob("*") if file.is_file()}
+    code, out, err = run(tmp_path, capsys, "stages=[check]", "check.recompute=17", *_FEW)
+    assert code == 1 and "1 of 17 rows differ" in out
+    assert len(err.splitlines()) == 1 and plan.row_text(6) in err and f": {name} (" in err
+    assert {file: file.read_bytes() for file in path.rglob("*") if file.is_file()} == before
+    assert 6 not in drawn_rows(path, plan, 3, 0)
+    assert run(tmp_path, capsys, "stages=[check]", "check.recompute=3", *_FEW)[0] == 0
+
+
+@pytest.mark.parametrize("word", ["check.recompute=-1", "check.recompute=x", "check.seed=-1", "check.recompute=1e99"])
+def test_what_is_drawn_is_a_whole_number(tmp_path, capsys, word):
+    code, _, err = run(tmp_path, capsys, "stages=[check]", word)
+    assert code == 2 and len(err.splitlines()) == 1 and word.split("=")[0] in err
