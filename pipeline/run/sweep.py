@@ -4,6 +4,8 @@ import shutil
 from collections.abc import Sequence
 from time import perf_counter
 
+import numpy as np
+
 from pipeline import store
 from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import ROLES
@@ -14,7 +16,8 @@ from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
-from pipeline.store.removal import remove
+from pipeline.store.names import STORE_FILE
+from pipeline.store.removal import remove_known
 from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
@@ -51,15 +54,13 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
-    if present:
-        store.refuse_to_write_older(path)
     where = workforce.start()
     open_log(job, reporter)
     if present:
         # They belong to the rows as they were.
         groups.remove_added(path)
     else:
-        remove(path)
+        remove_known(path, STORE_FILE)
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
@@ -83,12 +84,20 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     path, rows, ready = job.store_path, sum(block.stop - block.start for block in blocks), perf_counter()
     forget_tries(path)
     lost, points = _run_blocks(job, blocks, workforce, reporter, RowProgress(reporter, rows))
+    pending = store.statuses(path) == store.PENDING
+    lost += [
+        f"rows {block.start}-{block.stop - 1} are stored no longer: the same command computes them again"
+        for block in job.plan.blocks
+        if not lost and np.any(pending[block.start : block.stop])
+    ]
     seconds = perf_counter() - ready
     failed = store.failures(path)
     _list_rows(job, reporter, failed, "failed: ")
     _list_rows(job, reporter, store.notes(path), "")
     for text in lost:
         reporter.error(text)
+    # A chunk that went missing while the others were computed would be read as fill values.
+    store.read_plan(path)
     reporter.line(
         f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
         f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"
@@ -123,6 +132,8 @@ def _run_blocks(job: Job, blocks, workforce: Workforce, reporter: Reporter, prog
                 progress.advance(count, count)
             else:
                 points += result.points
+                if result.lost:
+                    reporter.line(f"note: rows {block.start}-{block.stop - 1} were computed again: {result.lost}")
                 progress.advance(count, len(result.failures))
     return lost, points
 

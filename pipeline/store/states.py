@@ -1,4 +1,4 @@
-"""States of rows, and which of them are still due. Rows of a volume are numbered through, layer by layer."""
+"""States of rows, and which blocks are still due. Rows of a volume are numbered through, layer by layer."""
 
 from pathlib import Path
 
@@ -7,17 +7,7 @@ import zarr
 
 from pipeline.plan.plan import Block, Plan
 
-__all__ = [
-    "COMPLETE",
-    "FAILED",
-    "PENDING",
-    "failures",
-    "kept_rows",
-    "notes",
-    "pending_blocks",
-    "proven_cells",
-    "statuses",
-]
+__all__ = ["COMPLETE", "FAILED", "PENDING", "failures", "notes", "pending_blocks", "proven_cells", "statuses"]
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
 
@@ -31,12 +21,6 @@ def pending_blocks(path: Path, plan: Plan) -> list[Block]:
     """Blocks with a row that is not complete; each is computed again as a whole, failed rows included."""
     status = statuses(path)
     return [block for block in plan.blocks if np.any(status[block.start : block.stop] != COMPLETE)]
-
-
-def kept_rows(path: Path, plan: Plan, block: Block) -> frozenset[int]:
-    """Rows of a block that are complete in the store."""
-    complete = zarr.open_group(path, mode="r")["status"][plan.place(block)] == COMPLETE
-    return frozenset(np.arange(block.start, block.stop)[complete].tolist())
 
 
 def proven_cells(path: Path) -> tuple[int, int] | None:

@@ -192,7 +192,7 @@ def test_peaks_are_on_the_softening_side(plane):
 def test_failed_and_missing_rows(tmp_path):
     plan = small_plan(columns=41, rows=4)
     path = small_store(tmp_path / "plane.zarr", plan, plan.blocks[:2])
-    store.write_block(str(path), plan, plan.blocks[2], ["no reason"])
+    store.write_block(path, plan, plan.blocks[2], [store.row_values(plan, "no reason")])
     plane = read_stored(path)
     assert plane.status.tolist() == [1, 1, 2, 0]
     figure = draw_map(plane)
@@ -207,7 +207,7 @@ def test_nothing_but_failed_rows(tmp_path):
     plan = small_plan(columns=5, rows=2)
     path = small_store(tmp_path / "plane.zarr", plan, [])
     for block in plan.blocks:
-        store.write_block(str(path), plan, block, ["no reason"] * (block.stop - block.start))
+        store.write_block(path, plan, block, [store.row_values(plan, "no reason")] * (block.stop - block.start))
     assert len(drawn(path, tmp_path)) == 3
     shown = texts(draw_map(read_stored(path)))
     assert "row failed" in shown and not any("%" in text for text in shown)

@@ -120,8 +120,8 @@ def test_datatree_opens_whole(made):
 def test_template_appears_whole_and_replaces_leftovers(tmp_path):
     plan = small_plan(columns=5, rows=3)
     path = tmp_path / "plane.zarr"
-    (tmp_path / ".plane.zarr.template").mkdir()
-    (tmp_path / ".plane.zarr.template" / "left over").write_text("from a killed run")
+    (tmp_path / ".plane.zarr.template/mean").mkdir(parents=True)
+    (tmp_path / ".plane.zarr.template/mean/zarr.json").write_text("from a killed run")
     store.create(path, plan, "plane", "x: 1\n")
     assert [p.name for p in tmp_path.iterdir()] == ["plane.zarr"]
     assert store.pending_blocks(path, plan) == plan.blocks

@@ -8,14 +8,14 @@ from pipeline.plan.plan import Plan, plan_of
 from pipeline.plan.planning import check_numbers
 from solver import SCALAR_PARAMETERS
 
-__all__ = ["believed"]
+__all__ = ["validate_plan"]
 
 _MOST_CELLS = 10**9
 #: Room per row: lowest and highest, as `store.max_...` may be.
 _ROOM = {"max_solutions": (1, 100), "max_branches": (1, 100), "max_points": (2, 10**7)}
 
 
-def believed(numbers: dict) -> Plan:
+def validate_plan(numbers: dict) -> Plan:
     """The plan that `Plan.numbers` came from.
 
     Raises
