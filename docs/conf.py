@@ -41,9 +41,13 @@ html_css_files = ["site.css"]
 html_title = f"bevelmap {release}"
 html_show_sourcelink = False
 html_copy_source = False
-html_sidebars = {"**": ["sidebar-nav-bs"], "index": []}
+# Beside the pages of a section stands the list of them; a page without a section has none.
+html_sidebars = {page.stem: [] for page in Path(__file__).parent.glob("*.md")}
+html_sidebars |= {"*/*": ["sidebar-nav-bs"], "genindex": [], "search": []}
 html_theme_options = {
     "navigation_with_keys": False,
+    "header_links_before_dropdown": 8,
+    "navbar_persistent": ["search-button"],
     "show_toc_level": 2,
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tests.docs.page import DOCS, ROOT
 
-__all__ = ["PAGES", "Block", "Page", "commands_of", "is_command", "name_of", "page_of"]
+__all__ = ["PAGES", "Block", "Page", "commands_of", "is_command", "lines_of", "name_of", "page_of"]
 
 PAGES = tuple(
     path
@@ -69,12 +69,17 @@ def page_of(path: Path) -> Page:
 
 def commands_of(page: Page) -> list[str]:
     """What follows `python -m pipeline` in every command of a page: lines of its blocks, and tables of such words."""
-    lines = [line for block in page.of("sh") for line in block.text.splitlines()]
-    found = [_COMMAND.fullmatch(line.strip())[1] or "" for line in lines if is_command(line.strip())]
+    found = [_COMMAND.fullmatch(line)[1] or "" for line in lines_of(page) if is_command(line)]
     for table in _TABLE.findall(page.path.read_text(encoding="utf-8")):
         for row in table.splitlines():
             found += re.findall("`([^`]+)`", row.split(" | ")[0])
     return found
+
+
+def lines_of(page: Page) -> list[str]:
+    """Lines of the shell, those that a backslash continues as one."""
+    texts = [re.sub(r" *\\\n +", " ", block.text) for block in page.of("sh")]
+    return [line.strip() for text in texts for line in text.splitlines() if line.strip()]
 
 
 def is_command(line: str) -> bool:

@@ -13,7 +13,7 @@ from pipeline.__main__ import main
 from pipeline.analysis import boundaries
 from pipeline.config.compose import compose, expand
 from pipeline.plan.planning import plan
-from tests.docs.examples import PAGES, commands_of, is_command, name_of, page_of
+from tests.docs.examples import PAGES, commands_of, is_command, lines_of, name_of, page_of
 from tests.docs.page import ROOT
 from tests.pipeline.planes import small_plan, small_store
 
@@ -74,8 +74,7 @@ def test_every_block_is_of_a_kind_that_is_checked():
 def test_every_line_of_the_shell_is_of_a_kind_that_is_checked():
     unknown = []
     for name, page in READ.items():
-        lines = [line.strip() for block in page.of("sh") for line in block.text.splitlines() if line.strip()]
-        unknown += [(name, line) for line in lines if not (OTHER_LINES.fullmatch(line) or is_command(line))]
+        unknown += [(name, line) for line in lines_of(page) if not (OTHER_LINES.fullmatch(line) or is_command(line))]
     assert unknown == []
 
 

@@ -8,13 +8,13 @@ __all__ = ["stages", "usage_text"]
 
 def stages() -> str:
     """Every stage in the order of a run, as a table."""
-    lines = ["| `stages=[…]` | what it does | writes to the store | works on volumes | module |", "|" + " --- |" * 5]
+    lines = ["| `stages=[…]` | what it does | writes to the store | works on volumes |", "|" + " --- |" * 4]
     for entry in STAGES:
         stage = entry.load()
         yes_or_no = [("no", "yes")[flag] for flag in (stage.writes, stage.of_volumes)]
         if entry.several_planes:
             yes_or_no[1] = "reads several planes"
-        lines.append(f"| `{entry.name}` | {entry.sentence} | {' | '.join(yes_or_no)} | `{entry.module}` |")
+        lines.append(f"| `{entry.name}` | {entry.sentence} | {' | '.join(yes_or_no)} |")
     return "\n".join(lines)
 
 

@@ -58,7 +58,9 @@ class Array:
         names = self.attributes["flag_meanings"].split()
         if len(names) > 12:
             return "codes: attributes `flag_values`, `labels`"
-        return ", ".join(f"{value} {name}" for value, name in zip(self.attributes["flag_values"], names, strict=True))
+        return ", ".join(
+            f"{value}\u00a0{name}" for value, name in zip(self.attributes["flag_values"], names, strict=True)
+        )
 
 
 def arrays(group: str = "") -> str:
