@@ -23,6 +23,7 @@ test-slow: $(READY)
 check: $(READY)
 	$(VENV)/bin/ruff format --check --quiet .
 	$(VENV)/bin/ruff check --quiet .
+	$(VENV)/bin/lint-imports --no-cache --no-logo
 
 format: $(READY)
 	$(VENV)/bin/ruff format .

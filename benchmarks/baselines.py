@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import fsolve
 
 from solver import Model
-from solver.backlash import describing_functions
+from solver.contact.dead_zone import describing_functions
 
 __all__ = ["PERIODS", "STEPS", "fsolve_sweep", "residual", "runge_kutta_sweep", "there_and_back"]
 

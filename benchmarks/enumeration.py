@@ -8,8 +8,8 @@ import time
 import numpy as np
 
 from solver import Proof, all_solutions
-from solver.certificates import MOST, enumerate_points
-from solver.condensation import axis_vectors
+from solver.enumeration.certificates import MOST, enumerate_points
+from solver.model.condensation import axis_vectors
 from tests.conftest import MODELS
 
 POINTS = 400

@@ -2,7 +2,8 @@
 
 from functools import cache
 
-from pipeline.plan import Axis, Plan
+from pipeline.plan.axes import Axis
+from pipeline.plan.plan import Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.attributes import LONG_NAMES, UNITS, flags, label_flags
 from pipeline.store.names import ROWS

@@ -9,7 +9,7 @@ import numpy as np
 import zarr
 
 from pipeline.errors import StoreError
-from pipeline.plan import Block, Plan
+from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import MOST_TEXT
 from pipeline.store.arrays import arrays_of, row_layouts
 from pipeline.store.chunk_files import read_chunk

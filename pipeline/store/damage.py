@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import DamagedError
-from pipeline.plan import Block
+from pipeline.plan.plan import Block
 
 __all__ = ["Damage", "damaged"]
 

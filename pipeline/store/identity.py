@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.plan import SCHEMA_VERSION, Plan
+from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.documents import read_json
 from pipeline.store.layout import validate_layout
 from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of

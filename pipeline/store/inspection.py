@@ -15,7 +15,7 @@ import numpy as np
 import zarr
 
 from pipeline.errors import StoreError
-from pipeline.plan import Plan
+from pipeline.plan.plan import Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.arrays import axes_in_store, layouts_of, row_layouts
 from pipeline.store.damage import Damage, damaged

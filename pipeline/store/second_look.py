@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.plan import Block, Plan
+from pipeline.plan.plan import Block, Plan
 from pipeline.store.blocks import RowValues, is_stored, read_rows
 from pipeline.store.states import COMPLETE
 

@@ -6,7 +6,7 @@ from solver.boundaries.contact_angles import P, X
 from solver.boundaries.curve import SEEN, BoundaryCurve, Piece, SpecialPoint
 from solver.boundaries.plane import Plane
 from solver.boundaries.special import static_determinant, turning_point
-from solver.continuation import EndReason, Event
+from solver.continuation.continuation import EndReason, Event
 
 __all__ = ["assembled", "unfollowed"]
 

@@ -10,13 +10,13 @@ from solver.boundaries.chain import MEET, Chain, joined, reversed_piece
 from solver.boundaries.curve import BoundaryCurve, Piece
 from solver.boundaries.incidence import distances
 from solver.boundaries.tangent import curve_tangent
-from solver.contact_system import ContactSystem
-from solver.continuation import Continuation, Curve, EndReason, Event
-from solver.correctors import workspace_rows
-from solver.errors import ParameterError
-from solver.model import Model
-from solver.paths import ParameterPath
-from solver.problem import Balance
+from solver.continuation.continuation import Continuation, Curve, EndReason, Event
+from solver.continuation.correctors import workspace_rows
+from solver.continuation.problem import Balance
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
+from solver.model.parameter_path import ParameterPath
 from solver.stability.hill_determinant import HALF
 from solver.stability.scan import critical_shares
 

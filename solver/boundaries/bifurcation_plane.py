@@ -5,9 +5,10 @@ with the second frequency. Rows are the balance, then what makes the motion spec
 matrix at the exponent 0 (fold), at half the base frequency (period doubling), at i omega (Neimark-Sacker: real and
 imaginary part), or the distance of an extreme of lambda from a flank (grazing).
 
-Kernels see theta = (parameters with both axes at 0 | what x adds | how p bends them, `solver.paths` | their number |
-the event | the window | whether the force is truncated before the stiffness multiplies it | switches of contact, or
-ANY), and direction, what p adds along a straight line. The parameters are those of `solver.harmonic.layout.packed`.
+Kernels see theta = (parameters with both axes at 0 | what x adds | how p bends them, `solver.model.parameter_path` |
+their number | the event | the window | whether the force is truncated before the stiffness multiplies it | switches of
+contact, or ANY), and direction, what p adds along a straight line. The parameters are those of
+`solver.harmonic.layout.packed`.
 
 A determinant has an infinite gradient where the motion grazes a flank, and its curve a corner. A problem may be
 confined to motions that switch contact a given number of times: beyond, its equations are not numbers, and continuation
@@ -20,17 +21,17 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.condensation import SIZE
-from solver.contact_system import ContactSystem
-from solver.continuation import Event, Problem
-from solver.errors import ParameterError
-from solver.harmonic import first_order, galerkin
-from solver.harmonic.contact_spectrum import contact_arcs
+from solver.contact.spectrum import contact_arcs
+from solver.continuation.continuation import Event, Problem
+from solver.continuation.problem import Balance
+from solver.harmonic import describing_function, galerkin
 from solver.harmonic.layout import BACK, FRONT, PAIRS, SIGN, STIFFNESSES, packed
-from solver.model import Model
-from solver.paths import ParameterPath, add_path, place_on, plane_vectors
-from solver.problem import Balance
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.checks import ParameterError
+from solver.model.condensation import SIZE
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
+from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
 from solver.stability.hill_determinant import HALF, WHOLE
 from solver.stability.hill_slopes import determinant_slopes
 
@@ -50,7 +51,7 @@ _BACK = 1000
 # taken to be at least this, it leaves a regular equation.
 _CENTRE = 1e-4
 
-_balance_1, _balance_h, _monitor_h = first_order.balance, galerkin.balance, galerkin.monitor
+_balance_1, _balance_h, _monitor_h = describing_function.balance, galerkin.balance, galerkin.monitor
 
 
 @kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inline=True)

@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.boundaries.bifurcation_plane import BifurcationPlane
 from solver.boundaries.curve import BoundaryCurve, Piece, SpecialPoint
-from solver.continuation import Curve, EndReason, Event
+from solver.continuation.continuation import Curve, EndReason, Event
 
 __all__ = ["named_points"]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.boundaries.curve import Piece
-from solver.continuation import Curve, EndReason
+from solver.continuation.continuation import Curve, EndReason
 
 __all__ = ["MEET", "Chain", "joined", "reversed_piece"]
 

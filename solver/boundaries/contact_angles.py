@@ -6,7 +6,8 @@ root of the margin, which stops Newton's method and makes second derivatives inf
 
     lambda_a sin phi_f = b - lambda_m,    lambda_a sin phi_b = -b - lambda_m,    -pi/2 <= phi <= pi/2,
 
-everything is a trigonometric polynomial in them (f front flank, the drive side; b back flank; PHYSICS section 4):
+everything is a trigonometric polynomial in them (f front flank, the drive side; b back flank; docs/physics.md,
+sections 4 and 5):
 
     f_0 = lambda_m + [(b - lambda_m) phi_f + lambda_a cos phi_f - (-b - lambda_m) phi_b - lambda_a cos phi_b]/pi
     N_a = 1 - [phi_f + sin phi_f cos phi_f - phi_b - sin phi_b cos phi_b]/pi
@@ -18,7 +19,8 @@ is a smooth problem of its own, and the grazings are the walls between them.
 
 The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the packed
 vector `theta` = (model with both axes at 0 | what x adds | zone of the front flank | of the back flank | s | flank that
-is grazed | its angle | how p bends the model, `solver.paths`), and `direction`, what p adds along a straight line.
+is grazed | its angle | how p bends the model, `solver.model.parameter_path`), and `direction`, what p adds along a
+straight line.
 """
 
 import math
@@ -26,10 +28,10 @@ import math
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.condensation import SIZE
-from solver.harmonic.first_order import coefficients
-from solver.paths import add_path
+from solver.harmonic.describing_function import coefficients
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.condensation import SIZE
+from solver.model.parameter_path import add_path
 
 __all__ = [
     "BACK",
@@ -68,7 +70,7 @@ _RIGHT = 0.5 * math.pi
 
 @kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
 def plane_coefficients(theta, direction, y):
-    """What `solver.harmonic.first_order.coefficients` gives at (x, p), with the derivatives by both."""
+    """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both."""
     model, along_x, along_p = np.empty(SIZE), theta[SIZE : 2 * SIZE], direction[:SIZE].copy()
     for i in range(SIZE):
         model[i] = theta[i] + y[X] * along_x[i] + y[P] * along_p[i]

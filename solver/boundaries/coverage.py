@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
-from solver.continuation import Continuation, Event
+from solver.continuation.continuation import Continuation, Event
 
 __all__ = ["missed_events"]
 

@@ -8,8 +8,8 @@ import numpy as np
 from solver.boundaries.contact_angles import X
 from solver.boundaries.incidence import distances
 from solver.boundaries.refine import refined
-from solver.continuation import Continuation, Curve, EndReason, Event, Problem
-from solver.crossings import curve_crossings
+from solver.continuation.continuation import Continuation, Curve, EndReason, Event, Problem
+from solver.continuation.on_curve import curve_crossings
 
 __all__ = ["BoundaryCurve", "Piece", "SpecialPoint", "SEEN"]
 

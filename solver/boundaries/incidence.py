@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
-from solver.continuation import Continuation, Curve, Problem
+from solver.continuation.continuation import Continuation, Curve, Problem
+from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
 
 __all__ = ["distances"]
 

@@ -27,12 +27,12 @@ from solver.boundaries.contact_angles import (
     determinant,
     plane_coefficients,
 )
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.condensation import AXES, axis_vectors
-from solver.continuation import Event, Problem
-from solver.errors import ParameterError
-from solver.model import Model
-from solver.paths import ParameterPath, place_on, plane_vectors
+from solver.continuation.continuation import Event, Problem
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.checks import ParameterError
+from solver.model.condensation import AXES, axis_vectors
+from solver.model.gear_model import Model
+from solver.model.parameter_path import ParameterPath, place_on, plane_vectors
 
 __all__ = ["KINDS", "Plane"]
 
@@ -91,7 +91,7 @@ class Plane:
     model : Model
         Its own values of the two axes are not used; a path starts from it.
     x_axis : str
-        One of `solver.condensation.AXES`.
+        One of `solver.model.condensation.AXES`.
     p_axis : str or ParameterPath
         Another one, or a path of models.
     x_range, p_range : (low, high)

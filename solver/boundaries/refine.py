@@ -3,9 +3,9 @@
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
-from solver.continuation import Continuation, Curve, Problem
-from solver.landing import Setup, land_between, point_size
+from solver.continuation.continuation import Continuation, Curve, Problem
+from solver.continuation.curve_point import Setup, land_between, point_size
+from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
 
 __all__ = ["refined"]
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.boundaries.contact_angles import BACK, FRONT, P, X, angle_rows, determinant, plane_coefficients
 from solver.boundaries.curve import SpecialPoint
-from solver.continuation import Curve, Problem
+from solver.continuation.continuation import Curve, Problem
 
 __all__ = ["static_determinant", "turning_point"]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.continuation import Problem
+from solver.continuation.continuation import Problem
 
 __all__ = ["curve_tangent"]
 

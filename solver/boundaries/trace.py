@@ -10,12 +10,12 @@ from solver.boundaries.contact_angles import BACK, FRONT, P, X
 from solver.boundaries.curve import SEEN, BoundaryCurve, Piece
 from solver.boundaries.plane import KINDS, Plane
 from solver.boundaries.tangent import curve_tangent
-from solver.continuation import Continuation, Curve, EndReason, Event, Problem
-from solver.correctors import workspace_rows
-from solver.errors import ParameterError
-from solver.model import Model
-from solver.paths import ParameterPath
-from solver.row import Row
+from solver.continuation.continuation import Continuation, Curve, EndReason, Event, Problem
+from solver.continuation.correctors import workspace_rows
+from solver.model.checks import ParameterError
+from solver.model.gear_model import Model
+from solver.model.parameter_path import ParameterPath
+from solver.rows.row import Row
 
 __all__ = ["boundary_curves", "row_events"]
 
@@ -63,7 +63,7 @@ def boundary_curves(
     model : Model
         Its own values of the two axes are not used; a path starts from it.
     x_axis : str
-        One of `solver.condensation.AXES`.
+        One of `solver.model.condensation.AXES`.
     p_axis : str or ParameterPath
         Another one, or a path of models.
     x_range, p_range : (low, high)

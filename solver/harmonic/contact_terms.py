@@ -3,10 +3,10 @@
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, kernel
-from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spectrum
+from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
 from solver.harmonic.impedance import stiffness_phasor
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
+from solver.kernels.compile import ARRAY, kernel
 
 __all__ = ["coefficient", "contact_of", "modulated"]
 

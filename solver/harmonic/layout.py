@@ -3,17 +3,17 @@
     theta = (kind | H, nu, N, L, n | sign | Omega, front gap, back gap | N pairs (alpha_l, Phi_kl) | load of the kind)
 
 H harmonics of the base frequency Omega/nu are balanced; N harmonics of the stiffness and L of the load are of Omega
-itself. Gear pair: the 34 numbers of `solver.condensation`, then L pairs (f_el, Phi_l). Other systems: M, C, K, w, h,
-h_v, then F_l and F^i_l for l = 0 ... L with real and imaginary part of every coordinate in turn.
+itself. Gear pair: the 34 numbers of `solver.model.condensation`, then L pairs (f_el, Phi_l). Other systems: M, C, K, w,
+h, h_v, then F_l and F^i_l for l = 0 ... L with real and imaginary part of every coordinate in turn.
 """
 
 import numpy as np
 
-from solver.condensation import ALPHA, ALPHA_PHASE, F_E, F_E_PHASE, B, axis_vectors
-from solver.condensation import OMEGA as MODEL_OMEGA
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
-from solver.model import Model
+from solver.model.checks import ParameterError
+from solver.model.condensation import ALPHA, ALPHA_PHASE, F_E, F_E_PHASE, B, axis_vectors
+from solver.model.condensation import OMEGA as MODEL_OMEGA
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
 
 __all__ = [
     "BACK",
@@ -46,7 +46,7 @@ def packed(system: Model | ContactSystem, axis: str, omega: float | None, order:
     ----------
     system : Model or ContactSystem
     axis : str
-        One of `solver.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+        One of `solver.model.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
     omega : float or None
         The mesh frequency; needed unless it is the axis.
     order, period : int

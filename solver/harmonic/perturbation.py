@@ -16,11 +16,11 @@ before it is multiplied by s(tau), as in the balance itself.
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, kernel
-from solver.harmonic.contact_spectrum import COMPLEX
+from solver.contact.spectrum import COMPLEX
 from solver.harmonic.contact_terms import contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.harmonic.layout import PERIOD, STIFFNESSES
+from solver.kernels.compile import ARRAY, kernel
 
 __all__ = ["COMPLEX_MATRIX", "contact_and_modulated", "perturbation_matrix"]
 

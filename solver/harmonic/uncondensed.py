@@ -8,8 +8,8 @@ import cmath
 
 import numpy as np
 
-from solver.backlash import describing_functions
-from solver.model import Model
+from solver.contact.dead_zone import describing_functions
+from solver.model.gear_model import Model
 
 __all__ = ["translations", "uncondensed_balance"]
 

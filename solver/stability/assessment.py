@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
-from solver.model import Model
-from solver.problem import Balance
+from solver.continuation.problem import Balance
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
 from solver.stability.floquet import contact_shares, multipliers
 from solver.stability.hill import Truncation, centred_exponents
 from solver.stability.hill_roots import condensed_exponents

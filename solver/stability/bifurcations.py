@@ -11,11 +11,11 @@ import dataclasses
 
 import numpy as np
 
-from solver.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
-from solver.continuation import Continuation, Curve, Event
-from solver.correctors import workspace_rows
+from solver.continuation.continuation import Continuation, Curve, Event
+from solver.continuation.correctors import workspace_rows
+from solver.continuation.problem import Balance, Problem
 from solver.harmonic import layout
-from solver.problem import Balance, Problem
+from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
 from solver.stability.scan import critical_shares, half_order_matrix, monitor, scan
 
 __all__ = ["BranchSwitchError", "critical_frequencies", "doubled", "hill_vectors", "with_bifurcations"]

@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, kernel
 from solver.harmonic.perturbation import COMPLEX_MATRIX
+from solver.kernels.compile import ARRAY, kernel
 from solver.stability.hill_determinant import HILL, determinant, fill_matrix
 
 __all__ = ["NODES", "exponent", "gathered_phase", "place"]

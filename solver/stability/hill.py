@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spectrum
+from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
+from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.stability.floquet import SYSTEMS
 from solver.stability.system_row import SystemRow
 

@@ -17,8 +17,13 @@ from collections import namedtuple
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, kernel
-from solver.condensation import (
+from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
+from solver.harmonic.contact_terms import coefficient, modulated
+from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
+from solver.harmonic.layout import BACK, FRONT, GEAR, KIND, PAIRS, PERIOD, STIFFNESSES
+from solver.harmonic.perturbation import COMPLEX_MATRIX
+from solver.kernels.compile import ARRAY, kernel
+from solver.model.condensation import (
     CONE,
     K_SUPPORT,
     KAPPA,
@@ -32,11 +37,6 @@ from solver.condensation import (
     XI_TRANSLATION,
     rotation_coupling,
 )
-from solver.harmonic.contact_spectrum import COMPLEX, contact_arcs, contact_spectrum
-from solver.harmonic.contact_terms import coefficient, modulated
-from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
-from solver.harmonic.layout import BACK, FRONT, GEAR, KIND, PAIRS, PERIOD, STIFFNESSES
-from solver.harmonic.perturbation import COMPLEX_MATRIX
 
 __all__ = [
     "HALF",
@@ -77,7 +77,7 @@ def spectrum_sizes(theta, harmonics):
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, _F, COMPLEX, COMPLEX, _ANGLES, _ZONES), inner=True)
 def motion_spectra(theta, direction, u, p, chi, psi, angles, zones):
-    """Fill chi, psi, angles and zones (`solver.harmonic.contact_spectrum`) of a motion u; the number of angles."""
+    """Fill chi, psi, angles and zones (`solver.contact.spectrum`) of a motion u; the number of angles."""
     front, back = theta[FRONT] + p * direction[FRONT], theta[BACK] + p * direction[BACK]
     count = contact_arcs(u, front, back, angles, zones)
     rest = np.empty((2, chi.shape[0]), _COMPLEX)

@@ -19,8 +19,8 @@ import math
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.linear import eliminate_rows
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import eliminate_rows
 from solver.stability.floquet import SYSTEMS, contact_shares
 from solver.stability.hill import COMPLEX_MATRIX, Truncation, apart, coupling
 from solver.stability.system_row import SystemRow

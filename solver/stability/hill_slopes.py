@@ -13,12 +13,12 @@ import math
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, kernel
-from solver.harmonic.contact_spectrum import COMPLEX, displacement
+from solver.contact.spectrum import COMPLEX, displacement
 from solver.harmonic.contact_terms import coefficient, modulated
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
 from solver.harmonic.perturbation import COMPLEX_MATRIX
+from solver.kernels.compile import ARRAY, kernel
 from solver.stability.hill_determinant import (
     HILL,
     LINEAR,

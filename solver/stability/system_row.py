@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.condensation import AXES
-from solver.contact_system import ContactSystem, gear_system
-from solver.errors import ParameterError
 from solver.harmonic.layout import SYSTEM_AXES
-from solver.model import Model
+from solver.model.checks import ParameterError
+from solver.model.condensation import AXES
+from solver.model.contact_system import ContactSystem, gear_system
+from solver.model.gear_model import Model
 
 __all__ = ["SystemRow", "system_row"]
 

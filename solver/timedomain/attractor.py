@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.contact_system import ContactSystem
-from solver.impact import ImpactState, impact_state
+from solver.contact.impact import ImpactState, impact_state
+from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import Status
 
 __all__ = ["Attractor", "AttractorKind", "contact_impact"]
@@ -70,7 +70,7 @@ class Attractor:
     lowest, highest : float
         Extremes of lambda.
     impact : int
-        `solver.impact.ImpactState` of these extremes for the gaps of the system; -1 if unknown.
+        `solver.contact.impact.ImpactState` of these extremes for the gaps of the system; -1 if unknown.
     lyapunov, lyapunov_error : float
         Largest Lyapunov exponent per unit of tau and its standard error; of periodic motions from the multipliers.
     largest_multiplier : float

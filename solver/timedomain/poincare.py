@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import (
     CEILING,
     COMPLETE,

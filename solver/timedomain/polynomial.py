@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
+from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = ["evaluate", "first_exit", "fourier", "widen"]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
 from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
 from solver.timedomain.integrator import Status, checked_states, checked_tolerance
 from solver.timedomain.poincare import advance, checked_count, growth, measure

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import Status, checked_states
 from solver.timedomain.poincare import checked_count, measure, monodromy
 

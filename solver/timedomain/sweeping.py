@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
 from solver.timedomain.attractor import Attractor, AttractorKind
 from solver.timedomain.integrator import checked_states
 from solver.timedomain.settling import Settling, settle

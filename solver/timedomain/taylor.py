@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.contact_system import ContactSystem
-from solver.errors import ParameterError
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
 
 __all__ = [
     "ORDER",

@@ -7,7 +7,7 @@ import pytest
 
 from solver import Continuation, Event, LinearSeeds, first_order_problem, sweep_row
 from solver.boundaries import boundary_curves, row_events
-from solver.harmonic.first_order import evaluate
+from solver.harmonic.describing_function import evaluate
 from tests.conftest import MODELS, consistent, slow_but
 
 OMEGA = (0.05, 2.0)

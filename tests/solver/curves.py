@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver import Continuation, Event, first_order_problem, impact_state
-from solver.harmonic.first_order import evaluate
+from solver.harmonic.describing_function import evaluate
 from tests.solver.exhaustive import all_solutions
 
 LOW, HIGH = 0.05, 2.0

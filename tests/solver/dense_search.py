@@ -6,8 +6,8 @@ and its Jacobian (by differences) are written out anew.
 
 import numpy as np
 
-from solver.condensation import axis_vectors
-from solver.harmonic.first_order import coefficients
+from solver.harmonic.describing_function import coefficients
+from solver.model.condensation import axis_vectors
 
 __all__ = ["dense_search"]
 

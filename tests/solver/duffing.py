@@ -15,7 +15,7 @@ from numba import types
 from scipy.optimize import brentq
 
 from solver import Problem
-from solver.compiled import ARRAY, MATRIX, kernel
+from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 DAMPING, STIFFNESS, CUBIC, FORCE = 0.05, 1.0, 0.1, 0.18
 

@@ -3,11 +3,11 @@
 import numpy as np
 from numba import types
 
-from solver.compiled import ARRAY, MATRIX, kernel
-from solver.condensation import axis_vectors
-from solver.harmonic.first_order import balance, linear_solution
-from solver.linear import eliminate
-from solver.model import Model
+from solver.harmonic.describing_function import balance, linear_solution
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import eliminate
+from solver.model.condensation import axis_vectors
+from solver.model.gear_model import Model
 
 
 @kernel(types.int64(ARRAY, ARRAY, types.float64, MATRIX, types.float64, MATRIX))

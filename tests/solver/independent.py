@@ -6,8 +6,8 @@ of freedom are eliminated with `numpy.linalg.solve` from M, C, K and the mesh ve
 
 import numpy as np
 
-from solver.backlash import dead_zone
-from solver.model import Model
+from solver.contact.dead_zone import dead_zone
+from solver.model.gear_model import Model
 
 _SAMPLES = 2**15
 

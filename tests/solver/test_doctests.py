@@ -18,7 +18,7 @@ def test_doctests(name):
 
 def test_there_are_examples_at_all():
     attempted = {name: doctest.testmod(importlib.import_module(name)).attempted for name in MODULES}
-    assert attempted["solver.impact"] >= 2 and attempted["solver.backlash"] >= 1
+    assert attempted["solver.contact.impact"] >= 2 and attempted["solver.contact.dead_zone"] >= 1
 
 
 def test_everything_exported_exists_and_is_documented():

@@ -9,7 +9,7 @@ import numpy as np
 from numba import types
 
 from solver import Problem
-from solver.compiled import ARRAY, MATRIX, kernel
+from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))

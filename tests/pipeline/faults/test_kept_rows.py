@@ -9,11 +9,11 @@ import zarr
 
 from pipeline import store
 from pipeline.errors import DamagedError
-from pipeline.plan import Block
-from pipeline.recompute import drawn_rows
-from pipeline.stages import sweep
+from pipeline.plan.plan import Block
+from pipeline.run import sweep
+from pipeline.run.recompute import drawn_rows
+from pipeline.run.rows import sweep_block
 from pipeline.store.arrays import arrays_of
-from pipeline.sweep import sweep_block
 from tests.pipeline.faults.runs import same
 from tests.pipeline.faults.test_damage import harm, run
 from tests.pipeline.planes import small_plan, small_store
@@ -163,7 +163,7 @@ def test_what_was_verified_is_written_whatever_becomes_of_the_files(small, tmp_p
 
 
 def test_no_group_is_written_from_rows_that_went_missing(small, tmp_path, monkeypatch, capsys):
-    from pipeline.boundaries import tracing
+    from pipeline.analysis.boundaries import tracing
 
     _, whole = small
     path = Path(shutil.copytree(whole, tmp_path / "outputs/store/plane.zarr"))

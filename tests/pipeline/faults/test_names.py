@@ -12,8 +12,8 @@ import pytest
 import pipeline
 from pipeline import store
 from pipeline.errors import StoreError
-from pipeline.listing import listing
 from pipeline.store import groups
+from pipeline.store.listing import listing
 from pipeline.store.names import GROUP_FILE, STORE_FILE, is_name
 from pipeline.store.removal import remove_known
 from tests.pipeline.faults.test_damage import run

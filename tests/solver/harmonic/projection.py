@@ -3,8 +3,8 @@
 import numpy as np
 
 from solver import Model
+from solver.continuation.problem import Problem
 from solver.harmonic.galerkin import Galerkin
-from solver.problem import Problem
 
 __all__ = ["evaluated", "projected"]
 

@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigvals
 from scipy.optimize import brentq
 
-from solver.contact_system import gear_system
-from solver.model import Model
+from solver.model.contact_system import gear_system
+from solver.model.gear_model import Model
 
 
 def displacement(motion, angle):

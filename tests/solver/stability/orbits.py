@@ -3,8 +3,8 @@
 import numpy as np
 
 from solver import Model, all_solutions
-from solver.contact_system import ContactSystem
 from solver.harmonic.galerkin import Galerkin
+from solver.model.contact_system import ContactSystem
 
 
 def first_order(model: Model, omega: float):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver import Continuation, LinearSeeds, sweep_row
-from solver.harmonic.first_order import DescribingFunction
+from solver.harmonic.describing_function import DescribingFunction
 
 LOW, HIGH = 0.3, 2.0
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from solver import Continuation, EndReason, Event, Model, sweep_row
-from solver.crossings import curve_crossings
-from solver.harmonic.first_order import DescribingFunction
+from solver.continuation.on_curve import curve_crossings
+from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.stability.bifurcations import BranchSwitchError, critical_frequencies, doubled, with_bifurcations
 from solver.stability.instability import Instability
@@ -15,7 +15,7 @@ from tests.solver.stability.rows import branch
 from tests.solver.strategies import random_model
 
 COUPLING = 0.93969262
-#: The first has a period doubling in permanent contact (PHYSICS, section 8), the second a Neimark-Sacker.
+#: The first has a period doubling in permanent contact (docs/physics.md, section 8), the second a Neimark-Sacker.
 PARAMETRIC = consistent(rotation_coupling=COUPLING, variation_translation=0.0)
 ANTIPHASE = antiphase(rotation_coupling=COUPLING)
 BALANCES = [DescribingFunction(), Galerkin(1), Galerkin(5)]
@@ -137,7 +137,7 @@ def test_points_are_located_to_rounding():
 
 
 def test_the_doubled_branch_of_parametric_resonance():
-    """PHYSICS, section 8: 2T motions for Omega = 1.05-1.24, at 1.2 of half-order amplitude 0.7888 and first 0.106."""
+    """docs/physics.md, section 8: 2T for Omega = 1.05-1.24, at 1.2 of half-order amplitude 0.7888 and first 0.106."""
     balance = Galerkin(5)
     problem, _, found = located(PARAMETRIC, balance)
     start = max(at(found, Event.PERIOD_DOUBLING), key=lambda y: y[-1])

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.special import mathieu_a, mathieu_b
 
-from solver.contact_system import gear_system
+from solver.model.contact_system import gear_system
 from solver.stability import Instability, classify, monodromies, motion_multipliers, multipliers, system_row
 from tests.conftest import antiphase, consistent, published
 from tests.solver.stability.orbits import first_order, matched, oscillator, unmerged

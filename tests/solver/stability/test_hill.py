@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import Continuation, Event, sweep_row
-from solver.harmonic.first_order import evaluate
+from solver.harmonic.describing_function import evaluate
 from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import packed
 from solver.harmonic.perturbation import contact_and_modulated, perturbation_matrix
@@ -54,7 +54,7 @@ def test_hill_approaches_floquet_on_the_same_orbit(make, omega, choice):
     assert errors[2] < errors[0] * (5 / 21) ** 1.7
 
 
-#: PHYSICS, section 7: Omega, lambda_m, lambda_a.
+#: docs/physics.md, section 7: Omega, lambda_m, lambda_a.
 FOLDS = {
     "published": [
         (0.559374, 1.027736, 1.991212),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from solver import ContactSystem, Continuation
-from solver.backlash import describing_functions
+from solver.contact.dead_zone import describing_functions
 from solver.harmonic.galerkin import Galerkin
 from solver.stability import Instability, assess, motion_multipliers
 

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from solver import Model, all_solutions
-from solver.contact_system import ContactSystem, gear_system
+from solver.model.contact_system import ContactSystem, gear_system
 from solver.timedomain import orbit_state
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import ImpactState, ParameterError
-from solver.contact_system import ContactSystem, gear_system
+from solver.model.contact_system import ContactSystem, gear_system
 from solver.timedomain import AttractorKind, Settling, contact_impact, settle
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import first_order_state, flying_mass, mathieu, oscillator

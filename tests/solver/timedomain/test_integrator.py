@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import ParameterError
-from solver.contact_system import ContactSystem, gear_system
+from solver.model.contact_system import ContactSystem, gear_system
 from solver.timedomain import Status, Zone, integrate
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import flying_mass, full_gear_system, oscillator, scipy_motion

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.special import mathieu_a, mathieu_b
 
 from solver import ParameterError
-from solver.contact_system import gear_system
+from solver.model.contact_system import gear_system
 from solver.timedomain import Status, advance, growth, integrate, measure, monodromy
 from tests.conftest import antiphase, published
 from tests.solver.timedomain.systems import mathieu, oscillator

@@ -1,0 +1,1 @@
+"""The contact force with backlash: dead zone, exact Fourier coefficients, impact states."""

@@ -1,0 +1,98 @@
+"""Dead-zone contact force of a gear mesh with backlash and its describing functions.
+
+The dead zone is f(x) = x - b for x > b, 0 for |x| <= b, x + b for x < -b. For x(theta) = mean + amplitude cos(theta)
+its mean and fundamental follow in closed form from the two angles at which x crosses +b and -b
+(docs/physics.md, section 4; the article's N_m, N_a, G and H).
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from solver.kernels.compile import kernel
+
+__all__ = ["dead_zone", "describing_functions"]
+
+_F = types.float64
+
+
+def dead_zone(displacement, b):
+    """Contact deformation f of a symmetric gap of half width `b`.
+
+    Parameters
+    ----------
+    displacement : array_like
+        Displacement along the line of action, in units of the reference length.
+    b : float
+        Half backlash, b >= 0, in the same unit.
+
+    Returns
+    -------
+    ndarray
+        f(displacement), of the shape of `displacement`.
+
+    Examples
+    --------
+    >>> dead_zone([-1.5, 0.3, 2.0], 1.0)
+    array([-0.5,  0. ,  1. ])
+    """
+    displacement = np.asarray(displacement, dtype=float)
+    return np.where(np.abs(displacement) <= b, 0.0, displacement - np.copysign(b, displacement))
+
+
+@kernel(types.UniTuple(_F, 4)(_F, _F), inline=True)
+def _flank(distance, amplitude):
+    """One flank at signed `distance` from the mean: amplitude * G, H, G' and w at mu = distance / amplitude.
+
+    G(mu) = (2/pi)(mu asin mu + sqrt(1 - mu^2)), H(mu) = (2/pi)(asin mu + mu sqrt(1 - mu^2)) for |mu| <= 1, else |mu|
+    and sign(mu). w = (2/pi) sqrt(1 - mu^2) = H'/2 = G - mu G'. Regular at amplitude 0, where mu is infinite.
+    """
+    if abs(distance) >= amplitude:
+        sign = 0.0
+        if distance > 0.0:
+            sign = 1.0
+        elif distance < 0.0:
+            sign = -1.0
+        return abs(distance), sign, sign, 0.0
+    mu = distance / amplitude
+    root = (2.0 / math.pi) * math.sqrt((1.0 - mu) * (1.0 + mu))
+    angle = (2.0 / math.pi) * math.asin(mu)
+    return distance * angle + amplitude * root, angle + mu * root, angle, root
+
+
+@kernel(types.UniTuple(_F, 8)(_F, _F, _F), inline=True)
+def describing_functions(mean, amplitude, b):
+    """Mean force and fundamental gain of the dead zone, with bounded derivatives.
+
+    Parameters
+    ----------
+    mean, amplitude, b : float
+        lambda_m, lambda_a >= 0 and half backlash b >= 0.
+
+    Returns
+    -------
+    force : float
+        f_0, the mean of f (finite at mean = 0, unlike N_m lambda_m written as a product).
+    gain : float
+        N_a: the fundamental of f is gain * amplitude.
+    force_mean, force_amplitude, force_b : float
+        Partial derivatives of f_0.
+    gain_mean, gain_amplitude, gain_b : float
+        *Amplitude times* the partial derivatives of N_a, which stays bounded as amplitude -> 0.
+    """
+    ahead, ahead_h, ahead_g, ahead_w = _flank(b - mean, amplitude)
+    behind, behind_h, behind_g, behind_w = _flank(-b - mean, amplitude)
+    gain_amplitude = 0.0
+    if amplitude > 0.0:
+        gain_amplitude = (ahead_w * (b - mean) + behind_w * (b + mean)) / amplitude
+    return (
+        mean + 0.5 * (ahead - behind),
+        1.0 - 0.5 * (ahead_h - behind_h),
+        1.0 - 0.5 * (ahead_g - behind_g),
+        0.5 * (ahead_w - behind_w),
+        0.5 * (ahead_g + behind_g),
+        ahead_w - behind_w,
+        gain_amplitude,
+        -(ahead_w + behind_w),
+    )

@@ -1,0 +1,173 @@
+"""Correctors: from a predicted point back to the solution curve, on the hyperplane through the prediction.
+
+Both solve the bordered system E(y) = 0, normal . (y - y_predicted)/scale = 0 in scaled unknowns. A corrector is a
+frozen object that names its compiled kernel; continuation calls the kernel and never asks which one it is.
+"""
+
+import math
+from dataclasses import dataclass
+
+from numba import types
+
+from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
+from solver.kernels.linear import eliminate
+from solver.model.checks import ParameterError
+
+__all__ = ["Broyden", "Newton", "bordered", "workspace_rows"]
+
+_F = types.float64
+_SIGNATURE = types.int64(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
+
+
+def workspace_rows(unknowns: int) -> int:
+    """Rows of the (rows, unknowns + 1) work array that the kernels of this module need."""
+    return 3 * unknowns + 6
+
+
+@kernel(types.void(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
+def bordered(balance, theta, direction, scale, y, border, jacobian, residual, matrix):
+    """Fill `matrix` (n+1, n+1) with the Jacobian in scaled unknowns above row `border`, `residual` (n,) with E(y)."""
+    n = y.shape[0] - 1
+    balance(theta, direction, y, residual, jacobian)
+    for i in range(n):
+        for j in range(n + 1):
+            matrix[i, j] = jacobian[i, j] * scale[j]
+    for j in range(n + 1):
+        matrix[n, j] = border[j]
+
+
+@kernel(types.float64(ARRAY, ARRAY, ARRAY), inline=True)
+def _advance(y, scale, step):
+    """Add a scaled step to y; its length, or nan if it is not finite."""
+    length = 0.0
+    for j in range(y.shape[0]):
+        length += step[j] * step[j]
+    if not math.isfinite(length):
+        return math.nan
+    for j in range(y.shape[0]):
+        y[j] += step[j] * scale[j]
+    return math.sqrt(length)
+
+
+@kernel(types.boolean(_F, _F, _F), inline=True)
+def _settled(length, previous, tolerance):
+    """Is the error left after this step below the tolerance?
+
+    Steps that shrink by a factor q leave less than q/(1 - q) times the last one, and both methods shrink faster from
+    step to step; this spares the step that would only confirm.
+    """
+    return length <= tolerance or (length < 0.1 * previous and length * length <= 0.5 * tolerance * previous)
+
+
+@kernel(_SIGNATURE)
+def _newton(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work):
+    n = y.shape[0] - 1
+    jacobian, matrix = work[0:n], work[n : 2 * n + 1]
+    residual, step = work[2 * n + 1][:n], work[2 * n + 2]
+    previous = 0.0
+    for iteration in range(1, max_iterations + 1):
+        bordered(balance, theta, direction, scale, y, normal, jacobian, residual, matrix)
+        for i in range(n):
+            step[i] = -residual[i]
+        step[n] = 0.0
+        determinant = eliminate(matrix, step)
+        if determinant == 0.0:
+            return -1
+        length = _advance(y, scale, step)
+        if math.isnan(length):
+            return -1
+        if _settled(length, previous, tolerance):
+            return iteration
+        previous = length
+    return -1
+
+
+@kernel(_SIGNATURE)
+def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work):
+    n = y.shape[0] - 1
+    jacobian, secant, matrix = work[0:n], work[n : 2 * n + 1], work[2 * n + 1 : 3 * n + 2]
+    residual, step, right = work[3 * n + 2][:n], work[3 * n + 3], work[3 * n + 4]
+    bordered(balance, theta, direction, scale, y, normal, jacobian, residual, secant)
+    size, last = math.inf, 0.0
+    for iteration in range(1, max_iterations + 1):
+        for i in range(n + 1):
+            for j in range(n + 1):
+                matrix[i, j] = secant[i, j]
+        for i in range(n):
+            step[i] = -residual[i]
+            right[i] = -residual[i]
+        step[n] = 0.0
+        determinant = eliminate(matrix, step)
+        if determinant == 0.0:
+            return -1
+        length = _advance(y, scale, step)
+        if math.isnan(length):
+            return -1
+        if _settled(length, last, tolerance):
+            return iteration
+        last = length
+        # The true Jacobian costs the same as a residual here; the update is kept for what it is: the article's method.
+        balance(theta, direction, y, residual, jacobian)
+        previous, size = size, 0.0
+        for i in range(n):
+            size = max(size, abs(residual[i]))
+        if size > 0.25 * previous:
+            bordered(balance, theta, direction, scale, y, normal, jacobian, residual, secant)
+            size = math.inf
+            continue
+        # J s = -E(y_old), so that J + (y - J s) s^T/(s^T s) with y = E(y_new) - E(y_old) adds E(y_new) s^T/(s^T s).
+        for i in range(n):
+            for j in range(n + 1):
+                secant[i, j] += residual[i] * step[j] / (length * length)
+    return -1
+
+
+@dataclass(frozen=True)
+class _Corrector:
+    tolerance: float = 1e-8
+    max_iterations: int = 6
+
+    def __post_init__(self):
+        if not 0.0 < self.tolerance <= 1e-6:
+            raise ParameterError("tolerance", self.tolerance, "above 0 and at most 1e-6")
+        if not 2 <= self.max_iterations <= 100:
+            raise ParameterError("max_iterations", self.max_iterations, "from 2 to 100")
+
+
+@dataclass(frozen=True)
+class Newton(_Corrector):
+    """Newton's method with the analytic Jacobian.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound of the error left, in scaled unknowns, as the contraction of the steps shows it. Continuation squares it
+        once more when it computes the tangent.
+    max_iterations : int
+        A point that needs more is refused, and the step is halved.
+    """
+
+    @property
+    def kernel(self):
+        """The compiled corrector, of the signature `solver.kernels.compile.CORRECTOR`."""
+        return _newton
+
+
+@dataclass(frozen=True)
+class Broyden(_Corrector):
+    """The article's update J <- J + (y - J s) s^T/(s^T s), from the analytic Jacobian at the prediction.
+
+    It restarts from the analytic Jacobian at the current point whenever the residual falls by less than four.
+
+    Parameters
+    ----------
+    tolerance, max_iterations
+        As for `Newton`; convergence is superlinear, so that more iterations are allowed by default.
+    """
+
+    max_iterations: int = 12
+
+    @property
+    def kernel(self):
+        """The compiled corrector, of the signature `solver.kernels.compile.CORRECTOR`."""
+        return _broyden

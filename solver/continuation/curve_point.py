@@ -1,0 +1,170 @@
+"""Points of a solution curve between two known ones: landing on it, and locating where a function of it vanishes.
+
+A `point` is one array that holds everything known about a place on the curve (n unknowns, m monitor values):
+
+    y (n + 1) | unit tangent, scaled (n + 1) | monitor values (m) | their derivatives along the arc (m) | determinant
+
+The determinant is that of the scaled Jacobian bordered by a vector near the tangent; with the tangent's last component
+it gives the sign of det dE/du.
+"""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+from numba import types
+
+from solver.continuation.correctors import bordered
+from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
+from solver.kernels.linear import dot, eliminate_rows
+
+__all__ = ["SETUP", "Setup", "land", "land_between", "locate", "observe_from", "orient", "point_size"]
+
+_I, _F = types.int64, types.float64
+
+#: What a curve is and how points of it are corrected. unknowns = n, monitors = m; work has `workspace_rows(n)` rows,
+#: gradient is (m, n + 1).
+Setup = namedtuple(
+    "Setup", "corrector tolerance limit balance monitor theta direction scale unknowns monitors work gradient"
+)
+SETUP = types.NamedTuple((CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, _I, MATRIX, MATRIX), Setup)
+
+
+@kernel(_I(SETUP), inline=True)
+def point_size(setup):
+    """Length of a point array."""
+    return 2 * (setup.unknowns + 1) + 2 * setup.monitors + 1
+
+
+@kernel(types.boolean(SETUP, ARRAY, ARRAY), inner=True)
+def orient(setup, point, border):
+    """Fill in tangent (on the side of `border`) and determinant at the point's y; False if the Jacobian is singular.
+
+    The Jacobian is at hand, so y gets one more Newton correction across `border` on the way: whatever corrector brought
+    it here, what is left of its error is squared.
+    """
+    n = setup.unknowns
+    y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
+    jacobian, matrix = setup.work[0:n], setup.work[n : 2 * n + 1]
+    residual, rights = setup.work[2 * n + 1][:n], setup.work[2 * n + 2 : 2 * n + 4]
+    bordered(setup.balance, setup.theta, setup.direction, setup.scale, y, border, jacobian, residual, matrix)
+    for j in range(n):
+        rights[0, j], rights[1, j] = 0.0, -residual[j]
+    rights[0, n], rights[1, n] = 1.0, 0.0
+    determinant = eliminate_rows(matrix, rights)
+    length = 0.0
+    for j in range(n + 1):
+        length += rights[0, j] * rights[0, j]
+    if determinant == 0.0 or length == 0.0 or not math.isfinite(length):
+        return False
+    length = math.sqrt(length)
+    for j in range(n + 1):
+        tangent[j] = rights[0, j] / length
+        y[j] += rights[1, j] * setup.scale[j]
+    point[-1] = determinant
+    return True
+
+
+@kernel(types.void(SETUP, ARRAY), inner=True)
+def observe_from(setup, point):
+    """Fill in monitor values and slopes from the point's y and tangent."""
+    n, m = setup.unknowns, setup.monitors
+    y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
+    values, slopes = point[2 * n + 2 : 2 * n + 2 + m], point[2 * n + 2 + m : 2 * n + 2 + 2 * m]
+    setup.monitor(setup.theta, setup.direction, y, values, setup.gradient)
+    for i in range(m):
+        total = 0.0
+        for j in range(n + 1):
+            total += setup.gradient[i, j] * setup.scale[j] * tangent[j]
+        slopes[i] = total
+
+
+@kernel(_I(SETUP, ARRAY, ARRAY), inner=True)
+def land(setup, point, normal):
+    """Correct the predicted y of `point` on the hyperplane across `normal` and fill in the rest; iterations, or -1."""
+    iterations = setup.corrector(
+        setup.balance,
+        setup.theta,
+        setup.direction,
+        setup.scale,
+        point[: setup.unknowns + 1],
+        normal,
+        setup.tolerance,
+        setup.limit,
+        setup.work,
+    )
+    if iterations < 0 or not orient(setup, point, normal):
+        return -1
+    observe_from(setup, point)
+    return iterations
+
+
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
+def land_between(setup, left, right, arc, x, point):
+    """Land at fraction x of the way from `left` to `right`, guided by the cubic through both ends and tangents."""
+    n = setup.unknowns
+    normal = np.empty(n + 1)
+    for j in range(n + 1):
+        start, end = left[j] / setup.scale[j], right[j] / setup.scale[j]
+        leave, arrive = arc * left[n + 1 + j], arc * right[n + 1 + j]
+        a, b = 2.0 * (start - end) + leave + arrive, 3.0 * (end - start) - 2.0 * leave - arrive
+        point[j] = setup.scale[j] * (((a * x + b) * x + leave) * x + start)
+        normal[j] = (3.0 * a * x + 2.0 * b) * x + leave
+    normal /= math.sqrt(dot(normal, normal))
+    return land(setup, point, normal)
+
+
+@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, _F, ARRAY), inner=True)
+def locate(setup, left, right, arc, slot, factors, level, found):
+    """Find where a linear function of the point array equals `level` between two points of the curve.
+
+    Parameters
+    ----------
+    setup : Setup
+    left, right : point arrays
+        Between which the function crosses the level.
+    arc : float
+        Length of curve between them.
+    slot : float
+        Index into the point array whose entry is the function, or -1 for the projection on `factors`.
+    factors : (n + 1,) array
+        With slot -1 the function is factors . y.
+    level : float
+        What the function shall equal.
+    found : point array
+        Filled with the place found.
+
+    Returns
+    -------
+    float
+        The fraction of the arc at which it was found; -1 if the corrector failed or the function jumps.
+    """
+    n, index = setup.unknowns, int(slot)
+    if index >= 0:
+        g_low, g_high = left[index] - level, right[index] - level
+    else:
+        g_low, g_high = dot(factors, left[: n + 1]) - level, dot(factors, right[: n + 1]) - level
+    low, high, side = 0.0, 1.0, 0
+    reference = max(abs(g_low), abs(g_high))
+    x, g = 0.0, reference
+    for _ in range(80):
+        # Illinois variant of regula falsi, kept off the ends of the bracket so that a nearly exact end cannot stall it.
+        x = (low * g_high - high * g_low) / (g_high - g_low)
+        margin = 1e-3 * (high - low)
+        x = min(max(x, low + margin), high - margin)
+        if land_between(setup, left, right, arc, x, found) < 0:
+            return -1.0
+        g = (found[index] if index >= 0 else dot(factors, found[: n + 1])) - level
+        if abs(g) <= 1e-14 * reference or (high - low) * arc <= 1e-13:
+            break
+        if g * g_high < 0.0:
+            low, g_low = x, g
+            if side == -1:
+                g_high *= 0.5
+            side = -1
+        else:
+            high, g_high = x, g
+            if side == 1:
+                g_low *= 0.5
+            side = 1
+    return x if abs(g) <= 1e-3 * reference else -1.0

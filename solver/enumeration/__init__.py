@@ -1,0 +1,1 @@
+"""Every first-order solution at a point, with proof in interval arithmetic."""

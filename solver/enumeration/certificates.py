@@ -1,0 +1,209 @@
+"""From the roots of the reduced balance to boxes of motions that are proven to hold exactly one solution each."""
+
+import numpy as np
+from numba import types
+
+from solver.enumeration.interval import exact
+from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
+from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+
+__all__ = [
+    "AMPLITUDE",
+    "GAIN_BOUNDS",
+    "MEAN",
+    "MOST",
+    "ROOT",
+    "STABLE",
+    "enumerate_point",
+    "enumerate_points",
+    "workspace",
+]
+
+_I, _F = types.int64, types.float64
+
+# Columns of what is recorded about one box: pairs (low, high) of the gains that hold no other root, the unknowns, the
+# amplitude and the gain itself, then stability.
+GAIN_BOUNDS, MEAN, _COS, _SIN, AMPLITUDE, ROOT, STABLE, _COLUMNS = 0, 2, 4, 6, 8, 10, 12, 13
+
+#: Most solutions that can be told apart at one point; more would be undecided.
+MOST = 32
+_UNDECIDED, _STACK = 16, 256
+
+# Values of `solver.enumeration.solutions.Proof` and `Above`.
+_NOT_DECIDED, _PROVEN, _CONTINUUM, _CONTRADICTORY = range(4)
+_EMPTY, _OCCUPIED, _OPEN = range(3)
+
+
+@kernel(types.UniTuple(MATRIX, 3)(), inner=True)
+def workspace():
+    """Arrays that `enumerate_point` needs: found (32, 13), undecided (48, 13) and its own work space."""
+    boxes = MOST + _UNDECIDED
+    return np.empty((MOST, _COLUMNS)), np.empty((boxes, _COLUMNS)), np.empty((ROWS + boxes + _STACK, 5))
+
+
+@kernel(types.void(MATRIX, _F, _F, _F, ARRAY), inner=True)
+def _describe(reduced, left, right, near, box):
+    """Fill one box with the motions of gain between left and right."""
+    mean, cosine, sine, amplitude = motion_over(reduced, left, right, near)
+    box[GAIN_BOUNDS], box[GAIN_BOUNDS + 1] = 0.0, 1.0
+    box[ROOT], box[ROOT + 1] = left, right
+    box[MEAN], box[MEAN + 1] = mean
+    box[_COS], box[_COS + 1] = cosine
+    box[_SIN], box[_SIN + 1] = sine
+    box[AMPLITUDE], box[AMPLITUDE + 1] = amplitude
+    box[STABLE] = 0.0
+
+
+@kernel(types.boolean(ARRAY, _F), inner=True)
+def _alone(box, b):
+    """Do all motions within the bounds of the unknowns have gains within those of the gain? Then one is a solution.
+
+    N is 1 where |lambda_m| - b >= lambda_a. Elsewhere its derivatives by lambda_m and lambda_a are at most
+    (2/pi)/lambda_a, as the weights w of `solver.contact.dead_zone` are at most 2/pi and mu w at most 1/pi.
+    """
+    least = max(max(box[MEAN], -box[MEAN + 1]), 0.0)
+    largest = max(abs(box[_COS]), abs(box[_COS + 1])) + max(abs(box[_SIN]), abs(box[_SIN + 1]))
+    if box[GAIN_BOUNDS + 1] == 1.0 and (b == 0.0 or least - b > largest * (1.0 + 1e-12)):
+        return True
+    spread = box[MEAN + 1] - box[MEAN] + box[_COS + 1] - box[_COS] + box[_SIN + 1] - box[_SIN]
+    smallest = box[AMPLITUDE] - spread
+    if not smallest > 0.0:
+        return False
+    change = spread / smallest
+    return (box[GAIN_BOUNDS] == 0.0 or box[ROOT] - change > box[GAIN_BOUNDS]) and (
+        box[GAIN_BOUNDS + 1] == 1.0 or box[ROOT + 1] + change < box[GAIN_BOUNDS + 1]
+    )
+
+
+@kernel(types.void(MATRIX, _I), inner=True)
+def _settle(found, last):
+    """Move row `last` down to where it belongs: ascending amplitude."""
+    while last > 0 and found[last - 1, AMPLITUDE] > found[last, AMPLITUDE]:
+        for j in range(_COLUMNS):
+            found[last - 1, j], found[last, j] = found[last, j], found[last - 1, j]
+        last -= 1
+
+
+@kernel(types.UniTuple(_I, 5)(ARRAY, ARRAY, _F, _F, MATRIX, MATRIX, MATRIX), inner=True)
+def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
+    """All solutions at one axis value.
+
+    Parameters
+    ----------
+    theta, direction : (34,) arrays
+    p : float
+        Axis value.
+    ceiling : float
+        Amplitude ceiling.
+    found, undecided, work : arrays
+        From `workspace`; the first two are filled with boxes.
+
+    Returns
+    -------
+    found, undecided, proof, above, visits : int
+        Numbers of boxes, `Proof`, `Above` and the number of intervals that the search looked at.
+    """
+    reduced = work[:ROWS]
+    roots, boxes, stack = work[ROWS : ROWS + MOST], work[ROWS + MOST : ROWS + MOST + _UNDECIDED], work[-_STACK:]
+    if not reduce_balance(theta, direction, p, reduced):
+        undecided[0, :] = np.nan
+        undecided[0, ROOT], undecided[0, ROOT + 1] = 0.0, 1.0
+        return 0, 1, _NOT_DECIDED, _OPEN, 0
+    n_roots, n_boxes, flags, visits = search(reduced, roots, boxes, stack)
+    count, n_open, above, degree = 0, 0, _EMPTY, 0
+    for i in range(n_roots):
+        roots[i, 0], roots[i, 1], roots[i, 2], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1])
+    for i in range(n_roots):
+        left, right, sign = roots[i, 0], roots[i, 1], roots[i, 2]
+        _describe(reduced, left, right, roots[i, 3], found[count])
+        # Every root lies in one of the intervals: between the neighbours there is no other. A free motion has gain 0.
+        if flags & FREE_MOTION:
+            found[count, GAIN_BOUNDS] = 1e-300
+        for j in range(n_roots + n_boxes):
+            low, high = (roots[j, 0], roots[j, 1]) if j < n_roots else (boxes[j - n_roots, 0], boxes[j - n_roots, 1])
+            if j != i and high <= left:
+                found[count, GAIN_BOUNDS] = max(found[count, GAIN_BOUNDS], high)
+            elif j != i:
+                found[count, GAIN_BOUNDS + 1] = min(found[count, GAIN_BOUNDS + 1], low)
+        q = determinant_over(reduced, left, right)
+        if sign == 0.0 or not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
+            # A root whose motion may be infinite, or whose box is so coarse that it may reach to another solution.
+            if found[count, AMPLITUDE] > ceiling:
+                above = _OPEN
+            else:
+                undecided[n_open, :] = found[count]
+                n_open += 1
+            continue
+        stable = (sign < 0.0) == (q[0] > 0.0)
+        degree += 1 if stable else -1
+        if found[count, AMPLITUDE] > ceiling:
+            above = max(above, _OCCUPIED)
+            continue
+        found[count, STABLE] = 1.0 if stable else 0.0
+        _settle(found, count)
+        count += 1
+    decided = n_open == 0 and above != _OPEN
+    for i in range(n_boxes):
+        decided = False
+        if n_open == undecided.shape[0]:
+            break
+        _describe(reduced, boxes[i, 0], boxes[i, 1], np.nan, undecided[n_open])
+        if undecided[n_open, AMPLITUDE] > ceiling:
+            above = _OPEN
+        else:
+            n_open += 1
+    proof = _PROVEN
+    if flags & FREE_MOTION:
+        proof = _CONTINUUM
+    if n_open > 0:
+        proof = _NOT_DECIDED
+    # The signs of det J over all solutions add up to that of the linear system.
+    q = numerators_at(reduced, exact(1.0))[1]
+    if decided and proof == _PROVEN and ((q[0] > 0.0 and degree != 1) or (q[1] < 0.0 and degree != -1)):
+        proof = _CONTRADICTORY
+    if flags & CONTRADICTION:
+        proof = _CONTRADICTORY
+    return count, n_open, proof, above, visits
+
+
+@kernel(
+    types.void(
+        ARRAY, ARRAY, ARRAY, _F, types.float64[:, :, ::1], MATRIX, types.int8[:, ::1], types.int64[::1], FLAGS, FLAGS
+    )
+)
+def enumerate_points(theta, direction, grid, ceiling, unknowns, radius, stable, counts, proof, above):
+    """All solutions at many axis values.
+
+    Parameters
+    ----------
+    theta, direction : (34,) arrays
+    grid : (X,) array
+        Axis values.
+    ceiling : float
+        Amplitude ceiling.
+    unknowns : (X, S, 3) array
+        Filled with (lambda_m, lambda_c, lambda_s), ascending amplitude; nan beyond their number.
+    radius : (X, S) array
+        Filled with what bounds the error of each unknown.
+    stable : (X, S) int8 array
+        Filled with 1, 0, or -1 beyond the number of solutions.
+    counts : (X,) int array
+        Filled with the numbers of solutions, also those beyond S.
+    proof, above : (X,) int8 arrays
+        Filled with `Proof` and `Above`.
+    """
+    found, undecided, work = workspace()
+    unknowns[:], radius[:], stable[:] = np.nan, np.nan, -1
+    for i in range(grid.shape[0]):
+        counts[i], _open, proof[i], above[i], _visits = enumerate_point(
+            theta, direction, grid[i], ceiling, found, undecided, work
+        )
+        for k in range(min(counts[i], unknowns.shape[1])):
+            radius[i, k] = 0.0
+            for j in range(3):
+                low, high = found[k, MEAN + 2 * j], found[k, MEAN + 2 * j + 1]
+                unknowns[i, k, j] = 0.5 * (low + high)
+                # Twice the half width covers the rounding of the middle.
+                radius[i, k] = max(radius[i, k], high - low)
+            stable[i, k] = 1 if found[k, STABLE] == 1.0 else 0

@@ -1,0 +1,136 @@
+"""The coefficients of the first-order balance as intervals: a proof then holds for the model, not for its rounding.
+
+The same formulas as `solver.harmonic.describing_function.coefficients` (docs/physics.md, sections 3 and 4), in interval
+arithmetic and without derivatives. The parameters themselves, theta + p * direction, are taken as the exact floats they
+are.
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from solver.enumeration.interval import (
+    COMPLEX,
+    INTERVAL,
+    add,
+    complex_add,
+    complex_multiply,
+    complex_reciprocal,
+    complex_scale,
+    complex_subtract,
+    cosine,
+    exact,
+    multiply,
+    sine,
+    square,
+    subtract,
+)
+from solver.kernels.compile import ARRAY, kernel
+from solver.model.condensation import (
+    ALPHA,
+    ALPHA_2,
+    ALPHA_2_PHASE,
+    ALPHA_PHASE,
+    CONE,
+    F_E,
+    F_E_PHASE,
+    F_PV,
+    K_SUPPORT,
+    KAPPA,
+    OMEGA,
+    PRESSURE,
+    ROTATION,
+    ROTATION_GEOMETRIC,
+    SIGMA,
+    VARIATION_R,
+    VARIATION_T,
+    XI_MESH,
+    XI_SUPPORT,
+    XI_TRANSLATION,
+)
+
+__all__ = ["enclosed_coefficients"]
+
+_F = types.float64
+_RADIANS = (math.pi / 180.0 * (1.0 - 4.5e-16), math.pi / 180.0 * (1.0 + 4.5e-16))
+
+
+@kernel(types.UniTuple(COMPLEX, 2)(ARRAY, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL), inner=True)
+def _receptance(parameters, omega, omega_squared, cone_cos, pressure_cos, pressure_sin):
+    """T = omega^2 sum_j d_j^2 kappa_g/Z_j and U = omega^2 sum_j d_j^2 xi_hg/Z_j; the last three are squares."""
+    zero = exact(0.0), exact(0.0)
+    total_t, total_u, inverse = zero, zero, zero
+    cone_sin = subtract(exact(1.0), cone_cos)
+    sigma = exact(parameters[SIGMA])
+    for j in range(6):
+        if j % 3 == 0:
+            weight = multiply(sigma, multiply(cone_cos, pressure_sin))
+        elif j % 3 == 1:
+            weight = multiply(sigma, multiply(cone_sin, pressure_sin))
+        else:
+            weight = multiply(sigma, pressure_cos)
+        xi, k = parameters[XI_SUPPORT + j], parameters[K_SUPPORT + j]
+        if j == 0 or xi != parameters[XI_SUPPORT + j - 1] or k != parameters[K_SUPPORT + j - 1]:
+            damping = multiply(exact(2.0 * xi), omega)
+            inverse = complex_reciprocal((subtract(exact(k), omega_squared), damping))
+        g = j // 3
+        kappa, xi_translation = exact(parameters[KAPPA + g]), exact(parameters[XI_TRANSLATION + g])
+        total_t = complex_add(total_t, complex_scale(multiply(weight, kappa), inverse))
+        total_u = complex_add(total_u, complex_scale(multiply(weight, xi_translation), inverse))
+    return complex_scale(omega_squared, total_t), complex_scale(omega_squared, total_u)
+
+
+@kernel(COMPLEX(INTERVAL, _F), inline=True)
+def _phasor(amplitude, phase):
+    return multiply(amplitude, cosine(exact(phase))), multiply(amplitude, sine(exact(phase)))
+
+
+@kernel(types.Tuple((types.UniTuple(COMPLEX, 6), INTERVAL))(ARRAY, ARRAY, _F), inner=True)
+def enclosed_coefficients(theta, direction, p):
+    """Enclosures of the numbers that the balance depends on at one axis value.
+
+    Parameters
+    ----------
+    theta, direction : (34,) arrays
+    p : float
+        Axis value.
+
+    Returns
+    -------
+    values : 6 complex intervals
+        D, c - T, P_1, P_2, F_1 and e, as `solver.harmonic.describing_function.coefficients`; nan where a support
+        without damping is in resonance.
+    c : interval
+    """
+    x = np.empty(theta.shape[0])
+    for i in range(theta.shape[0]):
+        x[i] = theta[i] + p * direction[i]
+    omega = exact(x[OMEGA])
+    omega_squared = square(omega)
+    pressure = multiply(exact(x[PRESSURE]), _RADIANS)
+    pressure_cos = square(cosine(pressure))
+    pressure_sin = subtract(exact(1.0), pressure_cos)
+    cone_cos = square(cosine(multiply(exact(x[CONE]), _RADIANS)))
+    T, U = _receptance(x, omega, omega_squared, cone_cos, pressure_cos, pressure_sin)
+
+    c = exact(x[ROTATION])
+    if x[ROTATION_GEOMETRIC] != 0.0:
+        c = add(c, pressure_cos)
+    S_1, S_2 = _phasor(exact(x[ALPHA]), x[ALPHA_PHASE]), _phasor(exact(x[ALPHA_2]), x[ALPHA_2_PHASE])
+    error = _phasor(multiply(exact(x[F_E]), omega_squared), x[F_E_PHASE])
+    damping = complex_subtract((multiply(c, exact(x[XI_MESH])), exact(0.0)), U)
+    twice = multiply(exact(2.0), omega)
+    rotating = multiply(c, exact(x[VARIATION_R]))
+    varying = complex_subtract((rotating, exact(0.0)), complex_scale(exact(x[VARIATION_T]), T))
+    return (
+        (
+            (subtract(multiply(twice, (-damping[1][1], -damping[1][0])), omega_squared), multiply(twice, damping[0])),
+            complex_subtract((c, exact(0.0)), T),
+            complex_multiply(varying, S_1),
+            complex_scale(exact(0.5), complex_multiply(varying, S_2)),
+            (add(exact(x[F_PV]), error[0]), error[1]),
+            complex_scale(multiply(exact(0.5), rotating), S_1),
+        ),
+        c,
+    )

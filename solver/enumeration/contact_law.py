@@ -1,0 +1,223 @@
+"""The dead zone as a law between mean force and gain, with proven bounds and without the mean displacement.
+
+For a motion of amplitude 1 let phi = |f_0| be the mean force, beta the half gap and nu >= 0 the mean displacement on
+the side of the force. The motion is in contact with the near flank for 2 theta_+ and with the far flank for 2 theta_-
+of a period of 2 pi, cos theta_+ = beta - nu and cos theta_- = beta + nu (theta = 0 where the cosine exceeds 1, pi
+where it is below -1), and the describing functions (docs/physics.md, section 4) become
+
+    phi = [(sin theta_+ - theta_+ cos theta_+) - (sin theta_- - theta_- cos theta_-)] / pi
+    N   = [(theta_+ - sin theta_+ cos theta_+) + (theta_- - sin theta_- cos theta_-)] / pi
+
+phi grows with nu, at the rate chi = (theta_+ + theta_-)/pi, from 0 at nu = 0 to 1 at nu = 1 + beta, so that nu and
+N follow from (phi, beta); beyond phi = 1 contact is never lost and N = 1. Differentiating,
+
+    dN/dphi  = 2 (sin theta_+ - sin theta_-)/(theta_+ + theta_-)                           in [0, 2]
+    dN/dbeta = -(4/pi) (theta_- sin theta_+ + theta_+ sin theta_-)/(theta_+ + theta_-)     in [-4/pi, 0]
+    dtheta_+/dphi >= 0, dtheta_+/dbeta <= 0, dtheta_-/dphi <= 0, dtheta_-/dbeta <= 0
+
+hence over a rectangle in (phi, beta) every bound sits at a corner. N depends on beta only while both flanks are
+touched.
+
+Rounding: acos and sin of the C library err by less than one unit in the last place, so that phi and N are off by less
+than 16 u (theta_+ + theta_-)/pi + 1e-22 with u = 2^-53; a test measures that. The inverse is not trusted to any
+iteration: its result is moved outwards and then checked against phi with that margin.
+"""
+
+import math
+
+from numba import types
+
+from solver.enumeration.interval import INTERVAL
+from solver.kernels.compile import kernel
+
+__all__ = ["LAW", "contact_law", "gain_over"]
+
+_F = types.float64
+_U = 2.0**-53
+
+#: What `gain_over` returns: intervals of N, dN/dphi, dN/dbeta and of the near flank's cosine beta - nu.
+LAW = types.UniTuple(INTERVAL, 4)
+
+
+@kernel(types.UniTuple(_F, 2)(_F), inline=True)
+def _arc(cosine):
+    """theta and sin theta of a cosine, clipped to [-1, 1]."""
+    if cosine >= 1.0:
+        return 0.0, 0.0
+    if cosine <= -1.0:
+        return math.pi, 0.0
+    return math.acos(cosine), math.sqrt((1.0 - cosine) * (1.0 + cosine))
+
+
+@kernel(types.UniTuple(_F, 4)(_F, _F), inline=True)
+def contact_law(cosine, beta):
+    """Mean force, gain, their error bound and theta_+ + theta_- where the near flank's cosine is `cosine`."""
+    near, near_sine = _arc(cosine)
+    far_cosine = 2.0 * beta - cosine
+    far, far_sine = _arc(far_cosine)
+    force = near_sine - near * cosine
+    gain = near - near_sine * cosine
+    if far > 0.0:
+        force -= far_sine - far * far_cosine
+        gain += far - far_sine * far_cosine
+    angles = near + far
+    return force / math.pi, gain / math.pi, 16.0 * _U / math.pi * angles + 1e-22, angles
+
+
+@kernel(_F(_F, _F), inner=True)
+def _first_guess(phi, beta):
+    """Starting value of `_solve` for 0 < phi < 1."""
+    if beta < 1.0:
+        # Where the far flank is about to be touched, cos theta_- = 1, the near flank alone carries the force.
+        touching = 2.0 * beta - 1.0
+        near, near_sine = _arc(touching)
+        if phi * math.pi < near_sine - near * touching:
+            # phi is concave in nu with both flanks touched: the tangent at nu = 0 stays on one side of the root.
+            return max(beta - phi * math.pi / (2.0 * math.acos(beta)), touching)
+    y = phi ** (2.0 / 3.0)
+    return 1.0 + y * (-2.22492368 + y * (0.09332219 + y * (0.30355034 + y * (-0.39091187 + y * 0.21838701))))
+
+
+@kernel(_F(_F, _F, _F), inner=True)
+def _solve(phi, beta, guess):
+    """The near flank's cosine at (phi, beta) with 0 < phi < 1 by Newton's method; not proven. `guess` may be nan."""
+    top = min(beta, 1.0)
+    for attempt in range(2):
+        cosine = guess if attempt == 0 else _first_guess(phi, beta)
+        if not (-1.0 <= cosine <= top):
+            if attempt == 0:
+                continue
+            cosine = min(max(cosine, -1.0), top)
+        for _ in range(12):
+            force, _gain, _error, angles = contact_law(cosine, beta)
+            if angles == 0.0:
+                break
+            step = (force - phi) * math.pi / angles
+            moved = min(max(cosine + step, -1.0), top)
+            step, cosine = abs(moved - cosine), moved
+            if step < 1e-8 * min(angles * angles, 1.0):
+                return cosine
+    return cosine
+
+
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F), inner=True)
+def _largest(phi, beta, guess):
+    """A proven lower bound on the near flank's cosine and an upper one on N at (phi, beta)."""
+    if phi >= 1.0:
+        return -1.0, 1.0
+    start = min(beta, 1.0)
+    if phi > 0.0:
+        start = _solve(phi, beta, guess)
+    margin = 64.0 * _U
+    for _ in range(30):
+        cosine = start - margin
+        if cosine <= -1.0:
+            break
+        force, gain, error, _angles = contact_law(cosine, beta)
+        if force - error >= phi:
+            return cosine, min(gain + error, 1.0)
+        margin *= 8.0
+    # At cosine -1 the mean force is exactly 1.
+    return -1.0, 1.0
+
+
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F), inner=True)
+def _smallest(phi, beta, guess):
+    """A proven upper bound on the near flank's cosine and a lower one on N at (phi, beta)."""
+    if phi >= 1.0:
+        return -1.0, 1.0
+    # At nu = 0 the mean force is exactly 0, so that cosine = beta is always an upper bound.
+    top = min(beta, 1.0)
+    cosine = top
+    if phi > 0.0:
+        start = _solve(phi, beta, guess)
+        margin = 64.0 * _U
+        for _ in range(30):
+            cosine = start + margin
+            if cosine >= top:
+                break
+            force, gain, error, _angles = contact_law(cosine, beta)
+            if force + error <= phi:
+                return cosine, max(gain - error, 0.0)
+            margin *= 8.0
+        cosine = top
+    _force, gain, error, _angles = contact_law(cosine, beta)
+    return cosine, max(gain - error, 0.0)
+
+
+@kernel(INTERVAL(_F, _F), inline=True)
+def _sine_over(low, high):
+    """sin over [low, high] within [0, pi]."""
+    left, right = math.sin(low), math.sin(high)
+    top = 1.0 if low <= 0.5 * math.pi <= high else max(left, right)
+    return max(min(left, right) - 4.0 * _U, 0.0), min(top + 4.0 * _U, 1.0)
+
+
+@kernel(LAW(INTERVAL, INTERVAL, _F), inner=True)
+def gain_over(phi, beta, guess):
+    """Bounds over a rectangle of mean force and gap.
+
+    Parameters
+    ----------
+    phi, beta : interval
+        0 <= phi, 0 <= beta; either may end at infinity.
+    guess : float
+        The near flank's cosine somewhere in the rectangle, to start from; nan if nothing is known.
+
+    Returns
+    -------
+    gain : interval
+        N.
+    by_force, by_gap : interval
+        dN/dphi and dN/dbeta, generalised derivatives included where N has a kink.
+    cosine : interval
+        beta - nu, valid where phi < 1.
+    """
+    # Beyond phi = 1 and beta = 1 nothing changes; the clip keeps infinities away.
+    phi_low, phi_high = min(max(phi[0], 0.0), 2.0), min(phi[1], 2.0)
+    beta_low, beta_high = min(max(beta[0], 0.0), 2.0), min(beta[1], 2.0)
+    if not (phi_low <= phi_high and beta_low <= beta_high):
+        return (0.0, 1.0), (0.0, 2.0), (-4.0 / 3.0, 0.0), (-1.0, 1.0)
+    cosine_low, gain_high = _largest(phi_high, beta_low, guess)
+    cosine_high, gain_low = _smallest(phi_low, beta_high, guess)
+
+    near_low, near_high = _arc(cosine_high)[0], _arc(cosine_low)[0]
+    far_low, far_high = 0.0, 0.0
+    if beta_low < 1.0 and phi_low < 1.0:
+        # Far flank: cos theta_- = 2 beta - (beta - nu) at its own two corners.
+        corner = _smallest(phi_low, beta_low, guess)[0]
+        far_high = _arc(2.0 * beta_low - corner - 4.0 * _U)[0]
+        if far_high > 0.0 and phi_high < 1.0:
+            corner = _largest(phi_high, beta_high, guess)[0]
+            far_low = _arc(2.0 * beta_high - corner + 4.0 * _U)[0]
+    near_low, near_high = near_low * (1.0 - 4.0 * _U), near_high * (1.0 + 4.0 * _U)
+    far_low, far_high = far_low * (1.0 - 4.0 * _U), far_high * (1.0 + 4.0 * _U)
+
+    by_force, by_gap = (0.0, 2.0), (-4.0 / 3.0, 0.0)
+    near_sine = _sine_over(near_low, min(near_high, math.pi))
+    if near_high > math.pi:
+        near_sine = 0.0, near_sine[1]
+    if far_high == 0.0:
+        # 2 sin(theta)/theta falls with theta.
+        by_gap = 0.0, 0.0
+        highest = 2.0
+        if near_low > 0.0:
+            highest = min(2.0 * math.sin(min(near_low, math.pi)) / near_low + 16.0 * _U, 2.0)
+        lowest = 2.0
+        if near_high > 0.0:
+            lowest = max(2.0 * math.sin(min(near_high, math.pi)) / near_high - 16.0 * _U, 0.0)
+        by_force = lowest, highest
+    elif near_low + far_low > 0.0:
+        far_sine = _sine_over(far_low, min(far_high, math.pi))
+        least, most = near_low + far_low, near_high + far_high
+        slack = 32.0 * _U
+        by_force = (
+            max(2.0 * (near_sine[0] - far_sine[1]) / most - slack, 0.0),
+            min(2.0 * max(near_sine[1] - far_sine[0], 0.0) / least * (1.0 + slack), 2.0),
+        )
+        # The two terms in the numerator weigh each sine by the other flank's share of the contact.
+        share_low, share_high = near_low / (near_low + far_high), near_high / (near_high + far_low)
+        lowest = (1.0 - share_high) * near_sine[0] + share_low * far_sine[0]
+        highest = (1.0 - share_low) * near_sine[1] + share_high * far_sine[1]
+        by_gap = (max(-4.0 / math.pi * highest - slack, -4.0 / 3.0), min(-4.0 / math.pi * lowest + slack, 0.0))
+    return (gain_low, gain_high), by_force, by_gap, (cosine_low, cosine_high)

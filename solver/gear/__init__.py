@@ -1,0 +1,1 @@
+"""From a drawing to dimensionless numbers: blanks, gear pairs, scales, mesh cycles, temperature."""

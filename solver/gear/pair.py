@@ -1,0 +1,234 @@
+"""A straight bevel gear pair in SI units, and its dimensionless model (docs/physics.md, sections 1 and 2)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.model.checks import ParameterError
+from solver.model.gear_model import GEOMETRIC, Harmonics, Model, _number, _numbers, harmonic_pairs
+
+__all__ = ["GearPair"]
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """One gear pair in SI units; angles of the geometry in degrees, phases in radians. Gear 1 is the driving pinion.
+
+    Parameters
+    ----------
+    teeth : (int, int)
+        z_1 and z_2, > 0.
+    module : float
+        Outer transverse module (m), > 0.
+    shaft_angle, pressure_angle : float
+        Sigma within (0, 180) and alpha_n within [0, 90) (degrees).
+    face_width : float
+        m, > 0 and at most the cone distance.
+    mass, inertia : float or (2,)
+        m_g (kg) and J_g (kg m^2) of what turns with each gear, > 0.
+    support_stiffness, support_damping : float or (6,)
+        Of x1, y1, z1, x2, y2, z2: N/m > 0 and N s/m >= 0.
+    mesh_stiffness : float
+        Mean k_m (N/m), > 0.
+    mesh_stiffness_harmonics : sequence of (amplitude, phase)
+        (A_kl, Phi_kl) in N/m and rad, of k_m + sum_l A_kl cos(l Omega_h t + Phi_kl), which may not fall below 0.
+    mesh_damping_ratio : float
+        xi_h, >= 0; the mesh damping c_h follows.
+    half_backlash : float
+        b_h along the line of action (m), >= 0.
+    error_harmonics : sequence of (amplitude, phase)
+        (A_l, Phi_l) in m and rad, of e_n = sum_l A_l cos(l Omega_h t + Phi_l).
+    torque : float
+        Driving torque T_1 (N m).
+    load_torque : float or None
+        T_2 (N m); None balances T_1: T_2 = T_1 r_2/r_1.
+    torque_fluctuation : float
+        Amplitude (N m) of a part of the driving torque that varies as cos(Omega_h t).
+    reference_length : float or None
+        b_c (m), > 0; None is the half backlash, which must then not be 0.
+
+    Raises
+    ------
+    ParameterError
+        Naming the field, its value and what is allowed.
+    """
+
+    teeth: tuple[int, int]
+    module: float
+    shaft_angle: float
+    pressure_angle: float
+    face_width: float
+    mass: tuple[float, float]
+    inertia: tuple[float, float]
+    support_stiffness: tuple[float, ...]
+    support_damping: tuple[float, ...]
+    mesh_stiffness: float
+    mesh_damping_ratio: float
+    half_backlash: float
+    torque: float
+    mesh_stiffness_harmonics: Harmonics = ()
+    error_harmonics: Harmonics = ()
+    load_torque: float | None = None
+    torque_fluctuation: float = 0.0
+    reference_length: float | None = None
+
+    def __post_init__(self):
+        above, least = (0.0, False), (0.0, True)
+        self._set("teeth", _teeth(self.teeth))
+        for name, bound in {
+            "module": above,
+            "shaft_angle": above,
+            "pressure_angle": least,
+            "face_width": above,
+            "mesh_stiffness": above,
+            "mesh_damping_ratio": least,
+            "half_backlash": least,
+            "torque": None,
+            "torque_fluctuation": None,
+        }.items():
+            self._set(name, _number(name, getattr(self, name), bound))
+        for name, count, bound in (
+            ("mass", 2, above),
+            ("inertia", 2, above),
+            ("support_stiffness", 6, above),
+            ("support_damping", 6, least),
+        ):
+            self._set(name, _numbers(name, getattr(self, name), count, bound))
+        for name in ("mesh_stiffness_harmonics", "error_harmonics"):
+            self._set(name, harmonic_pairs(name, getattr(self, name)))
+        for name, bound in (("load_torque", None), ("reference_length", above)):
+            if getattr(self, name) is not None:
+                self._set(name, _number(name, getattr(self, name), bound))
+        self._check_geometry()
+        self._check_loads()
+        lowest = self.model().lowest_stiffness() * self.mesh_stiffness
+        if lowest < 0.0:
+            raise ParameterError(
+                "mesh_stiffness_harmonics",
+                self.mesh_stiffness_harmonics,
+                f"small enough that the mesh stiffness stays at least 0 all cycle: it falls to {lowest:.4g} N/m",
+            )
+
+    def _check_geometry(self):
+        if self.shaft_angle >= 180.0:
+            raise ParameterError("shaft_angle", self.shaft_angle, "an angle in degrees, above 0 and below 180")
+        if self.pressure_angle >= 90.0:
+            raise ParameterError("pressure_angle", self.pressure_angle, "an angle in degrees, at least 0 and below 90")
+        if self.face_width > self.cone_distance:
+            raise ParameterError("face_width", self.face_width, f"at most the cone distance {self.cone_distance:.6g} m")
+
+    def _check_loads(self):
+        if self.reference_length is None and self.half_backlash == 0.0:
+            raise ParameterError("reference_length", None, "a number above 0 where half_backlash is 0")
+        if self.load_torque is not None and self.torque == 0.0:
+            raise ParameterError("torque", self.torque, "other than 0 where load_torque is given")
+
+    def _set(self, name, value):
+        object.__setattr__(self, name, value)
+
+    @property
+    def ratio(self) -> float:
+        """u = z_2/z_1."""
+        return self.teeth[1] / self.teeth[0]
+
+    @property
+    def cone_angles(self) -> tuple[float, float]:
+        """Pitch cone angles (degrees): tan delta_1 = sin Sigma/(u + cos Sigma), delta_2 = Sigma - delta_1.
+
+        One of them may exceed a right angle (an internal bevel gear): the contact normal holds there as well, its
+        radial component turning its sign.
+        """
+        angle = math.radians(self.shaft_angle)
+        first = math.degrees(math.atan2(math.sin(angle), self.ratio + math.cos(angle)))
+        return first, self.shaft_angle - first
+
+    @property
+    def cone_distance(self) -> float:
+        """Outer cone distance m z_1/(2 sin delta_1) (m)."""
+        return 0.5 * self.module * self.teeth[0] / math.sin(math.radians(self.cone_angles[0]))
+
+    @property
+    def mean_radii(self) -> np.ndarray:
+        """r_g = (m z_g - face width sin delta_g)/2, at mid face (m), (2,)."""
+        return 0.5 * (self.module * np.array(self.teeth) - self.face_width * np.sin(np.radians(self.cone_angles)))
+
+    @property
+    def tangential(self) -> float:
+        """a_3 = cos alpha_n, the tangential component of the contact normal."""
+        return math.cos(math.radians(self.pressure_angle))
+
+    @property
+    def equivalent_mass(self) -> float:
+        """m_e = J_1 J_2/(r_1^2 J_2 + r_2^2 J_1) (kg)."""
+        return float(1.0 / np.sum(self.mean_radii**2 / self.inertia))
+
+    @property
+    def frequency_unit(self) -> float:
+        """Omega_n = sqrt(k_m/m_e) (rad/s)."""
+        return math.sqrt(self.mesh_stiffness / self.equivalent_mass)
+
+    @property
+    def length_unit(self) -> float:
+        """b_c (m)."""
+        return self.half_backlash if self.reference_length is None else self.reference_length
+
+    @property
+    def mesh_damping(self) -> float:
+        """c_h = 2 xi_h m_e Omega_n (N s/m)."""
+        return 2.0 * self.mesh_damping_ratio * self.equivalent_mass * self.frequency_unit
+
+    @property
+    def torques(self) -> tuple[float, float]:
+        """T_1 and T_2 (N m)."""
+        first, second = self.mean_radii
+        return self.torque, float(self.torque * second / first) if self.load_torque is None else self.load_torque
+
+    def load(self, drive: float, load: float) -> float:
+        """a_3 m_e (r_1 T_1/J_1 + r_2 T_2/J_2)/(k_m b_c), the dimensionless load of two torques (N m)."""
+        shares = self.mean_radii * (drive, load) / self.inertia
+        return float(self.tangential * self.equivalent_mass * shares.sum() / (self.mesh_stiffness * self.length_unit))
+
+    def model(self) -> Model:
+        """The model, geometric and with one mesh force, so that xi_hg = xi_h kappa_g, d.d = 1, c = a_3^2."""
+        unit, mass = self.frequency_unit, np.repeat(self.mass, 3)
+        kappa = self.equivalent_mass / np.array(self.mass)
+        (alpha, alpha_phase), *alphas = _scaled(self.mesh_stiffness_harmonics, self.mesh_stiffness)
+        (f_e, f_e_phase), *errors = _scaled(self.error_harmonics, self.length_unit)
+        return Model(
+            b=self.half_backlash / self.length_unit,
+            alpha=alpha,
+            alpha_phase=alpha_phase,
+            alpha_harmonics=alphas,
+            f_e=f_e,
+            f_e_phase=f_e_phase,
+            f_e_harmonics=errors,
+            f_pm=self.load(*self.torques),
+            f_pv=self.load(self.torque_fluctuation, 0.0),
+            kappa=kappa,
+            xi_mesh=self.mesh_damping_ratio,
+            xi_translation=self.mesh_damping_ratio * kappa,
+            xi_support=self.support_damping / (2.0 * mass * unit),
+            k_support=self.support_stiffness / (mass * unit**2),
+            pitch_cone_angle=self.cone_angles[0],
+            pressure_angle=self.pressure_angle,
+            translation_coupling=GEOMETRIC,
+            rotation_coupling=GEOMETRIC,
+            variation_translation=1.0,
+            variation_rotation=1.0,
+        )
+
+
+def _teeth(value) -> tuple[int, int]:
+    allowed = "two whole numbers above 0"
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
+        raise ParameterError("teeth", value, allowed)
+    for count in value:
+        if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= 10_000:
+            raise ParameterError("teeth", value, allowed)
+    return tuple(value)
+
+
+def _scaled(harmonics: Harmonics, unit: float) -> list[tuple[float, float]]:
+    """Amplitudes over their unit; one of amplitude 0 where there is none."""
+    return [(amplitude / unit, phase) for amplitude, phase in harmonics] or [(0.0, 0.0)]

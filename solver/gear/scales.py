@@ -1,0 +1,96 @@
+"""From dimensionless parameters of a gear pair to physical ones and back."""
+
+import math
+from dataclasses import dataclass
+
+from solver.gear.pair import GearPair
+
+__all__ = ["Scale", "Scales"]
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What 1 means of one dimensionless parameter.
+
+    Parameters
+    ----------
+    size : float
+        SI units that 1 stands for.
+    name : str
+        The physical quantity.
+    unit : str
+        In which it is shown.
+    unit_size : float
+        SI units of that unit.
+    """
+
+    size: float
+    name: str
+    unit: str
+    unit_size: float
+
+    @property
+    def shown(self) -> float:
+        """Shown units that 1 stands for."""
+        return self.size / self.unit_size
+
+    def physical(self, value):
+        """SI value of a dimensionless one, numbers or arrays."""
+        return value * self.size
+
+    def dimensionless(self, value):
+        """The other way round."""
+        return value / self.size
+
+
+@dataclass(frozen=True)
+class Scales:
+    """The scale of every parameter of one gear pair that has a unit, by `solver.Model`'s names and `omega`.
+
+    `omega` is shown as pinion speed; its SI value is in rad/s of the pinion. `mesh_frequency` is Omega as well, in Hz,
+    and `length` that of displacements. f_pm stands for the driving torque with the load torque in the pair's proportion
+    to it, f_pv for the fluctuating driving torque. Support parameters are the pinion's, whose mass they refer to.
+
+    Parameters
+    ----------
+    gear : GearPair
+    """
+
+    gear: GearPair
+
+    @property
+    def table(self) -> dict[str, Scale]:
+        """Name -> scale."""
+        gear = self.gear
+        unit, length, stiffness = gear.frequency_unit, gear.length_unit, gear.mesh_stiffness
+        drive, load = gear.torques if gear.torque != 0.0 else gear.mean_radii
+        support = gear.mass[0] * unit
+        damping = Scale(2.0 * gear.equivalent_mass * unit, "mesh damping", "N·s/m", 1.0)
+        return {
+            "omega": Scale(unit / gear.teeth[0], "pinion speed", "rpm", math.pi / 30.0),
+            "mesh_frequency": Scale(unit / (2.0 * math.pi), "mesh frequency", "Hz", 1.0),
+            "length": Scale(length, "displacement", "µm", 1e-6),
+            "b": Scale(length, "half backlash", "µm", 1e-6),
+            "f_e": Scale(length, "transmission error amplitude", "µm", 1e-6),
+            "alpha": Scale(stiffness, "mesh stiffness amplitude", "N/µm", 1e6),
+            "f_pm": Scale(drive / gear.load(drive, load), "driving torque", "N·m", 1.0),
+            "f_pv": Scale(1.0 / gear.load(1.0, 0.0), "driving torque amplitude", "N·m", 1.0),
+            "xi_mesh": damping,
+            "mesh_damping": damping,
+            "xi_support": Scale(2.0 * support, "support damping of the pinion", "N·s/m", 1.0),
+            "k_support": Scale(support * unit, "support stiffness of the pinion", "N/µm", 1e6),
+        }
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.table
+
+    def __getitem__(self, name: str) -> Scale:
+        return self.table[name]
+
+    def physical(self, name: str, value):
+        """SI value of a dimensionless parameter; KeyError where it has no unit."""
+        return self.table[name].physical(value)
+
+    def dimensionless(self, name: str, value):
+        """Dimensionless parameter of an SI value; KeyError where it has no unit."""
+        return self.table[name].dimensionless(value)

@@ -1,0 +1,271 @@
+"""First-order balance with describing functions on the condensed mesh coordinate.
+
+Unknowns (lambda_m, lambda_c, lambda_s) with lambda = lambda_m + lambda_c cos(Omega tau) + lambda_s sin(Omega tau), that
+is Lambda_1 = lambda_c - i lambda_s. f is truncated to its mean f_0 and fundamental f_1 = N_a Lambda_1 *before* it is
+multiplied by the stiffness ("describing function", docs/physics.md, section 4). With S_l = alpha_l exp(i Phi_kl):
+
+    E_0 = c (f_0 + eps_r Re(S_1 conj f_1)/2) - f_pm
+    E_1 = D Lambda_1 + (c - T) f_1 + (c eps_r - T eps_t)(S_1 f_0 + S_2 conj(f_1)/2) - F_1
+    D = -Omega^2 + 2i Omega (c xi_h - U),    F_1 = f_pv + f_e Omega^2 exp(i Phi_1)
+
+The rows are (E_0, Re E_1, -Im E_1), for which a statically stable solution has a positive Jacobian determinant.
+Harmonics of the stiffness above the second and of the transmission error above the first do not reach this balance.
+"""
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import types
+
+from solver.contact.dead_zone import describing_functions
+from solver.continuation.problem import Problem
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import eliminate
+from solver.model.condensation import (
+    ALPHA,
+    ALPHA_2,
+    ALPHA_2_PHASE,
+    ALPHA_PHASE,
+    F_E,
+    F_E_PHASE,
+    F_PM,
+    F_PV,
+    OMEGA,
+    VARIATION_R,
+    VARIATION_T,
+    XI_MESH,
+    B,
+    axis_vectors,
+    mesh_receptance,
+    rotation_coupling,
+)
+from solver.model.gear_model import Model
+
+__all__ = [
+    "DescribingFunction",
+    "balance",
+    "coefficients",
+    "evaluate",
+    "first_order_problem",
+    "linear_degree",
+    "linear_solution",
+    "monitor",
+]
+
+
+@kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64, types.int64), inline=True)
+def _phasor(theta, direction, p, amplitude, phase):
+    """amplitude * exp(i phase) of two slots of `theta`, and its derivative along the axis."""
+    unit = cmath.exp(1j * (theta[phase] + p * direction[phase]))
+    size = theta[amplitude] + p * direction[amplitude]
+    return size * unit, (direction[amplitude] + 1j * size * direction[phase]) * unit
+
+
+_C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
+
+
+@kernel(types.Tuple((_C, _C, _F, _F))(ARRAY, ARRAY, types.float64), inner=True)
+def coefficients(theta, direction, p):
+    """The numbers that the balance depends on at one axis value, and their derivatives along the axis.
+
+    Parameters
+    ----------
+    theta, direction : (34,) arrays
+    p : float
+        Axis value.
+
+    Returns
+    -------
+    values, d_values : 6 complex numbers each
+        D, c - T, P_1 = (c eps_r - T eps_t) S_1, P_2 = (c eps_r - T eps_t) S_2/2, F_1 and e = c eps_r S_1/2.
+    constants, d_constants : 3 floats each
+        c, f_pm and b.
+    """
+    omega, d_omega = theta[OMEGA] + p * direction[OMEGA], direction[OMEGA]
+    T, U, d_T, d_U = mesh_receptance(theta, direction, p, 1j * omega, 1j * d_omega)
+    c, d_c = rotation_coupling(theta, direction, p)
+    xi, d_xi = theta[XI_MESH] + p * direction[XI_MESH], direction[XI_MESH]
+    eps_t, d_eps_t = theta[VARIATION_T] + p * direction[VARIATION_T], direction[VARIATION_T]
+    eps_r, d_eps_r = theta[VARIATION_R] + p * direction[VARIATION_R], direction[VARIATION_R]
+    S_1, d_S_1 = _phasor(theta, direction, p, ALPHA, ALPHA_PHASE)
+    S_2, d_S_2 = _phasor(theta, direction, p, ALPHA_2, ALPHA_2_PHASE)
+    error, d_error = _phasor(theta, direction, p, F_E, F_E_PHASE)
+    damping, d_damping = c * xi - U, d_c * xi + c * d_xi - d_U
+    rotating, d_rotating = c * eps_r, d_c * eps_r + c * d_eps_r
+    varying, d_varying = rotating - T * eps_t, d_rotating - d_T * eps_t - T * d_eps_t
+    return (
+        (
+            -omega * omega + 2j * omega * damping,
+            c - T,
+            varying * S_1,
+            0.5 * varying * S_2,
+            theta[F_PV] + p * direction[F_PV] + error * omega * omega,
+            0.5 * rotating * S_1,
+        ),
+        (
+            -2.0 * omega * d_omega + 2j * (d_omega * damping + omega * d_damping),
+            d_c - d_T,
+            d_varying * S_1 + varying * d_S_1,
+            0.5 * (d_varying * S_2 + varying * d_S_2),
+            direction[F_PV] + d_error * omega * omega + 2.0 * error * omega * d_omega,
+            0.5 * (d_rotating * S_1 + rotating * d_S_1),
+        ),
+        (c, theta[F_PM] + p * direction[F_PM], theta[B] + p * direction[B]),
+        (d_c, direction[F_PM], direction[B]),
+    )
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def balance(theta, direction, y, residual, jacobian):
+    """Residual (3,) and Jacobian (3, 4) at y = (lambda_m, lambda_c, lambda_s, axis value); see the module."""
+    values, d_values, constants, d_constants = coefficients(theta, direction, y[3])
+    D, A, P_1, P_2, F, e = values
+    d_D, d_A, d_P_1, d_P_2, d_F, d_e = d_values
+    c, f_pm, b = constants
+    d_c, d_f_pm, d_b = d_constants
+
+    fundamental = complex(y[1], -y[2])
+    amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
+    unit = 0j
+    if amplitude > 0.0:
+        unit = fundamental / amplitude
+    f_0, gain, f_0_m, f_0_a, f_0_b, gain_m, gain_a, gain_b = describing_functions(y[0], amplitude, b)
+    f_1 = gain * fundamental
+
+    residual[0] = c * f_0 + (e * f_1.conjugate()).real - f_pm
+    row = D * fundamental + A * f_1 + P_1 * f_0 + P_2 * f_1.conjugate() - F
+    residual[1], residual[2] = row.real, -row.imag
+
+    # Columns lambda_m, lambda_c, lambda_s and the gap b: what each does to f_0, f_1 and Lambda_1.
+    for column in range(4):
+        if column == 0:
+            d_f_0, d_f_1, d_fundamental = f_0_m, gain_m * unit, 0j
+        elif column == 1:
+            d_f_0, d_f_1, d_fundamental = f_0_a * unit.real, gain + gain_a * unit.real * unit, 1.0 + 0j
+        elif column == 2:
+            d_f_0, d_f_1, d_fundamental = -f_0_a * unit.imag, -1j * gain - gain_a * unit.imag * unit, -1j
+        else:
+            d_f_0, d_f_1, d_fundamental = f_0_b * d_b, gain_b * unit * d_b, 0j
+        jacobian[0, column] = c * d_f_0 + (e * d_f_1.conjugate()).real
+        row = D * d_fundamental + A * d_f_1 + P_1 * d_f_0 + P_2 * d_f_1.conjugate()
+        jacobian[1, column], jacobian[2, column] = row.real, -row.imag
+    jacobian[0, 3] += d_c * f_0 + (d_e * f_1.conjugate()).real - d_f_pm
+    row = d_D * fundamental + d_A * f_1 + d_P_1 * f_0 + d_P_2 * f_1.conjugate() - d_F
+    jacobian[1, 3] += row.real
+    jacobian[2, 3] -= row.imag
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def monitor(theta, direction, y, values, gradient):
+    """Amplitude and the four contact margins with their gradients.
+
+    values (5,) = lambda_a, lambda_min - b, lambda_min + b, lambda_max - b, lambda_max + b; gradient (5, 4). A zero of a
+    margin is a grazing: the motion just touches a flank or just leaves it.
+    """
+    b, d_b = theta[B] + y[3] * direction[B], direction[B]
+    amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
+    cosine, sine = 0.0, 0.0
+    if amplitude > 0.0:
+        cosine, sine = y[1] / amplitude, y[2] / amplitude
+    values[0] = amplitude
+    gradient[0, 0], gradient[0, 1], gradient[0, 2], gradient[0, 3] = 0.0, cosine, sine, 0.0
+    for i in range(1, 5):
+        extreme = -1.0 if i <= 2 else 1.0
+        flank = -1.0 if i % 2 == 1 else 1.0
+        values[i] = y[0] + extreme * amplitude + flank * b
+        gradient[i, 0], gradient[i, 1], gradient[i, 2] = 1.0, extreme * cosine, extreme * sine
+        gradient[i, 3] = flank * d_b
+
+
+@kernel(types.float64(ARRAY, ARRAY, types.float64, ARRAY))
+def linear_solution(theta, direction, p, unknowns):
+    """Solution of the balance without backlash (b = 0, linear), and the determinant of its Jacobian.
+
+    As the dead zone differs from the linear force by at most b, the determinant's sign is the topological degree of the
+    balance for every b: the signs of det J over all solutions add up to it.
+    """
+    base, along = theta.copy(), direction.copy()
+    base[B], along[B] = 0.0, 0.0
+    y, residual, jacobian = np.zeros(4), np.empty(3), np.empty((3, 4))
+    y[3] = p
+    balance(base, along, y, residual, jacobian)
+    square = jacobian[:, :3].copy()
+    determinant = eliminate(square, residual)
+    unknowns[:] = -residual
+    return determinant
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY))
+def linear_degree(theta, direction, grid, signs):
+    """Fill `signs` with the degree at every axis value of `grid`: the sign of the determinant of `linear_solution`."""
+    unknowns = np.empty(3)
+    for i in range(grid.shape[0]):
+        signs[i] = np.sign(linear_solution(theta, direction, grid[i], unknowns))
+
+
+def first_order_problem(model: Model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
+    """The balance of one gear pair as a curve over one axis.
+
+    Parameters
+    ----------
+    model : Model
+    axis : str
+        "omega" or a scalar parameter of the gear (`solver.model.condensation.AXES`).
+    low, high : float
+        Range of the axis, for scaling.
+    omega : float, optional
+        The frequency; needed unless it is the axis.
+
+    Returns
+    -------
+    Problem
+    """
+    theta, direction = axis_vectors(model, axis, omega)
+    size = model.motion_size
+    scale = np.array([size, size, size, 0.1 * (high - low)])
+    return Problem(balance, monitor, theta, direction, scale, monitors=5)
+
+
+@dataclass(frozen=True)
+class DescribingFunction:
+    """The article's first order: the force is truncated to its mean and fundamental before the stiffness multiplies it.
+
+    What a balance is asked by rows and seeds, here and in `solver.harmonic.galerkin.Galerkin`.
+    """
+
+    order: int = 1
+    period: int = 1
+    harmonics: int = 1
+    unknowns: int = 3
+    truncated: bool = True
+    fundamental: tuple[int, int] = (1, 2)
+
+    def problem(self, model: Model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
+        """`first_order_problem`."""
+        return first_order_problem(model, axis, low, high, omega)
+
+    def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest lambda over the period of motions (..., 3): two (...) arrays."""
+        size = np.hypot(motions[..., 1], motions[..., 2])
+        return motions[..., 0] - size, motions[..., 0] + size
+
+    def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
+        """Degree of the balance and solution (3,) without backlash at one axis value."""
+        unknowns = np.empty(3)
+        return float(np.sign(linear_solution(problem.theta, problem.direction, p, unknowns))), unknowns
+
+    def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
+        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions."""
+        signs = np.empty(grid.size)
+        linear_degree(problem.theta, problem.direction, grid, signs)
+        return signs
+
+
+def evaluate(model: Model, omega: float, unknowns) -> tuple[np.ndarray, np.ndarray]:
+    """Residual (3,) and Jacobian (3, 3) of the balance at (lambda_m, lambda_c, lambda_s), one model and frequency."""
+    theta, direction = axis_vectors(model, "omega")
+    residual, jacobian = np.empty(3), np.empty((3, 4))
+    balance(theta, direction, np.append(np.asarray(unknowns, dtype=float), omega), residual, jacobian)
+    return residual, jacobian[:, :3].copy()

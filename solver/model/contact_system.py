@@ -1,0 +1,178 @@
+"""Any linear system with one contact coordinate: the form in which stability and direct integration see a gear pair.
+
+    M y'' + C y' + K y + [h + h_v s(tau)] f(lambda) = sum_l Re[(F_l + (l Omega)^2 F^i_l) exp(i l Omega tau)]
+    lambda = w . y,    s(tau) = sum_l alpha_l cos(l Omega tau + Phi_kl)
+    f(lambda) = lambda - front for lambda > front,  lambda + back for lambda < -back,  0 between
+
+A one-sided contact has an infinite back gap. The spur pair of one degree of freedom, the geared rotor, and a mass
+against a stop are instances; so is the bevel pair (`gear_system`), whose supports of equal frequency and damping move
+only along d and merge into one coordinate each, exactly (docs/physics.md, section 3): with all of them alike, two
+coordinates remain of seven.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solver.model.checks import ParameterError
+from solver.model.gear_model import Harmonics, Model, harmonic_pairs
+
+__all__ = ["ContactSystem", "gear_system"]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSystem:
+    """A linear system of n degrees of freedom with one contact; see the module for the equation.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : (n, n) array_like
+        M, C, K without the contact; M must be invertible. K may be singular where the contact carries the load.
+    contact : (n,) array_like
+        w; the contact coordinate is lambda = w . y.
+    force : (n,) array_like
+        h, the direction and stiffness of the contact force.
+    varying_force : (n,) array_like, optional
+        h_v; how the periodic part s of the contact stiffness acts. Zero unless given.
+    front_gap, back_gap : float
+        Contact at lambda > front_gap and, unless infinite, at lambda < -back_gap; -back_gap <= front_gap.
+    stiffness_harmonics : sequence of (amplitude, phase)
+        alpha_l, Phi_kl for l = 1, 2, ...
+    load, inertial_load : (L + 1, n) complex array_like
+        F_0 ... F_L (one-sided, F_0 real) and F^i_0 ... F^i_L; the latter grow with (l Omega)^2.
+
+    Raises
+    ------
+    ParameterError
+        Naming the parameter, its value and what is allowed.
+    """
+
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    contact: np.ndarray
+    force: np.ndarray
+    front_gap: float
+    back_gap: float = math.inf
+    varying_force: np.ndarray | None = None
+    stiffness_harmonics: Harmonics = ()
+    load: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
+    inertial_load: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
+
+    def __post_init__(self):
+        n = np.shape(self.contact)[0] if np.ndim(self.contact) == 1 else 0
+        if n == 0:
+            raise ParameterError("contact", self.contact, "a vector of at least one number")
+        if self.varying_force is None:
+            object.__setattr__(self, "varying_force", np.zeros(n))
+        for name, shape in (
+            ("mass", (n, n)),
+            ("damping", (n, n)),
+            ("stiffness", (n, n)),
+            ("contact", (n,)),
+            ("force", (n,)),
+            ("varying_force", (n,)),
+        ):
+            self._set(name, shape, float)
+        for name in ("load", "inertial_load"):
+            if np.size(getattr(self, name)) == 0:
+                object.__setattr__(self, name, np.zeros((1, n)))
+            rows = np.shape(getattr(self, name))[0]
+            self._set(name, (rows, n), complex)
+            if np.any(getattr(self, name)[0].imag != 0.0):
+                raise ParameterError(name, getattr(self, name)[0], "real in its first row, the mean")
+        if not abs(np.linalg.det(self.mass)) > 0.0:
+            raise ParameterError("mass", self.mass, "an invertible matrix")
+        if not (math.isfinite(self.front_gap) and -self.front_gap <= self.back_gap <= math.inf):
+            allowed = "finite in front, and at the back at least -front_gap (infinite for a one-sided contact)"
+            raise ParameterError("front_gap, back_gap", (self.front_gap, self.back_gap), allowed)
+        object.__setattr__(self, "stiffness_harmonics", harmonic_pairs("stiffness_harmonics", self.stiffness_harmonics))
+
+    def _set(self, name, shape, kind):
+        try:
+            value = np.array(getattr(self, name), dtype=kind)
+        except (TypeError, ValueError):
+            value = np.empty(0)
+        if value.shape != shape or not np.all(np.isfinite(value)):
+            raise ParameterError(name, getattr(self, name), f"finite numbers of shape {shape}")
+        value.setflags(write=False)
+        object.__setattr__(self, name, value)
+
+    @property
+    def degrees(self) -> int:
+        """Number n of coordinates."""
+        return self.contact.size
+
+    @property
+    def motion_size(self) -> float:
+        """Size of lambda to expect, for the scaling of continuation: gap and static response, or 1 where both are 0."""
+        closed = self.stiffness + np.outer(self.force, self.contact)
+        static = self.contact @ np.linalg.lstsq(closed, self.load[0].real, rcond=None)[0]
+        size = abs(self.front_gap) + abs(float(static))
+        return size if size > 0.0 else 1.0
+
+    @property
+    def two_sided(self) -> bool:
+        """Whether there is a contact at the back."""
+        return math.isfinite(self.back_gap)
+
+    def contact_force(self, displacement) -> np.ndarray:
+        """f at displacements lambda of any shape."""
+        displacement = np.asarray(displacement, dtype=float)
+        front = np.maximum(displacement - self.front_gap, 0.0)
+        return front + np.minimum(displacement + self.back_gap, 0.0) if self.two_sided else front
+
+    def load_harmonics(self, omega: float, order: int) -> np.ndarray:
+        """One-sided harmonics 0 ... order of the load at one frequency, complex (order + 1, n)."""
+        total = np.zeros((order + 1, self.degrees), dtype=complex)
+        for array, power in ((self.load, 0.0), (self.inertial_load, 2.0)):
+            rows = min(len(array), order + 1)
+            total[:rows] += array[:rows] * (np.arange(rows)[:, None] * omega) ** power
+        return total
+
+    def dynamic_stiffness(self, omega) -> np.ndarray:
+        """Z = K - omega^2 M + i omega C, complex (n, n); omega may be an array of shape (..., 1, 1)."""
+        return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
+
+
+def gear_system(model: Model) -> ContactSystem:
+    """The bevel pair, supports of equal (xi_j, k_j) merged; coordinates are one u = sum d_j x_j per kind, then lambda.
+
+    u'' + 2 xi u' + k u = -sum_j d_j^2 [kappa_g k_t f + 2 xi_hg lambda'] over the supports j of that kind, and all u''
+    together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own.
+    """
+    squares = model.direction**2
+    kappa, xi_mesh = np.repeat(model.kappa, 3), np.repeat(model.xi_translation, 3)
+    kinds = list(dict.fromkeys(zip(model.xi_support, model.k_support, strict=True)))
+    member = np.array([kinds.index(pair) for pair in zip(model.xi_support, model.k_support, strict=True)])
+    groups = len(kinds)
+    n, c = groups + 1, model.rotation
+    mass, damping, stiffness = np.eye(n), np.zeros((n, n)), np.zeros((n, n))
+    mass[-1, :groups] = -1.0
+    force, varying = np.zeros(n), np.zeros(n)
+    for g, (xi, k) in enumerate(kinds):
+        here = member == g
+        damping[g, g], stiffness[g, g] = 2.0 * xi, k
+        damping[g, -1] = 2.0 * np.sum((squares * xi_mesh)[here])
+        force[g] = np.sum((squares * kappa)[here])
+    damping[-1, -1], force[-1] = 2.0 * c * model.xi_mesh, c
+    varying[:groups], varying[-1] = model.variation_translation * force[:groups], model.variation_rotation * c
+    errors = model.error_harmonics()
+    load, inertial = np.zeros((2, n)), np.zeros((len(errors) + 1, n), dtype=complex)
+    load[:, -1] = model.f_pm, model.f_pv
+    for l, (amplitude, phase) in enumerate(errors, start=1):
+        inertial[l, -1] = amplitude * np.exp(1j * phase)
+    return ContactSystem(
+        mass,
+        damping,
+        stiffness,
+        np.eye(n)[-1],
+        force,
+        model.b,
+        model.b,
+        varying,
+        model.stiffness_harmonics(),
+        load,
+        inertial,
+    )
