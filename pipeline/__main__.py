@@ -68,8 +68,10 @@ def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
     from pipeline.cli.warmup import compile_beside
     from pipeline.errors import ConfigurationError
+    from pipeline.run.libraries import load_zarr
     from pipeline.run.workforce import Workforce
 
+    load_zarr()
     helper = compile_beside()
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from pipeline.run.environment import differences, digest_of, facts
+from pipeline.run.libraries import load_zarr
 
 __all__ = ["Admission", "Unequal", "call_if_equal", "introduce", "worker_address"]
 
@@ -31,6 +32,7 @@ def call_if_equal(expected: str, payload: bytes):
     found = facts()
     if digest_of(found) != expected:
         return Unequal(worker_address(), found)
+    load_zarr()
     function, arguments = pickle.loads(payload)
     return function(*arguments)
 
@@ -38,6 +40,7 @@ def call_if_equal(expected: str, payload: bytes):
 def introduce(load: bool) -> dict[str, str]:
     """On a worker: its facts, after it has loaded the solver if that is asked for (a second, better now than later)."""
     found = facts()
+    load_zarr()
     if load:
         importlib.import_module("solver")
     return found

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError
+from pipeline.run.libraries import load_dask
 
 __all__ = ["KINDS", "address_of", "check_cluster", "security_of", "setting_of"]
 
@@ -26,6 +27,8 @@ def check_cluster(config: Cluster) -> None:
         raise ConfigurationError(f"cluster.workers = {config.workers} is not allowed: it must be from 1 to 1024")
     if not 0.0 < config.row_seconds <= 1e6:
         raise ConfigurationError(f"cluster.row_seconds = {config.row_seconds} is not allowed: it must be from 0 to 1e6")
+    if config.kind != "none":
+        load_dask()
     _check_memory(config.memory)
     if config.dashboard and importlib.util.find_spec("bokeh") is None:
         raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
