@@ -22,13 +22,14 @@ import math
 
 import numpy as np
 from numba import types
+from numpy.polynomial import chebyshev
 
 from solver.boundaries.problem import P_STEP, X_STEP
+from solver.continuation.continuation import Problem
 from solver.flow.switched_system import FREQUENCY, count_degrees, new_system, system_at
 from solver.flow.taylor import carry_deviations, count_blocks, new_series
 from solver.harmonic.layout import BACK, FRONT, OMEGA, PERIOD, STIFFNESSES
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.stability.monodromy import fill_monodromies
 
 __all__ = ["ANGLE", "SENSE", "bifurcation_test", "characteristic_remainder", "critical_cosines", "move_parameters"]
 
@@ -38,8 +39,9 @@ _TURN = 2.0 * math.pi
 #: Columns of the switches of contact: angle theta_c, and sigma, 1 where contact begins and -1 where it ends.
 ANGLE, SENSE = range(2)
 
-# How far from the unit circle a pair of multipliers may be at a start of a Neimark-Sacker.
-_CRITICAL = 1e-4
+# Degree of the test functions in kappa, for seven coordinates; by how much, as a share of their size, they may miss 0
+# at a start of a Neimark-Sacker.
+_DEGREE, _CRITICAL = 7, 1e-4
 
 
 @kernel(types.void(MATRIX), inner=True)
@@ -116,10 +118,10 @@ def _states(here):
     return 2 * count_degrees(here, np.zeros(here.shape[0]), 0.0)
 
 
-@kernel(_B(ARRAY, _B, MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
-def _carry(here, closed, switches, matrix, columns, rows):
-    """Fill in M (2n, 2n), and the columns and rows (k, 2n) by which the first k switches change it; False if they are
-    not finite."""
+@kernel(_B(ARRAY, _F, _B, MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
+def _carry(here, start, closed, switches, matrix, columns, rows):
+    """Fill in M (2n, 2n) from an angle on, and the columns and rows (k, 2n) by which the first k switches change it;
+    False if they are not finite."""
     size, count = matrix.shape[0], columns.shape[0]
     n = size // 2
     still, period = np.zeros(here.shape[0]), here[PERIOD]
@@ -133,12 +135,15 @@ def _carry(here, closed, switches, matrix, columns, rows):
         states[i // 4, i, i % 4] = 1.0
     scale = period / system.numbers[FREQUENCY]
     # Contacts at once: two where one begins and another ends at the same angle.
-    begin, contacts = 0.0, 1.0 if closed else 0.0
+    begin, contacts = start, 1.0 if closed else 0.0
     for c in range(switches.shape[0] + 1):
-        end = switches[c, ANGLE] if c < switches.shape[0] else _TURN
-        zone = 1 if contacts > 0.0 else 0
-        if end > begin and not carry_deviations(system, zone, begin * scale, end * scale, states, series):
-            return False
+        end = switches[c, ANGLE] if c < switches.shape[0] else start + _TURN
+        # The series are not asked how far they reach backwards; one unit of time is less than that.
+        parts = 1 if end > begin else int(math.ceil((begin - end) * scale))
+        for part in range(parts):
+            left, right = begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts
+            if not carry_deviations(system, 1 if contacts > 0.0 else 0, left * scale, right * scale, states, series):
+                return False
         if c == switches.shape[0]:
             break
         begin, contacts = end, contacts + switches[c, SENSE]
@@ -171,8 +176,8 @@ def move_parameters(here, along, step, moved):
     moved[FRONT], moved[BACK] = here[FRONT], here[BACK]
 
 
-@kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _B, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
-def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, closed, switches, by_angle, by_axis):
+@kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _B, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
+def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, start, closed, switches, by_angle, by_axis):
     """The test functions of a motion, and how they change.
 
     Parameters
@@ -185,10 +190,13 @@ def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, closed, swi
         Whether of a period doubling or of a Neimark-Sacker.
     kappa : float
         Not used for a period doubling.
+    start : float
+        Angle at which the period starts; the multipliers do not depend on it.
     closed : bool
-        Whether there is contact at theta = 0.
+        Whether there is contact at the start.
     switches : (k, at least 2) array
-        ANGLE and SENSE of every switch of contact, by angle.
+        ANGLE and SENSE of every switch of contact, in order. One that lies before the last, by less than a time of
+        order 1, is gone back to: the functions go on smoothly where two have just passed each other.
     by_angle : (2, k) array
         Filled with the derivatives by the angles.
     by_axis : (2, 2) array
@@ -202,7 +210,7 @@ def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, closed, swi
     size, count = _states(here), switches.shape[0]
     matrix, changed = np.empty((size, size)), np.empty((size, size))
     columns, rows = np.empty((count, size)), np.empty((count, size))
-    if not _carry(here, closed, switches, matrix, columns, rows):
+    if not _carry(here, start, closed, switches, matrix, columns, rows):
         return math.nan, math.nan, math.nan, math.nan
     largest = 0.0
     for i in range(size):
@@ -227,7 +235,7 @@ def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, closed, swi
         by_axis[0, axis], by_axis[1, axis] = 0.0, 0.0
         for side in (-1.0, 1.0):
             move_parameters(here, along, side * step, beyond)
-            whole = _carry(beyond, closed, switches, changed, nothing, nothing)
+            whole = _carry(beyond, start, closed, switches, changed, nothing, nothing)
             moved = _tested(changed, doubling, kappa)
             # Where a coupling vanishes the system has fewer coordinates, and no slope.
             weight = side / (2.0 * step) if whole else math.nan
@@ -236,19 +244,34 @@ def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, closed, swi
     return value
 
 
-def multipliers_of(here: np.ndarray, motion: np.ndarray) -> np.ndarray:
-    """Multipliers of a motion (n,) with parameters of `solver.harmonic.layout.packed` at its place: complex (2n,)."""
-    still = np.zeros(here.size)
-    size = 2 * count_degrees(here, still, 0.0)
-    found = np.empty((1, size, size))
-    fill_monodromies(here, still, np.zeros(1), np.ascontiguousarray(motion)[None], found)
-    return np.linalg.eigvals(found[0])
+def critical_cosines(problem: Problem, y: np.ndarray) -> list[float]:
+    """kappa of the pairs of multipliers next to the unit circle, the nearest first.
 
+    Parameters
+    ----------
+    problem : Problem
+        Of a Neimark-Sacker.
+    y : (..., kappa, x, p) array
+        A motion; its kappa does not matter.
+    """
+    residual, jacobian = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
 
-def critical_cosines(here: np.ndarray, motion: np.ndarray) -> list[float]:
-    """kappa of the pairs of multipliers next to the unit circle, the nearest first, of what `multipliers_of` takes."""
-    multipliers = multipliers_of(here, motion)
-    pairs = multipliers[multipliers.imag > 0.0]
-    distances = np.abs(np.abs(pairs) - 1.0)
-    order = np.argsort(distances, kind="stable")
-    return [float(pairs[i].real / abs(pairs[i])) for i in order if distances[i] < _CRITICAL]
+    def remainder(kappa: float) -> np.ndarray:
+        here = y.copy()
+        here[-3] = kappa
+        problem.balance(problem.theta, problem.direction, here, residual, jacobian)
+        return residual[-2:].copy()
+
+    nodes = chebyshev.chebpts1(_DEGREE + 1)
+    values = np.array([remainder(kappa) for kappa in nodes])
+    size = np.max(np.abs(values))
+    if not np.isfinite(size):
+        return []
+    # Both polynomials vanish there; one of them may do so twice.
+    roots = [
+        chebyshev.chebroots(chebyshev.chebtrim(c, 1e-12 * size)) for c in chebyshev.chebfit(nodes, values, _DEGREE).T
+    ]
+    roots = np.concatenate(roots)
+    near = np.unique(np.clip(roots.real[np.abs(roots.imag) < _CRITICAL], -1.0, 1.0))
+    misses = np.array([np.max(np.abs(remainder(kappa))) for kappa in near])
+    return near[np.argsort(misses, kind="stable")][np.sort(misses) < _CRITICAL * size].tolist()

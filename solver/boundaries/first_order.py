@@ -90,40 +90,29 @@ def _grazing_balance(theta, direction, y, residual, jacobian):
     jacobian[5, slot] = 1.0
 
 
-@kernel(types.Tuple((types.boolean, MATRIX))(ARRAY, ARRAY), inner=True)
+@kernel(types.Tuple((types.float64, types.boolean, MATRIX))(ARRAY, ARRAY), inner=True)
 def _switches(theta, y):
-    """Whether there is contact at theta = 0, and the switches of contact by angle, (k, _SWITCHES).
+    """A start of the period, whether there is contact then, and the switches of contact that follow, (k, _SWITCHES).
 
     With lambda = lambda_m + lambda_a cos(theta - psi) there is contact at the front flank while
-    |theta - psi| < pi/2 - phi_f, at the back one while |theta - psi| > pi/2 - phi_b.
+    |theta - psi| < pi/2 - phi_f, at the back one while |theta - psi| > pi/2 - phi_b. The period starts in the middle of
+    the front contact. Beyond a wall a contact, or the time without, lasts for a negative while: what depends on the
+    angles goes on smoothly.
     """
     psi, count = math.atan2(y[2], y[1]), 0
     found = np.empty((4, _SWITCHES))
-    closed = theta[FRONT_CONTACT] < 0.0 or theta[BACK_CONTACT] > 0.0
-    for slot in range(FRONT, BACK + 1):
-        if theta[FRONT_CONTACT if slot == FRONT else BACK_CONTACT] != 0.0:
+    front, back = theta[FRONT_CONTACT], theta[BACK_CONTACT]
+    for i in range(4):
+        # End of front contact, begin and end of back contact, begin of front contact.
+        slot = FRONT if i == 0 or i == 3 else BACK
+        if (front if slot == FRONT else back) != 0.0:
             continue
-        half, flank = 0.5 * math.pi - y[slot], 1.0 if slot == FRONT else -1.0
-        pair = found[count : count + 2]
-        for i in range(2):
-            side = 1.0 if i == 0 else -1.0
-            angle = psi + side * half
-            angle -= _TURN * math.floor(angle / _TURN)
-            pair[i, ANGLE] = min(angle, np.nextafter(_TURN, 0.0))
-            pair[i, SENSE], pair[i, _SLOT], pair[i, _BY_CONTACT] = -side * flank, slot, -side
-        end, begin = (0, 1) if slot == FRONT else (1, 0)
-        # Where both meet, the motion touches the flank all the time or never.
-        if pair[end, ANGLE] == pair[begin, ANGLE]:
-            closed = closed or y[slot] * flank < 0.0
-        else:
-            closed = closed or pair[end, ANGLE] < pair[begin, ANGLE]
-        count += 2
-    for i in range(1, count):
-        for j in range(i, 0, -1):
-            if found[j - 1, ANGLE] > found[j, ANGLE]:
-                for column in range(_SWITCHES):
-                    found[j - 1, column], found[j, column] = found[j, column], found[j - 1, column]
-    return closed, found[:count]
+        half, later = 0.5 * math.pi - y[slot], i >= 2
+        found[count, ANGLE] = psi + _TURN - half if later else psi + half
+        found[count, SENSE] = 1.0 if i % 2 == 1 else -1.0
+        found[count, _SLOT], found[count, _BY_CONTACT] = slot, 1.0 if later else -1.0
+        count += 1
+    return psi, front <= 0.0 or back > 0.0, found[:count]
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
@@ -139,9 +128,9 @@ def _bifurcation_balance(theta, direction, y, residual, jacobian):
         for j in range(5):
             jacobian[i, j] = part[i, j]
         jacobian[i, last - 1], jacobian[i, last] = part[i, X], part[i, P]
-    closed, switches = _switches(theta, y)
+    start, closed, switches = _switches(theta, y)
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
-    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[5], closed, switches, by_angle, by_axis)
+    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[5], start, closed, switches, by_angle, by_axis)
     square = y[1] * y[1] + y[2] * y[2]
     for row in range(1 if doubling else 2):
         residual[5 + row] = values[row]
@@ -250,14 +239,15 @@ class FirstOrderProblem:
 
         For a Neimark-Sacker there is one for every pair of multipliers next to the unit circle.
         """
-        cosines: list[float | None] = [None]
-        if kind is Event.NEIMARK_SACKER:
-            here, _, _ = parameters_at(self._theta.copy(), self._direction.copy(), point)
-            cosines = critical_cosines(here, point[:3])
-        for kappa, contact in itertools.product(cosines, self.zones(kind, point)):
-            if not self.contact_free(kind, contact):
-                y = self.lift(kind, contact, point)
-                yield contact, y if kappa is None else np.insert(y, X, kappa)
+        for contact in self.zones(kind, point):
+            if self.contact_free(kind, contact):
+                continue
+            y = self.lift(kind, contact, point)
+            if kind is not Event.NEIMARK_SACKER:
+                yield contact, y
+                continue
+            for kappa in critical_cosines(self.problem(kind, contact), np.insert(y, X, 0.0)):
+                yield contact, np.insert(y, X, kappa)
 
     def contact_at(self, kind: Event, contact: Contact, y: np.ndarray) -> Contact:
         """The same: y is sought within its zones."""
@@ -274,7 +264,7 @@ class FirstOrderProblem:
             return
         (slot,) = ended
         move = int(np.sign(curve.tangents[-1, slot]))
-        contact = tuple(zone + move * (FRONT + i == slot) for i, zone in enumerate(stretch.contact))
+        contact = tuple(zone + move * int(FRONT + i == slot) for i, zone in enumerate(stretch.contact))
         if not self.contact_free(kind, contact):
             yield Guess(contact, y, move * np.eye(y.size)[slot], 0.0)
 

@@ -24,7 +24,6 @@ from solver.boundaries.problem import (
     Guess,
     Plane,
     Stretch,
-    parameters_at,
     plane_theta,
 )
 from solver.continuation.continuation import EndReason, Event, Problem
@@ -91,8 +90,7 @@ class HarmonicProblem:
         if kind is not Event.NEIMARK_SACKER:
             yield None, point.copy()
             return
-        here, _, _ = parameters_at(self._theta.copy(), self._direction.copy(), point)
-        for kappa in critical_cosines(here, point[:-2]):
+        for kappa in critical_cosines(self.problem(kind, None), np.insert(point, -2, 0.0)):
             yield None, np.insert(point, -2, kappa)
 
     def problem(self, kind: Event, contact: Contact) -> Problem:

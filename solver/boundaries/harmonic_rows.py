@@ -208,7 +208,7 @@ def _bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, residu
     number = 1 if doubling else 2
     n = last - number
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
-    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[n], closed, switches, by_angle, by_axis)
+    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[n], 0.0, closed, switches, by_angle, by_axis)
     for row in range(number):
         residual[n + row] = values[row]
         for j in range(n):

@@ -160,7 +160,7 @@ def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
         # Two starts may lead to the same stretch between two corners, and from one of them alone across.
         for part in chain.parts():
             if not any(tracer.covers(known, part) for known in found):
-                found.append(part)
+                found = [*(known for known in found if not tracer.covers(part, known)), part]
         waiting = waiting[nearest > SAME]
     return [*curves, *(assembled(tracer.boundary_problem, tracer.kind, chain) for chain in joined(found))]
 
@@ -198,10 +198,10 @@ class Tracer:
         return nearest
 
     def covers(self, chain: Chain, other: Chain) -> bool:
-        """Whether a chain runs through the middle of another one."""
-        longest = max((stretch.curve.points for stretch in other.stretches), key=len)
-        middle = longest[len(longest) // 2, list(self.boundary_problem.components(self.kind))]
-        return bool(self.distances(chain, middle[None])[0] <= SAME)
+        """Whether a chain runs through the middle of every stretch of another one."""
+        here = list(self.boundary_problem.components(self.kind))
+        middles = [stretch.curve.points[len(stretch.curve.points) // 2, here] for stretch in other.stretches]
+        return bool(np.all(self.distances(chain, np.array(middles)) <= SAME))
 
     def _through(self, point: np.ndarray) -> Stretch | None:
         """The stretch on which a start (u, x, p) lies."""
