@@ -216,17 +216,20 @@ class _Coverage:
             self._lost.append(y)
             return curve, met
         met.on_curve[column, place] = True
-        # Regular points lie on one branch: curves that share solutions are one, of which a corrector that failed, or
-        # steps that became too small, hid a part.
-        kept = []
-        for other in self._found:
-            shared = met.on_curve & other[1].on_curve
+        # Regular points lie on one branch. Curves share solutions where a corrector failed or steps became too small and hid
+        # a part of one, or where a step jumped over a needle and joined two: then the others hold all of it.
+        for _, other in self._found:
+            shared = met.on_curve & other.on_curve
             if np.any(shared) and np.sum(met.on_curve) - np.sum(shared) <= 1:
-                other[1].on_curve[column, place] = True
+                other.on_curve[column, place] = True
                 return curve, met
-            if not (np.any(shared) and np.array_equal(shared, other[1].on_curve)):
-                kept.append(other)
-        self._found = [*kept, (curve, met)]
+        kept = [*self._found, (curve, met)]
+        for old in self._found:
+            if np.any(met.on_curve & old[1].on_curve):
+                rest = np.logical_or.reduce([other.on_curve for _, other in kept if other is not old[1]])
+                if not np.any(old[1].on_curve & ~rest):
+                    kept = [pair for pair in kept if pair[1] is not old[1]]
+        self._found = kept
         return curve, met
 
 
