@@ -216,7 +216,7 @@ class _Coverage:
             self._lost.append(y)
             return curve, met
         met.on_curve[column, place] = True
-        # Regular points lie on one branch. Curves share solutions where a corrector failed, where steps became too small
+        # Regular points lie on one branch. Curves share solutions where a corrector failed, where steps became small
         # and hid a part of one, or where a step jumped over a needle and joined two: then the others hold all of it.
         for _, other in self._found:
             shared = met.on_curve & other.on_curve
