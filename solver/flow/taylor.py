@@ -156,8 +156,6 @@ def _recurrence(system, zone, forced, y, contact, stiffness, g):
         for i in range(n):
             q = vectors[2, i]
             v0, v1, v2, v3 = q * p0, q * p1, q * p2, q * p3
-            if forced:
-                v0 -= g[j, i]
             for l in range(n):
                 spring, drag = matrices[first + i, l], grade * matrices[second + i, l]
                 v0 += spring * y[j, l, 0] + drag * y[j + 1, l, 0]
@@ -165,6 +163,8 @@ def _recurrence(system, zone, forced, y, contact, stiffness, g):
                 v2 += spring * y[j, l, 2] + drag * y[j + 1, l, 2]
                 v3 += spring * y[j, l, 3] + drag * y[j + 1, l, 3]
             v0, v1, v2, v3 = scale * v0, scale * v1, scale * v2, scale * v3
+            if forced:
+                v0 -= scale * g[j, i]
             y[j + 2, i, 0], y[j + 2, i, 1], y[j + 2, i, 2], y[j + 2, i, 3] = v0, v1, v2, v3
             w = vectors[0, i]
             t0 += w * v0

@@ -15,8 +15,7 @@ and direction are those of `solver.harmonic.layout.packed(system, axis, omega, o
 function `packed(model, axis, omega, 1, 1)`, at axis value p. M is nan where it cannot be computed. It depends smoothly
 on (u, p) as long as the motion switches contact in the same order, up to a truncation error of 1e-11 of its size; where
 a switch appears or vanishes (grazing) it has a square-root corner. n may change where a coupling is exactly 0, with
-which the room returned is another one. What has the arrays of a system at hand (`solver.flow.switched_system`) calls
-`monodromy(system, u, period, room)`.
+which the room returned is another one.
 """
 
 import math
@@ -40,7 +39,16 @@ from solver.flow.taylor import BLOCKS, SERIES, Series, carry_deviations, count_b
 from solver.harmonic.layout import PERIOD, STIFFNESSES
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
-__all__ = ["ROOM", "Room", "monodromy", "monodromy_at", "new_room"]
+__all__ = [
+    "ROOM",
+    "Room",
+    "carry_through",
+    "fill_monodromies",
+    "find_switches",
+    "fitted_room",
+    "monodromy_at",
+    "new_room",
+]
 
 _I, _F = types.int64, types.float64
 _TURN = 2.0 * math.pi
@@ -48,7 +56,7 @@ _TURN = 2.0 * math.pi
 
 class Room(NamedTuple):
     """What `monodromy_at` works in: the system at p, series and states of the deviations, the motion's contact angles
-    and the zones that begin there, and the result."""
+    and the zones that begin there, the result, and room for its multipliers (2, 2 n)."""
 
     system: SwitchedSystem
     series: Series
@@ -56,9 +64,10 @@ class Room(NamedTuple):
     angles: np.ndarray
     zones: np.ndarray
     matrix: np.ndarray
+    multipliers: np.ndarray
 
 
-ROOM = types.NamedTuple((SWITCHED_SYSTEM, SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX), Room)
+ROOM = types.NamedTuple((SWITCHED_SYSTEM, SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
 
 
 @kernel(ROOM(_I, _I, _I), inner=True)
@@ -71,6 +80,7 @@ def _room(degrees, stiffnesses, unknowns):
         np.empty(2 * unknowns + 8),
         np.empty(2 * unknowns + 8, np.int64),
         np.empty((columns, columns)),
+        np.empty((2, columns)),
     )
 
 
@@ -80,24 +90,29 @@ def new_room(theta, direction, p, unknowns):
     return _room(count_degrees(theta, direction, p), int(theta[STIFFNESSES]), unknowns)
 
 
-@kernel(types.void(SWITCHED_SYSTEM, ARRAY, _F, ROOM), inner=True)
-def monodromy(system, motion, period, room):
-    """Fill `room.matrix` with the monodromy matrix of a motion.
+@kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True)
+def fitted_room(theta, direction, p, room):
+    """The room, or a new one where the system has another number of coordinates, with the system at p filled in."""
+    degrees = count_degrees(theta, direction, p)
+    if degrees != room.system.vectors.shape[1]:
+        room = _room(degrees, int(theta[STIFFNESSES]), (room.angles.shape[0] - 8) // 2)
+    system_at(theta, direction, p, room.system)
+    return room
 
-    Parameters
-    ----------
-    system : SwitchedSystem
-    motion : (2 H + 1,) array
-        (Lambda_0, c_1, s_1, ...) of harmonics of Omega/nu.
-    period : float
-        nu.
-    room : Room
-        Of as many coordinates; its own system is not used.
-    """
-    numbers, angles, zones = system.numbers, room.angles, room.zones
-    count = contact_arcs(motion, numbers[HIGH], -numbers[LOW], angles, zones)
+
+@kernel(_I(ARRAY, ROOM), inner=True)
+def find_switches(motion, room):
+    """Fill in the contact angles and zones of a motion; the number of its switches."""
+    numbers = room.system.numbers
+    return contact_arcs(motion, numbers[HIGH], -numbers[LOW], room.angles, room.zones)
+
+
+@kernel(types.void(_I, _F, ROOM), inner=True)
+def carry_through(count, period, room):
+    """Fill `room.matrix` with the monodromy matrix of a motion whose switches are found, over `period` = nu periods."""
+    system, angles, zones = room.system, room.angles, room.zones
     set_identity(room.states)
-    scale = period / numbers[FREQUENCY]
+    scale = period / system.numbers[FREQUENCY]
     # A motion that starts in the middle of a piece: the piece before the first switch is the end of the last one.
     zone, begin, whole = zones[max(count - 1, 0)], 0.0, True
     for piece in range(count + 1):
@@ -117,25 +132,28 @@ def monodromy(system, motion, period, room):
 
 @kernel(ROOM(ARRAY, ARRAY, ARRAY, _F, ROOM), inner=True)
 def monodromy_at(theta, direction, motion, p, room):
-    """`monodromy` of a motion of packed parameters at one axis value; see the module.
+    """Fill `room.matrix` with the monodromy matrix of a motion of packed parameters at one axis value; see the module.
 
     Returns
     -------
     Room
         The one given, or a new one where the number of coordinates is another.
     """
-    degrees = count_degrees(theta, direction, p)
-    if degrees != room.system.vectors.shape[1]:
-        room = _room(degrees, int(theta[STIFFNESSES]), motion.shape[0])
-    system_at(theta, direction, p, room.system)
-    monodromy(room.system, motion, theta[PERIOD], room)
+    room = fitted_room(theta, direction, p, room)
+    carry_through(find_switches(motion, room), theta[PERIOD], room)
     return room
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, MATRIX, types.float64[:, :, ::1]))
+@kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX, types.float64[:, :, ::1]))
 def fill_monodromies(theta, direction, values, motions, found):
-    """Fill found (k, 2 n, 2 n) with the matrices of motions (k, 2 H + 1) at axis values (k,), all of n coordinates."""
+    """Fill found (k, 2 n, 2 n); the number of coordinates of the first motion that has not n, else 0."""
     room = new_room(theta, direction, values[0], motions.shape[1])
-    for k in range(motions.shape[0]):
-        room = monodromy_at(theta, direction, motions[k], values[k], room)
-        found[k, :, :] = room.matrix
+    for k in range(values.shape[0]):
+        room = fitted_room(theta, direction, values[k], room)
+        if room.matrix.shape[0] != found.shape[1]:
+            return room.system.vectors.shape[1]
+        carry_through(find_switches(motions[k], room), theta[PERIOD], room)
+        for i in range(found.shape[1]):
+            for j in range(found.shape[1]):
+                found[k, i, j] = room.matrix[i, j]
+    return 0

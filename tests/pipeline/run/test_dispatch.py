@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.errors import WorkerLost
 from pipeline.plan.plan import Block
 from pipeline.run.dispatch import Batches, dispatch
 from pipeline.run.rows import Outcome, Receipt
-from pipeline.run.workforce import Task, WorkerLost
+from pipeline.run.workforce import Task
 from pipeline.store.tries import MOST_TRIES
 from tests.pipeline.planes import small_plan
 
