@@ -2,10 +2,11 @@
 
 With P(z) = det(z I - M), a period doubling is P(-1) = det(M + I) = 0. A pair of multipliers exp(+-i phi) on the unit
 circle are the roots of z^2 - 2 kappa z + 1, kappa = cos phi, so that the remainder r_0 + r_1 z of P on division by it
-vanishes: two rows for one more unknown, kappa (the squared system of Kuznetsov, Elements of Applied Bifurcation Theory,
-section 10.2, and Govaerts, section 4, on the characteristic polynomial). r_0 and r_1 are polynomials in kappa and the
-entries of M, hence regular through kappa = 1 and kappa = -1, where the pair meets on the real axis: the resonances 1:1
-and 1:2. Beyond, it is a real pair of product 1, which is no bifurcation.
+vanishes: two rows for one more unknown, kappa. This is the squared system for Neimark-Sackers (W. J. F. Govaerts,
+Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000; Y. A. Kuznetsov, Elements of Applied Bifurcation
+Theory, Springer 2004) on the characteristic polynomial. r_0 and r_1 are polynomials in kappa and the entries of M,
+hence regular through kappa = 1 and kappa = -1, where the pair meets on the real axis: the resonances 1:1 and 1:2.
+Beyond, it is a real pair of product 1, which is no bifurcation.
 
 M depends on the motion through the angles of contact alone. A contact that begins (sigma = 1) or ends (-1) at theta_c,
 tau_c = theta_c nu/Omega, changes M by a matrix of rank one,
@@ -30,6 +31,7 @@ from solver.flow.switched_system import FREQUENCY, count_degrees, new_system, sy
 from solver.flow.taylor import carry_deviations, count_blocks, new_series
 from solver.harmonic.layout import BACK, FRONT, OMEGA, PERIOD, STIFFNESSES
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.stability.multipliers import hessenberg
 
 __all__ = ["ANGLE", "SENSE", "bifurcation_test", "characteristic_remainder", "critical_cosines", "move_parameters"]
 
@@ -42,30 +44,6 @@ ANGLE, SENSE = range(2)
 # Degree of the test functions in kappa, for seven coordinates; by how much, as a share of their size, they may miss 0
 # at a start of a Neimark-Sacker.
 _DEGREE, _CRITICAL = 7, 1e-4
-
-
-@kernel(types.void(MATRIX), inner=True)
-def _reduce(matrix):
-    """Make a matrix upper Hessenberg by similarity, with elimination and pivoting."""
-    n = matrix.shape[0]
-    for k in range(1, n - 1):
-        pivot = k
-        for i in range(k + 1, n):
-            if abs(matrix[i, k - 1]) > abs(matrix[pivot, k - 1]):
-                pivot = i
-        if matrix[pivot, k - 1] == 0.0:
-            continue
-        if pivot != k:
-            for j in range(n):
-                matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            for i in range(n):
-                matrix[i, k], matrix[i, pivot] = matrix[i, pivot], matrix[i, k]
-        for i in range(k + 1, n):
-            factor = matrix[i, k - 1] / matrix[k, k - 1]
-            for j in range(k - 1, n):
-                matrix[i, j] -= factor * matrix[k, j]
-            for j in range(n):
-                matrix[j, k] += factor * matrix[j, i]
 
 
 @kernel(types.UniTuple(_F, 4)(MATRIX, _F), inner=True)
@@ -84,12 +62,12 @@ def characteristic_remainder(matrix, kappa):
 
     Notes
     -----
-    The recurrence of La Budde for the leading minors of a Hessenberg matrix (R. Rehman and I. C. F. Ipsen, SIAM J.
-    Matrix Anal. Appl. 32 (2011) 90-114), every minor reduced by z^2 = 2 kappa z - 1: it neither divides nor needs the
-    coefficients of P.
+    The recurrence of La Budde for the leading minors of a Hessenberg matrix (R. Rehman, I. C. F. Ipsen, "La Budde's
+    method for computing characteristic polynomials", arXiv:1104.3769, 2011), every minor reduced by
+    z^2 = 2 kappa z - 1: it neither divides nor needs the coefficients of P.
     """
     n = matrix.shape[0]
-    _reduce(matrix)
+    hessenberg(matrix, n)
     # a + b z, and its derivative by kappa.
     p = np.zeros((n + 1, 4))
     p[0, 0] = 1.0

@@ -31,7 +31,7 @@ TESTS = 4
 
 
 @kernel(types.void(MATRIX, _I), inner=True)
-def _hessenberg(a, n):
+def hessenberg(a, n):
     """Bring a (n, n) to upper Hessenberg form by reflections."""
     v = np.empty(n)
     for k in range(n - 2):
@@ -141,7 +141,7 @@ def eigenvalues(matrix, real, imaginary):
             size += abs(matrix[i, j])
     settles = math.isfinite(size)
     if settles:
-        _hessenberg(matrix, n)
+        hessenberg(matrix, n)
     high, iterations = n - 1, 0
     while settles and high >= 0:
         low = high
