@@ -277,9 +277,12 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
             curves.append(curve)
             notes.append(f"Where a branch changes its dynamic stability is not known: {error}")
     motions = arranged(unknowns, np.nan)
-    stability = assess(
-        span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
-    )
+    kind, modulus = np.empty(0, np.int8), np.empty(0)
+    if column.size:
+        stability = assess(
+            span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
+        )
+        kind, modulus = stability.kind.astype(np.int8), stability.modulus
     return Row(
         span.balance,
         span.axis,
@@ -289,8 +292,8 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
         motions,
         arranged(stable, -1),
         impact_state(*span.balance.extremes(motions), b[:, None]),
-        arranged(stability.kind.astype(np.int8), -1),
-        arranged(stability.modulus, np.nan),
+        arranged(kind, -1),
+        arranged(modulus, np.nan),
         raster.open.astype(np.int8),
         raster.certified,
         tuple(notes),
