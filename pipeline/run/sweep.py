@@ -116,7 +116,7 @@ def _list_rows(job: Job, reporter: Reporter, rows: Sequence[tuple[int, str]], ve
     for row, text in rows[:_LISTED]:
         reporter.line(f"  {job.plan.row_text(row)} {verb}{text}")
     if len(rows) > _LISTED:
-        reporter.line(f"  and {len(rows) - _LISTED} more; `message` in the store says of every row")
+        reporter.line(f"  and {len(rows) - _LISTED} more; `message` in the store has every reason")
 
 
 def _run_blocks(job: Job, blocks, workforce: Workforce, reporter: Reporter, progress: RowProgress):

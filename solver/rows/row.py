@@ -21,6 +21,7 @@ from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, prov
 from solver.rows.span import BROKEN, RowSpan
 from solver.stability import assess
 from solver.stability.bifurcations import KnownMotions, locate_bifurcations
+from solver.stability.multipliers import TESTS
 
 __all__ = ["Row", "sweep_row"]
 
@@ -271,11 +272,14 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
         return result
 
     motions = arranged(unknowns, np.nan)
-    stability = assess(
-        span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
-    )
+    kind, modulus, tests = np.empty(0, np.int8), np.empty(0), np.empty((0, TESTS))
+    if column.size:
+        stability = assess(
+            span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
+        )
+        kind, modulus, tests = stability.kind.astype(np.int8), stability.modulus, stability.tests
     parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
-    known = KnownMotions(grid[column], unknowns, stability.tests)
+    known = KnownMotions(grid[column], unknowns, tests)
     located = [locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in found.curves]
     return Row(
         span.balance,
@@ -286,8 +290,8 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
         motions,
         arranged(stable, -1),
         impact_state(*span.balance.extremes(motions), b[:, None]),
-        arranged(stability.kind.astype(np.int8), -1),
-        arranged(stability.modulus, np.nan),
+        arranged(kind, -1),
+        arranged(modulus, np.nan),
         raster.open.astype(np.int8),
         raster.certified,
         (*found.notes, *raster.notes, *(note for _, notes in located for note in notes)),

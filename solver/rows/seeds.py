@@ -216,8 +216,8 @@ class _Coverage:
             self._lost.append(y)
             return curve, met
         met.on_curve[column, place] = True
-        # Regular points lie on one branch. Curves share solutions where a corrector failed, where steps became small
-        # and hid a part of one, or where a step jumped over a needle and joined two: then the others hold all of it.
+        # Regular points lie on one branch. Curves share solutions where a corrector failed or steps became too small,
+        # which hid a part of one, or where a step jumped over a needle and joined two: then the others hold all of it.
         for _, other in self._found:
             shared = met.on_curve & other.on_curve
             if np.any(shared) and np.sum(met.on_curve) - np.sum(shared) <= 1:
