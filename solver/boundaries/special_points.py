@@ -1,11 +1,10 @@
 """What is special about points of a boundary: their names, and how they are told apart."""
 
-import enum
-
 import numpy as np
 
 from solver.boundaries.problem import BIFURCATIONS, BoundaryProblem, Plane, Stretch
 from solver.continuation.continuation import Event
+from solver.explained import Explained
 
 __all__ = ["SpecialPoint", "end_of", "joint", "named_points"]
 
@@ -14,41 +13,23 @@ __all__ = ["SpecialPoint", "end_of", "joint", "named_points"]
 _STILL = 1e-6
 
 
-class SpecialPoint(enum.IntEnum):
+class SpecialPoint(Explained):
     """What is special about a point of a boundary."""
 
-    NONE = 0
-    BORDER = 1
-    CUSP = 2
-    FOLD_GRAZING = 3
-    ISOLA = 4
-    MERGER = 5
-    EXTREMUM = 6
-    DOUBLE_GRAZING = 7
-    RESONANCE_1_1 = 8
-    CORNER = 9
-    RESONANCE_1_2 = 10
-
-    @property
-    def sentence(self) -> str:
-        """What it means for the motions nearby."""
-        return _SENTENCES[self]
-
-
-_SENTENCES = {
-    SpecialPoint.NONE: "A regular point.",
-    SpecialPoint.BORDER: "The boundary leaves the plane here.",
-    SpecialPoint.CUSP: "Two folds meet and end: beyond it the jump is gone.",
-    SpecialPoint.FOLD_GRAZING: "The folding motion just touches a flank: the jump changes its contact state.",
-    SpecialPoint.ISOLA: "The fold curve turns round in the row parameter: an isolated branch shrinks to a point.",
-    SpecialPoint.MERGER: "The fold curve turns round in the row parameter: two branches touch and reconnect.",
-    SpecialPoint.EXTREMUM: "The grazing curve turns round in the row parameter: a contact state begins or ends.",
-    SpecialPoint.DOUBLE_GRAZING: "The motion just touches both flanks.",
-    SpecialPoint.RESONANCE_1_1: "The critical pair of multipliers meets at 1: the Neimark-Sacker boundary ends.",
-    SpecialPoint.CORNER: "The bifurcating motion just touches a flank: the boundary has a corner.",
-    SpecialPoint.RESONANCE_1_2: "The critical pair of multipliers meets at -1: the Neimark-Sacker boundary ends on a "
-    "period doubling.",
-}
+    NONE = 0, "A regular point."
+    BORDER = 1, "The boundary leaves the plane here."
+    CUSP = 2, "Two folds meet and end: beyond it the jump is gone."
+    FOLD_GRAZING = 3, "The folding motion just touches a flank: the jump changes its contact state."
+    ISOLA = 4, "The fold curve turns round in the row parameter: an isolated branch shrinks to a point."
+    MERGER = 5, "The fold curve turns round in the row parameter: two branches touch and reconnect."
+    EXTREMUM = 6, "The boundary turns round in the row parameter: what happens along it begins or ends there."
+    DOUBLE_GRAZING = 7, "The motion just touches both flanks."
+    RESONANCE_1_1 = 8, "The critical pair of multipliers meets at 1: the Neimark-Sacker boundary ends."
+    CORNER = 9, "The bifurcating motion just touches a flank: the boundary has a corner."
+    RESONANCE_1_2 = (
+        10,
+        ("The critical pair of multipliers meets at -1: the Neimark-Sacker boundary ends on a period doubling."),
+    )
 
 
 def named_points(boundary: BoundaryProblem, kind: Event, stretch: Stretch) -> np.ndarray:
