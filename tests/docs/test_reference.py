@@ -91,4 +91,6 @@ def test_every_group_of_a_store_has_its_table():
     from bevelmap_docs import store
 
     assert asked("arrays") == {"", *store.groups()}
-    assert "with `solver=hb`" in store.arrays() and "with `solver.certify=all`" in store.arrays()
+    needs = {array.name: array.needs for array in store.stored()}
+    assert needs["motion"] == needs["branches/motion"] == "solver=hb"
+    assert needs["certified"] == "solver=first_order" and needs["amplitude"] == needs["boundaries/kind"] == ""
