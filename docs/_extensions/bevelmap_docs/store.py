@@ -29,7 +29,7 @@ _SHORT = (
     "jumps.rows=2",
 )
 #: What adds arrays to the rows.
-_VARIANTS = (("solver=hb",), ("solver.certify=all",))
+_VARIANTS = (("solver=hb",),)
 _DIMENSIONS = {"f_e": "row", "omega": "column"}
 
 
