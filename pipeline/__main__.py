@@ -133,7 +133,7 @@ def _explained(job, error: Exception) -> str:
 
     # Stages that need several planes read all stores of the folder.
     for path in [job.store_path, *sorted(set(job.store_path.parent.glob("*.zarr")) - {job.store_path})]:
-        if path.exists() and (found := store.damage_error(path, error)) is not None:
+        if path.exists() and (found := store.damage_error(path)) is not None:
             return str(found)
     if isinstance(error, OSError):
         return f"{error}{_KEPT}"

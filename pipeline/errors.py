@@ -15,9 +15,10 @@ class StoreError(ConfigurationError):
 
 
 class DamagedError(StoreError):
-    """Files of a store are damaged; the message names the first one and the way on."""
+    """Files of a store are damaged; the message names the first one and the way on, `what` is the fault alone."""
 
     status = 1
+    what = ""
 
 
 class WorkerLost(RuntimeError):

@@ -263,9 +263,11 @@ class Jumps:
 
 @dataclass
 class Check:
-    """What is done about damage."""
+    """What is done about damage, and how many rows are computed again."""
 
     repair: bool = MISSING
+    recompute: int = MISSING
+    seed: int = MISSING
 
 
 @dataclass
