@@ -1,5 +1,6 @@
 """`python -m pipeline`: the command line. Imports are inside the functions because every worker imports this module."""
 
+import signal
 import sys
 
 __all__ = ["main"]
@@ -10,6 +11,14 @@ _KEPT = "; what is stored is kept, and the same command goes on from there"
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    from pipeline.cli.process import ended_by_signals, unread_output
+
+    with unread_output(), ended_by_signals():
+        return _status(arguments)
+
+
+def _status(arguments: list[str]) -> int:
+    """The exit status; whatever ends the run is one line."""
     from pipeline.errors import ConfigurationError
     from pipeline.run.progress import Reporter
 
@@ -22,9 +31,11 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         reporter.error(f"{error}{_KEPT}")
         return 1
-    except KeyboardInterrupt:
-        reporter.error(f"interrupted{_KEPT}")
-        return 130
+    except KeyboardInterrupt as error:
+        # As a shell has it: 128 and the number of the signal.
+        number = getattr(error, "number", signal.SIGINT)
+        reporter.error(f"interrupted{f' by {error}' if number != signal.SIGINT else ''}{_KEPT}")
+        return 128 + number
 
 
 def _run(arguments: list[str], reporter) -> int:
@@ -95,7 +106,11 @@ def _run_all(all_settings, reporter) -> int:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
         # Tables need several planes: once, after all of them.
-        return max(status, _attempt(run_shared_stages, jobs[-1], workforce, reporter))
+        status = max(status, _attempt(run_shared_stages, jobs[-1], workforce, reporter))
+    if len(jobs) < len(all_settings):
+        done = ", ".join(job.settings.store_name for job in jobs)
+        reporter.line(f"note: {len(jobs)} of {len(all_settings)} planes were run: {done}; the others were refused")
+    return status
 
 
 def _attempt(run, job, workforce, reporter) -> int:

@@ -17,6 +17,8 @@ KINDS = ("local", "none", "scheduler")
 _ADDRESS = re.compile(r"(tcp|tls)://(\[[0-9A-Fa-f:.%\w]+\]|[\w.-]+):(\d{1,5})")
 #: Bytes of a scheduler's file at most; one says its workers too.
 _MOST_BYTES = 2**24
+#: Bytes that a worker must have: 270 MB hold what it loads, and dask gives it no task above four fifths of its limit.
+_LEAST_MEMORY = 500_000_000
 
 
 def check_cluster(config: Cluster) -> None:
@@ -27,9 +29,9 @@ def check_cluster(config: Cluster) -> None:
         raise ConfigurationError(f"cluster.workers = {config.workers} is not allowed: it must be from 1 to 1024")
     if not 0.0 < config.row_seconds <= 1e6:
         raise ConfigurationError(f"cluster.row_seconds = {config.row_seconds} is not allowed: it must be from 0 to 1e6")
-    if config.kind != "none":
+    if config.kind != "none" or config.memory != "auto":
         load_dask()
-    _check_memory(config.memory)
+    _check_memory(config)
     if config.dashboard and importlib.util.find_spec("bokeh") is None:
         raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
     if not 0.0 < config.timeout <= 3600.0:
@@ -40,17 +42,30 @@ def check_cluster(config: Cluster) -> None:
         security_of(config, address_of(config))
 
 
-def _check_memory(memory: str) -> None:
-    if memory == "auto":
-        return
+def _check_memory(config: Cluster) -> None:
+    """The size is allowed, and what a worker of this machine gets is enough for it to begin."""
     from dask.utils import parse_bytes
 
+    if config.memory == "auto":
+        if config.kind != "local":
+            return
+        from distributed.system import MEMORY_LIMIT
+
+        if config.workers * _LEAST_MEMORY > MEMORY_LIMIT:
+            raise ConfigurationError(
+                f"cluster.workers = {config.workers} is not allowed here: the memory of this machine, "
+                f"{MEMORY_LIMIT / 1e9:.3g} GB, is enough for {MEMORY_LIMIT // _LEAST_MEMORY}"
+            )
+        return
     try:
-        known = parse_bytes(memory) > 0
-    except ValueError:
-        known = False
-    if not known:
-        raise ConfigurationError(f"cluster.memory = {memory!r} is not allowed: it must be auto or a size such as 4GB")
+        enough = parse_bytes(config.memory) >= _LEAST_MEMORY
+    except (ValueError, OverflowError):
+        enough = False
+    if not enough:
+        raise ConfigurationError(
+            f"cluster.memory = {config.memory!r} is not allowed: it must be auto or a size such as 4GB, "
+            f"{_LEAST_MEMORY / 1e6:.0f}MB at least"
+        )
 
 
 def setting_of(config: Cluster) -> str:
