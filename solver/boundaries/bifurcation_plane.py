@@ -19,13 +19,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import contact_arcs
 from solver.continuation.continuation import Event, Problem
 from solver.continuation.problem import Balance
 from solver.harmonic import describing_function, galerkin
 from solver.harmonic.layout import BACK, FRONT, PAIRS, SIGN, STIFFNESSES, packed
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError
 from solver.model.condensation import SIZE

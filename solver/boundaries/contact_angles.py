@@ -25,9 +25,9 @@ straight line.
 import math
 
 import numpy as np
-from numba import types
 
 from solver.harmonic.describing_function import coefficients
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.condensation import SIZE
 from solver.model.parameter_path import add_path

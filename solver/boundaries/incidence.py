@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Continuation, Curve, Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
 
 __all__ = ["distances"]

@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.boundaries.contact_angles import (
     BACK,
@@ -28,6 +27,7 @@ from solver.boundaries.contact_angles import (
     plane_coefficients,
 )
 from solver.continuation.continuation import Event, Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError
 from solver.model.condensation import AXES, axis_vectors

@@ -1,10 +1,10 @@
 """More points of a traced curve, solved and not interpolated: a boundary stays exact at any magnification."""
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Continuation, Curve, Problem
 from solver.continuation.curve_point import Setup, land_between, point_size
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
 
 __all__ = ["refined"]

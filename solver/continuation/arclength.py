@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import types
 
 from solver.continuation.curve_point import SETUP, Setup, land, locate, observe_from, orient, point_size
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
 from solver.kernels.linear import dot
 

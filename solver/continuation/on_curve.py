@@ -6,11 +6,11 @@ a fold), it is located along the curve instead.
 """
 
 import numpy as np
-from numba import types
 
 from solver.continuation.arclength import pin, scaled_distance
 from solver.continuation.continuation import Continuation, Curve, Event, Problem
 from solver.continuation.curve_point import SETUP, Setup, land, locate, point_size
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
 
 __all__ = ["curve_crossings"]

@@ -1,11 +1,11 @@
 """From the roots of the reduced balance to boxes of motions that are proven to hold exactly one solution each."""
 
 import numpy as np
-from numba import types
 
 from solver.enumeration.interval import exact
 from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 
 __all__ = [

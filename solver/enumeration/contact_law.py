@@ -25,9 +25,8 @@ iteration: its result is moved outwards and then checked against phi with that m
 
 import math
 
-from numba import types
-
 from solver.enumeration.interval import INTERVAL
+from solver.kernels import types
 from solver.kernels.compile import kernel
 
 __all__ = ["LAW", "contact_law", "gain_over"]

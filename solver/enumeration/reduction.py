@@ -27,8 +27,6 @@ chi in (0, 1] is the share of the period in contact. Three remarks make this com
 
 import math
 
-from numba import types
-
 from solver.enumeration.coefficients import enclosed_coefficients
 from solver.enumeration.contact_law import LAW, gain_over
 from solver.enumeration.interval import (
@@ -50,6 +48,7 @@ from solver.enumeration.interval import (
     subtract,
     symmetric,
 )
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.condensation import F_PM, B
 

@@ -14,12 +14,12 @@ before it is multiplied by s(tau), as in the balance itself.
 """
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import COMPLEX
 from solver.harmonic.contact_terms import contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.harmonic.layout import PERIOD, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 
 __all__ = ["COMPLEX_MATRIX", "contact_and_modulated", "perturbation_matrix"]

@@ -7,13 +7,13 @@ label changes where lambda_a = ceiling: a curve of the plane like a fold or a gr
 import math
 
 import numpy as np
-from numba import types
 
 from solver.boundaries.contact_angles import GRAZED_ANGLE, MONITORS, ZONE, angle_rows, determinant, plane_coefficients
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.plane import Plane
 from solver.boundaries.trace import Tracer
 from solver.continuation.continuation import Continuation, Event, Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = ["ceiling_curve"]

@@ -10,9 +10,9 @@ import cmath
 import math
 
 import numpy as np
-from numba import types
 
 from solver.harmonic.perturbation import COMPLEX_MATRIX
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.stability.hill_determinant import HILL, determinant, fill_matrix
 

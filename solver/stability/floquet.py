@@ -11,9 +11,9 @@ series of the exponential.
 import math
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import COMPLEX, contact_arcs
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model

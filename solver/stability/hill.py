@@ -17,9 +17,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.stability.floquet import SYSTEMS
 from solver.stability.system_row import SystemRow

@@ -15,13 +15,13 @@ import math
 from collections import namedtuple
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
 from solver.harmonic.contact_terms import coefficient, modulated
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.harmonic.layout import BACK, FRONT, GEAR, KIND, PAIRS, PERIOD, STIFFNESSES
 from solver.harmonic.perturbation import COMPLEX_MATRIX
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.condensation import (
     CONE,

@@ -17,8 +17,8 @@ stability is never contradicted.
 import math
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate_rows
 from solver.stability.floquet import SYSTEMS, contact_shares

@@ -11,13 +11,13 @@ which is infinite where the motion grazes a flank. Names are those of `solver.st
 import math
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import COMPLEX, displacement
 from solver.harmonic.contact_terms import coefficient, modulated
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
 from solver.harmonic.perturbation import COMPLEX_MATRIX
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.stability.hill_determinant import (
     HILL,

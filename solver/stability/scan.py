@@ -9,11 +9,11 @@ import cmath
 import math
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Event
 from solver.continuation.curve_point import SETUP, Setup, land_between, locate, point_size
 from solver.harmonic.perturbation import COMPLEX_MATRIX
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
 from solver.stability.exponents import NODES, exponent, gathered_phase, place
 from solver.stability.hill_determinant import HALF, WHOLE, determinant, fill_matrix, hill_of

@@ -4,9 +4,9 @@ import subprocess
 import sys
 
 import numpy as np
-from numba import types
 
 from solver.kernels import compile as compiled
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 
 

@@ -23,7 +23,7 @@ import sys, types
 for name in ("solver", "solver.kernels"):
     sys.modules[name] = types.ModuleType(name)
     sys.modules[name].__path__ = [{str(ROOT)!r} + "/" + name.replace(".", "/")]
-from numba import types
+from solver.kernels import types
 from numba.core import event
 from solver.kernels.compile import ARRAY, kernel, kernel_store
 
