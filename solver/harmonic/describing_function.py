@@ -193,7 +193,8 @@ def linear_solution(theta, direction, p, unknowns):
     balance(base, along, y, residual, jacobian)
     square = jacobian[:, :3].copy()
     determinant = eliminate(square, residual)
-    unknowns[:] = -residual
+    for i in range(3):
+        unknowns[i] = -residual[i]
     return determinant
 
 

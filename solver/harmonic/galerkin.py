@@ -147,7 +147,8 @@ def linear_solution(theta, direction, p, unknowns):
     square = jacobian[:, :n].copy()
     right = residual.copy()
     determinant = eliminate(square, right)
-    unknowns[:] = -right
+    for i in range(n):
+        unknowns[i] = -right[i]
     unknowns[0] += 1.0
     return np.sign(determinant)
 

@@ -56,7 +56,7 @@ class Kernel:
         return self.__qualname__
 
     def __call__(self, *arguments):
-        return self.dispatcher(*arguments)
+        return self.callable(*arguments)
 
     @functools.cached_property
     def content(self) -> str:
@@ -66,14 +66,14 @@ class Kernel:
         return hashlib.sha256(repr((names, text)).encode()).hexdigest()
 
     @functools.cached_property
-    def dispatcher(self):
+    def callable(self):
         """What numba calls; compiled or read from the cache by now."""
         with _LOCK:
-            return _backend().dispatcher_of(self)
+            return _backend().callable_of(self)
 
     @functools.cached_property
     def _address(self) -> int:
-        return _backend().wrapper_address(self)
+        return _backend().address_of(self)
 
     def __wrapper_address__(self) -> int:
         """What numba asks for where this kernel is an argument."""

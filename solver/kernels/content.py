@@ -1,7 +1,7 @@
 """What a kernel depends on, as text: its code, and the values that it finds outside, other kernels included.
 
-The text names an entry of the cache. It holds values and not files or lines, so that an edit is felt by the kernels that
-it can change and by no others, whatever way a name was imported, and two checkouts share what is equal in both.
+The text names an entry of the cache. It holds values and not files or lines: an edit is felt by the kernels that it can
+change and by no others, whatever way a name was imported, and two checkouts share what is equal in both.
 """
 
 import enum

@@ -6,7 +6,7 @@ LAPACK through numba costs about 1 us per 4 x 4 solve, three times what the whol
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
-__all__ = ["dot", "eliminate", "eliminate_rows"]
+__all__ = ["dot", "eliminate", "eliminate_rows", "put"]
 
 COMPLEX_MATRIX = types.complex128[:, ::1]
 
@@ -18,6 +18,13 @@ def dot(left, right):
     for i in range(left.shape[0]):
         total += left[i] * right[i]
     return total
+
+
+@kernel(types.void(ARRAY, ARRAY), inline=True)
+def put(target, values):
+    """target[:] = values, which numba takes seconds to compile, as the error message for unequal lengths comes along."""
+    for i in range(target.shape[0]):
+        target[i] = values[i]
 
 
 @kernel(types.float64(MATRIX, MATRIX), types.complex128(COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)
