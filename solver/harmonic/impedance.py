@@ -5,9 +5,9 @@ f,
 
     D Lambda + A f + B q = G
 
-Gear pair (PHYSICS, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the mesh
-row. Other systems, closed by a contact of stiffness 1 so that a free rigid motion does no harm, Z = K + s C + s^2 M + h
-w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A.
+Gear pair (docs/physics.md, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the
+mesh row. Other systems, closed by a contact of stiffness 1 so that a free rigid motion does no harm, Z = K + s C + s^2
+M + h w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A.
 """
 
 import cmath
