@@ -23,10 +23,12 @@ from numba.core.serialize import dumps
 from numba.core.typing.typeof import Purpose
 from numba.extending import models, register_model, typeof_impl
 
-from solver.kernels.compile import Kernel
 from solver.kernels.store import kernel_store
 
 __all__ = ["address_of", "callable_of"]
+
+#: Seconds to wait for another process that compiles the same kernel; then both do.
+_PATIENCE = 120.0
 
 _OPTIONS = {"nopython": True, "error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
@@ -65,7 +67,7 @@ class _Compiler(compiler.Compiler):
 class _KernelType(numba.types.Callable, numba.types.Opaque):
     """Type of a kernel among the globals of a compiled function, which calls it with what it declares."""
 
-    def __init__(self, kernel: Kernel):
+    def __init__(self, kernel):
         self._kernel, self._lowered = kernel, {}
         super().__init__(f"{kernel!r} {id(kernel)}")
 
@@ -107,24 +109,31 @@ def _(context, builder, kernel_type, kernel):
 
 
 @functools.cache
-def _kernel_type(kernel: Kernel) -> _KernelType:
+def _kernel_type(kernel) -> _KernelType:
     return _KernelType(kernel)
 
 
 @functools.cache
-def _function_type(kernel: Kernel) -> numba.types.FunctionType:
+def _function_type(kernel) -> numba.types.FunctionType:
     (declared,) = kernel.signatures
     return numba.types.FunctionType(declared.numba)
 
 
-@typeof_impl.register(Kernel)
-def _(kernel: Kernel, context):
+def _type_of(kernel, context):
     """Compiled functions call it directly where it is one of their globals, through a pointer where it is handed in."""
     return _kernel_type(kernel) if context.purpose is Purpose.constant else _function_type(kernel)
 
 
-def callable_of(kernel: Kernel):
-    """What Python calls: compiled, or read from the cache, for what the kernel declares and for nothing else."""
+def register(kernel_class: type) -> None:
+    """Tell numba what objects of a class are: `solver.kernels.compile.Kernel`."""
+    typeof_impl.register(kernel_class)(_type_of)
+
+
+def callable_of(kernel, wait: bool):
+    """What Python calls: compiled, or read from the cache, for what a kernel declares and for nothing else.
+
+    None if another process is compiling it right now, and `wait` is False.
+    """
     if numba.config.DISABLE_JIT:
         return kernel.__wrapped__
     dispatcher = numba.njit(error_model="numpy")(kernel.__wrapped__)
@@ -132,19 +141,31 @@ def callable_of(kernel: Kernel):
     cpu_target.target_context.refresh()
     for declared in kernel.signatures:
         name = _entry_name(kernel, declared.numba)
-        dispatcher.add_overload(_read(name) or _compiled(kernel, declared.numba, name))
+        if (result := _read(name)) is None:
+            with kernel_store().claimed(name, _PATIENCE if wait else 0.0) as mine:
+                if not (mine or wait):
+                    return None
+                result = _read(name) or _compiled(kernel, declared.numba, name)
+        dispatcher.add_overload(result)
     dispatcher.disable_compile()
     return dispatcher
 
 
-def address_of(kernel: Kernel) -> int:
+def is_kept(kernel) -> bool:
+    """Whether the cache has what `callable_of` needs."""
+    return numba.config.DISABLE_JIT or all(
+        kernel_store().has(_entry_name(kernel, declared.numba)) for declared in kernel.signatures
+    )
+
+
+def address_of(kernel) -> int:
     """Address of what other kernels call when they were given this one as an argument."""
     (result,) = kernel.callable.overloads.values()
     return result.library.get_pointer_to_function(result.fndesc.llvm_cfunc_wrapper_name)
 
 
 @global_compiler_lock
-def _compiled(kernel: Kernel, signature, name: str) -> compiler.CompileResult:
+def _compiled(kernel, signature, name: str) -> compiler.CompileResult:
     lowered = _kernel_type(kernel).lowered(signature)
     context = lowered.target_context
     library = _Callable(context.codegen(), lowered.fndesc.qualname)
@@ -180,6 +201,6 @@ def _surroundings() -> str:
     return repr((versions, cpu_target.target_context.codegen().magic_tuple(), settings, Path(__file__).read_bytes()))
 
 
-def _entry_name(kernel: Kernel, signature) -> str:
+def _entry_name(kernel, signature) -> str:
     key = hashlib.sha256(repr((kernel.content, str(signature), _surroundings())).encode()).hexdigest()
     return f"{kernel.__module__}.{kernel.__name__}-{key[:32]}.kernel"

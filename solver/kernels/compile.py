@@ -59,17 +59,34 @@ class Kernel:
         return self.callable(*arguments)
 
     @functools.cached_property
+    def callable(self):
+        """What Python calls."""
+        self.prepare()
+        return self.__dict__["callable"]
+
+    def prepare(self, wait: bool = True) -> bool:
+        """Compile the kernel or read it from the cache; whether it is ready.
+
+        Parameters
+        ----------
+        wait : bool
+            Whether to wait for another process that is compiling it right now.
+        """
+        with _LOCK:
+            if "callable" not in self.__dict__ and (ready := _backend().callable_of(self, wait)) is not None:
+                self.__dict__["callable"] = ready
+        return "callable" in self.__dict__
+
+    def is_kept(self) -> bool:
+        """Whether it is ready or in the cache, so that its first call does not wait for the compiler."""
+        return "callable" in self.__dict__ or _backend().is_kept(self)
+
+    @functools.cached_property
     def content(self) -> str:
         """Digest of everything that the compiled kernel depends on within this package."""
         text = described_code(self.__wrapped__, Kernel)
-        names = (self.__module__, self.__qualname__, repr(self.signatures), self.inline, self.inner)
+        names = (self.__module__, self.__qualname__, repr(self.signatures), self.inline)
         return hashlib.sha256(repr((names, text)).encode()).hexdigest()
-
-    @functools.cached_property
-    def callable(self):
-        """What numba calls; compiled or read from the cache by now."""
-        with _LOCK:
-            return _backend().callable_of(self)
 
     @functools.cached_property
     def _address(self) -> int:
@@ -84,6 +101,7 @@ class Kernel:
 def _backend():
     from solver.kernels import backend
 
+    backend.register(Kernel)
     return backend
 
 

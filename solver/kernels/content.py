@@ -40,7 +40,7 @@ def described_code(function: types.FunctionType, kernel_class: type) -> str:
         code = code.replace(co_consts=(None, *code.co_consts[1:]))
     try:
         values = {name: _described(value, kernel_class) for name, value in outside.items()}
-        return repr((_described(code, kernel_class), _described(function.__defaults__, kernel_class), values))
+        return repr((_described(code, kernel_class), values))
     except TypeError as error:
         raise TypeError(f"kernel {function.__qualname__}: {error}") from None
 

@@ -22,7 +22,7 @@ def dot(left, right):
 
 @kernel(types.void(ARRAY, ARRAY), inline=True)
 def put(target, values):
-    """target[:] = values, which numba takes seconds to compile, as the error message for unequal lengths comes along."""
+    """target[:] = values, which takes numba seconds to compile: it adds an error message for unequal lengths."""
     for i in range(target.shape[0]):
         target[i] = values[i]
 

@@ -7,6 +7,7 @@ entry that is empty, cut short or damaged is removed. Where nothing can be kept,
 
 import atexit
 import contextlib
+import fcntl
 import functools
 import hashlib
 import logging
@@ -14,6 +15,8 @@ import os
 import shutil
 import stat
 import tempfile
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 __all__ = ["KernelStore", "kernel_store", "why_distrusted"]
@@ -100,6 +103,10 @@ class KernelStore:
                 self._keeps = False
         _LOG.warning("note: compiled kernels are %s: %s", kept, error)
 
+    def has(self, name: str) -> bool:
+        """Whether there is an entry, sound or not."""
+        return any((folder / name).exists() for folder in self._folders)
+
     def read(self, name: str) -> bytes | None:
         """The content of an entry, None if there is none; one that is damaged or another user's is removed."""
         for folder in self._folders:
@@ -144,6 +151,37 @@ class KernelStore:
                 self._retreat(error)
             else:
                 return
+
+    @contextlib.contextmanager
+    def claimed(self, name: str, patience: float) -> Iterator[bool]:
+        """Only one process at a time makes an entry.
+
+        Yields
+        ------
+        bool
+            False if another one is at it and has not ended within `patience` seconds.
+        """
+        if not self._keeps:
+            yield True
+            return
+        path, until = self._folders[-1] / f"{name}.lock", time.monotonic() + patience
+        with contextlib.ExitStack() as opened:
+            while True:
+                try:
+                    file = opened.enter_context(path.open("w"))
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    opened.close()
+                    if time.monotonic() >= until:
+                        yield False
+                        return
+                    time.sleep(0.02)
+                except OSError:  # no such locks on this file system, or the disk is full: every process for itself
+                    break
+                else:
+                    opened.callback(self._remove, path)
+                    break
+            yield True
 
     def drop(self, name: str) -> None:
         """Remove an entry."""
