@@ -38,7 +38,6 @@ from solver.kernels.warm import kernels_of, warm
 compiled, original = [], backend._compiled
 backend._compiled = lambda kernel, *others: compiled.append(kernel.__name__) or original(kernel, *others)
 said = []
-sys.stdin.readline()
 warm(kernels_of(["shared"]), lambda *report: said.append(report))
 print(json.dumps([compiled, said]))
 """
@@ -46,29 +45,31 @@ print(json.dumps([compiled, said]))
 
 @pytest.fixture
 def start(tmp_path):
-    """Start a process that imports everything, and compiles when it is told to."""
+    """Start a process that compiles what is shared."""
     (tmp_path / "shared.py").write_text(SHARED)
+    processes = []
 
     def start():
         environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
         command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
-        pipes = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        return subprocess.Popen(command, env=environment, **pipes)
+        pipes = dict(stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        processes.append(subprocess.Popen(command, env=environment, **pipes))
+        return processes[-1]
 
-    return start
+    yield start
+    for process in processes:
+        process.kill()
+        process.communicate()
 
 
 def _ended(process):
-    out, err = process.communicate("\n", timeout=300)
+    out, err = process.communicate(timeout=300)
     assert process.returncode == 0 and err == "", err
     return json.loads(out)
 
 
 def test_several_processes_share_the_work(start, tmp_path):
     processes = [start() for _ in range(3)]
-    for process in processes:
-        process.stdin.write("\n")
-        process.stdin.flush()
     results = [_ended(process) for process in processes]
     assert sorted(name for compiled, _ in results for name in compiled) == [f"sum_{i}" for i in range(6)]
     for _, said in results:
@@ -80,14 +81,12 @@ def test_several_processes_share_the_work(start, tmp_path):
 
 def test_a_process_that_was_killed_holds_nothing_up(start, tmp_path):
     process = start()
-    process.stdin.write("\n")
-    process.stdin.flush()
     folder = tmp_path / "cache/bevelmap"
     while not list(folder.glob("*.lock")):
         assert process.poll() is None
         time.sleep(0.001)
     process.kill()
-    process.communicate()
+    process.wait()
     compiled, _ = _ended(start())
     assert 1 <= len(compiled) <= 6 and len(list(folder.glob("*.kernel"))) == 6
 
