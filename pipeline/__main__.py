@@ -66,8 +66,12 @@ def _run_overrides(asked, reporter) -> int:
 
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
-    from pipeline.cli.warmup import kernels_for, warm_up
+    from pipeline.cli.warmup import warm_up
     from pipeline.errors import ConfigurationError
+    from pipeline.run.libraries import load_zarr
+
+    load_zarr()
+    from pipeline.run.kernels import kernels_for
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce
 
@@ -88,7 +92,7 @@ def _run_all(all_settings, reporter) -> int:
     # Workers of a running scheduler have a cache of their own.
     configs = [job.settings.config for job in jobs if job.settings.config.cluster.kind != "scheduler"]
     warm_up([name for config in configs for name in kernels_for(config.stages, config.solver.balance)], reporter)
-    with Workforce(jobs[0].settings.config.cluster) as workforce:
+    with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
         # Tables need several planes: once, after all of them.
@@ -115,7 +119,7 @@ def _explained(job, error: Exception) -> str:
 
     # Stages that need several planes read all stores of the folder.
     for path in [job.store_path, *sorted(set(job.store_path.parent.glob("*.zarr")) - {job.store_path})]:
-        if path.exists() and (found := store.damage_error(path, error)) is not None:
+        if path.exists() and (found := store.damage_error(path)) is not None:
             return str(found)
     if isinstance(error, OSError):
         return f"{error}{_KEPT}"

@@ -3,59 +3,16 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterable
 
 from pipeline.run.progress import Reporter, RowProgress
 
-__all__ = ["NEEDED", "kernels_for", "warm_up"]
-
-_ROWS = {
-    "describing_function": (
-        "solver.stability.scan",
-        "solver.enumeration.certificates",
-        "solver.continuation.arclength",
-        "solver.stability.hill_roots",
-        "solver.stability.hill",
-        "solver.stability.floquet",
-        "solver.continuation.on_curve",
-        "solver.continuation.correctors",
-        "solver.harmonic.describing_function",
-    ),
-    "galerkin": (
-        "solver.continuation.arclength",
-        "solver.harmonic.galerkin",
-        "solver.stability.hill_roots",
-        "solver.stability.hill",
-        "solver.stability.floquet",
-        "solver.continuation.on_curve",
-        "solver.continuation.correctors",
-    ),
-}
-_BOUNDARIES = (
-    "solver.boundaries.bifurcation_plane",
-    "solver.boundaries.plane",
-    "solver.boundaries.contact_angles.determinant",
-    "solver.boundaries.contact_angles.plane_coefficients",
-    "solver.boundaries.incidence",
-)
-
-#: What stages need, as modules or single kernels, those that take longest first: by stage and balance.
-NEEDED = {
-    "sweep": _ROWS,
-    "debug": _ROWS,
-    "boundaries": {"describing_function": (*_BOUNDARIES, "solver.stability.scan.critical_shares")},
-}
+__all__ = ["warm_up"]
 
 _HELPER = """
 import sys
 from solver.kernels.warm import kernels_of, warm
 warm(kernels_of(sys.argv[1:]))
 """
-
-
-def kernels_for(stages: Iterable[str], balance: str) -> list[str]:
-    """Names of what stages need, in the order to compile them in."""
-    return list(dict.fromkeys(name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ())))
 
 
 def warm_up(names: list[str], reporter: Reporter) -> None:

@@ -14,7 +14,7 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
 from solver.kernels.linear import put
 
-__all__ = ["curve_crossings"]
+__all__ = ["curve_crossings", "meet"]
 
 _I, _F = types.int64, types.float64
 _FOLD = int(Event.FOLD)
@@ -34,7 +34,7 @@ def _first_from(grid, value):
 
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def _meet(setup, left, right, arc, level, found):
+def meet(setup, left, right, arc, level, found):
     """Fill `found` with the point between two points at p = level; False if it cannot be found."""
     n = setup.unknowns
     start, end, leave, arrive = left[n], right[n], arc * left[2 * n + 1], arc * right[2 * n + 1]
@@ -162,7 +162,7 @@ def _crossings(
                 piece = stable[i] if events[i] != _FOLD else stable[i + 1]
                 left[-1] = right[-1] = sense if piece == 1 else -sense
                 filled = True
-            if not _meet(setup, left, right, arclength[i + 1] - arclength[i], grid[k], found):
+            if not meet(setup, left, right, arclength[i + 1] - arclength[i], grid[k], found):
                 return -1 - k
             put(unknowns[count], found)
             columns[count], stabilities[count] = k, piece

@@ -4,6 +4,7 @@ The text names an entry of the cache. It holds values and not files or lines: an
 change and by no others, whatever way a name was imported, and two checkouts share what is equal in both.
 """
 
+import dis
 import enum
 import types
 from collections.abc import Iterator
@@ -32,10 +33,9 @@ def described_code(function: types.FunctionType, kernel_class: type) -> str:
     TypeError
         If the function uses something whose contents cannot be told, such as a list or an object that may change.
     """
-    outside = {name: function.__globals__[name] for name in _names(function.__code__) if name in function.__globals__}
-    cells = function.__closure__ or ()
-    outside |= {name: cell.cell_contents for name, cell in zip(function.__code__.co_freevars, cells, strict=True)}
-    code = function.__code__
+    code, cells = function.__code__, function.__closure__ or ()
+    outside = {name: function.__globals__[name] for name in _global_names(code) if name in function.__globals__}
+    outside |= {name: cell.cell_contents for name, cell in zip(code.co_freevars, cells, strict=True)}
     if function.__doc__ is not None:
         code = code.replace(co_consts=(None, *code.co_consts[1:]))
     try:
@@ -45,12 +45,14 @@ def described_code(function: types.FunctionType, kernel_class: type) -> str:
         raise TypeError(f"kernel {function.__qualname__}: {error}") from None
 
 
-def _names(code: types.CodeType) -> Iterator[str]:
-    """Names that a function may look up among globals, those of functions inside it included."""
-    yield from code.co_names
+def _global_names(code: types.CodeType) -> Iterator[str]:
+    """Names that a function looks up among globals, those of functions inside it included; attributes are none."""
+    for step in dis.get_instructions(code):
+        if step.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+            yield step.argval
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
-            yield from _names(constant)
+            yield from _global_names(constant)
 
 
 def _described(value, kernel_class: type) -> str:
