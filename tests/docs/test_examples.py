@@ -179,7 +179,7 @@ def test_make_targets_that_pages_name_exist():
 def test_the_first_commands_are_those_of_make_and_of_ci():
     makefile, ci = ((ROOT / name).read_text(encoding="utf-8") for name in ("Makefile", ".ci/run"))
     assert "python -m pipeline plane=omega_fe" in makefile and "python -m pytest" in makefile
-    assert all(f"make {target}\n" in ci for target in ("check", "docs", "test", "test-slow"))
+    assert all(f"make {target}\n" in ci for target in ("check", "docs", "test"))
     assert {"make map", "make test"} <= {
         line.partition("  ")[0] for block in READ["README.md"].of("sh") for line in block.text.splitlines()
     }

@@ -7,7 +7,7 @@ import signal
 import pytest
 
 from pipeline import store
-from tests.pipeline.faults.runs import KEPT, ROWS, complete, continued, same, start, until, workers_of
+from tests.pipeline.faults.runs import INJECTED, KEPT, ROWS, complete, continued, same, start, until, workers_of
 from tests.pipeline.schedulers import Scheduler
 
 _FEW = [("client", 1), ("worker", 2), ("workers", 3), ("client", 4), ("scheduler", 5), ("client", 6)]
@@ -80,7 +80,7 @@ def test_killed_and_continued_fifty_times(victim, seed, tmp_path, undisturbed, c
 
 
 def test_an_interrupted_run_says_so_and_is_continued(tmp_path, undisturbed, capsys):
-    run = start(tmp_path)
+    run = start(tmp_path, environment={"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "slow"})
     until(run, 3)
     os.killpg(run.process.pid, signal.SIGINT)
     run.end()

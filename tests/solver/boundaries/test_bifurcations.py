@@ -10,7 +10,6 @@ from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SpecialPoint, bo
 from solver.boundaries.problem import Plane
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
-from solver.harmonic.layout import packed
 from solver.stability.bifurcations import with_bifurcations
 from tests.conftest import antiphase, consistent, published
 from tests.solver.stability.rows import HIGH, LOW, branch
@@ -43,8 +42,7 @@ def row_of(gear, axis, balance, value):
     """The main branch of a row with its bifurcations."""
     model = GEARS[gear](**{axis: value})
     problem, curve = branch(model, balance)
-    parameters = packed(model, "omega", None, balance.order, balance.period)
-    return with_bifurcations(parameters, problem, curve, Continuation())[0]
+    return with_bifurcations(balance, problem, curve, Continuation())
 
 
 @functools.cache

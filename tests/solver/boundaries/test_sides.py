@@ -10,7 +10,6 @@ from solver.boundaries import BIFURCATIONS, SpecialPoint, boundary_curves, row_e
 from solver.continuation.continuation import Event
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
-from solver.harmonic.layout import packed
 from solver.stability import Instability, assess, motion_multipliers
 from solver.stability.bifurcations import with_bifurcations
 from tests.conftest import antiphase, consistent, published
@@ -45,8 +44,7 @@ def curves_of(gear, axis, balance, rows=16):
             curves = sweep_row(model, "omega", np.linspace(*OMEGA, 60), seeds=LinearSeeds()).curves
         else:
             problem, curve = branch(model, balance)
-            parameters = packed(model, "omega", None, balance.order, balance.period)
-            curves = [with_bifurcations(parameters, problem, curve, Continuation())[0]]
+            curves = [with_bifurcations(balance, problem, curve, Continuation())]
         starts += row_events(curves, value, BIFURCATIONS)
     return boundary_curves(GEARS[gear](), "omega", axis, OMEGA, RANGES[axis], starts, balance=balance)
 

@@ -35,15 +35,19 @@ def _fail(kind: str) -> None:
 
 
 def _patch(module) -> None:
-    """Let the row at f_e = 0.25 fail, on every worker."""
-    kind, honest = _FAULT, module._sweep
+    """Let the row at f_e = 0.25 fail, on every worker; or let every row take long enough to be interrupted."""
+    kind, honest = _FAULT, module.stored_row
 
-    def sweep(plan, value, *rest):
-        if abs(value - plan.parameter.values[plan.parameter.num // 2]) < 1e-12:
+    def stored_row(plan, value, *rest):
+        if kind == "slow":
+            import time
+
+            time.sleep(0.1)
+        elif abs(value - plan.parameter.values[plan.parameter.num // 2]) < 1e-12:
             _fail(kind)
         return honest(plan, value, *rest)
 
-    module._sweep = sweep
+    module.stored_row = stored_row
 
 
 class _Finder(importlib.abc.MetaPathFinder):
