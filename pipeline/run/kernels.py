@@ -24,7 +24,9 @@ _ROWS = {
         "solver.continuation.arclength.trace",
         "solver.stability.assessment._assess",
         "solver.rows.crossings._crossings",
+        "solver.harmonic.galerkin._linear_degree",
         "solver.harmonic.galerkin.monitor",
+        "solver.harmonic.galerkin._extremes",
         "solver.continuation.correctors._newton",
     ),
 }
@@ -39,7 +41,8 @@ NEEDED = {
             "solver.boundaries.first_order._grazing_balance",
             "solver.boundaries.first_order._monitor",
             "solver.boundaries.incidence._distances",
-        )
+        ),
+        "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
     "figures": {"describing_function": ("solver.contact.dead_zone.describing_functions",)},
     "debug": _ROWS,
