@@ -42,7 +42,8 @@ def introduce(load: bool) -> dict[str, str]:
     found = facts()
     load_zarr()
     if load:
-        importlib.import_module("solver")
+        for module in ("solver.rows.row", "solver.kernels.backend"):
+            importlib.import_module(module)
     return found
 
 

@@ -12,6 +12,7 @@ from pipeline.errors import DamagedError
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.admission import worker_address
+from pipeline.run.kernels import ready_for_rows
 from pipeline.store.tries import Tries
 from solver import Balance, Continuation, Row, RowError
 from solver.rows.seeds import Seeds
@@ -107,6 +108,7 @@ def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None)
     RowTrouble
         If a row raises something unforeseen: nothing is written then, and the attempt is noted for the next one.
     """
+    ready_for_rows(plan.solver["balance"])
     begin = perf_counter()
     balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
     seeds = seeds_of(plan.solver)

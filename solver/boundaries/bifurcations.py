@@ -22,7 +22,6 @@ gradients are infinite, and curves have corners.
 import math
 
 import numpy as np
-from numba import types
 from numpy.polynomial import chebyshev
 
 from solver.boundaries.problem import P_STEP, X_STEP
@@ -30,6 +29,7 @@ from solver.continuation.continuation import Problem
 from solver.flow.switched_system import FREQUENCY, count_degrees, new_system, system_at
 from solver.flow.taylor import carry_deviations, count_blocks, new_series
 from solver.harmonic.layout import BACK, FRONT, OMEGA, PERIOD, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.stability.multipliers import hessenberg
 

@@ -24,11 +24,11 @@ of `solver.boundaries.problem`; the balance reads the model's numbers among the 
 import math
 
 import numpy as np
-from numba import types
 
 from solver.boundaries.problem import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, parameters_at
 from solver.harmonic.describing_function import coefficients
 from solver.harmonic.layout import PAIRS, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.condensation import SIZE
 

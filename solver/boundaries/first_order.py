@@ -17,7 +17,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
 from solver.boundaries.contact_angles import (
@@ -48,6 +47,7 @@ from solver.boundaries.problem import (
     plane_theta,
 )
 from solver.continuation.continuation import EndReason, Event, Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = ["FirstOrderProblem"]

@@ -18,7 +18,6 @@ central differences.
 import math
 
 import numpy as np
-from numba import types
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, move_parameters
 from solver.boundaries.problem import BACK_CONTACT, EVENT, FRONT_CONTACT, GRAZINGS, P_STEP, X_STEP, parameters_at
@@ -27,6 +26,7 @@ from solver.continuation.continuation import Event
 from solver.harmonic import galerkin
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 

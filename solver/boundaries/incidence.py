@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Continuation, Curve, Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
+from solver.kernels.linear import put
 
 __all__ = ["distances"]
 
@@ -85,7 +86,7 @@ def _distances(
                 continue
             normal /= math.sqrt(length)
             _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
-            found[:] = seed
+            put(found, seed)
             if corrector(balance, theta, direction, scale, found, normal, tolerance, limit, work) < 0:
                 continue
             moved, distance = 0.0, 0.0

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Curve, Event, Problem
 from solver.harmonic.layout import SYSTEM_AXES, packed
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import ParameterError
 from solver.model.condensation import AXES

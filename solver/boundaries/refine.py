@@ -1,11 +1,12 @@
 """More points of a traced curve, solved and not interpolated: a boundary stays exact at any magnification."""
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Continuation, Curve, Problem
 from solver.continuation.curve_point import Setup, land_between, point_size
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
+from solver.kernels.linear import put
 
 __all__ = ["refined"]
 
@@ -51,16 +52,17 @@ def _refined(
     left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
     count = 0
     for i in range(points.shape[0] - 1):
-        result[count, :] = points[i]
+        put(result[count], points[i])
         count += 1
-        left[: n + 1], right[: n + 1] = points[i], points[i + 1]
-        left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2] = tangents[i], tangents[i + 1]
+        for j in range(n + 1):
+            left[j], right[j] = points[i, j], points[i + 1, j]
+            left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
         for k in range(1, parts[i]):
             if land_between(setup, left, right, arclength[i + 1] - arclength[i], k / parts[i], found) < 0:
                 return -1 - i
-            result[count, :] = found[: n + 1]
+            put(result[count], found)
             count += 1
-    result[count, :] = points[-1]
+    put(result[count], points[-1])
     return count + 1
 
 

@@ -11,8 +11,8 @@ import cmath
 import math
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 
 __all__ = ["COMPLEX", "contact_arcs", "contact_spectrum", "displacement", "extremes", "most_arcs"]

@@ -3,11 +3,11 @@
 import math
 
 import numpy as np
-from numba import types
 
 from solver.continuation.curve_point import SETUP, Setup, land, locate, observe_from, orient, point_size
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
-from solver.kernels.linear import dot
+from solver.kernels.linear import dot, put
 
 __all__ = ["pin", "scaled_distance", "trace"]
 
@@ -74,6 +74,15 @@ def scaled_distance(left, right, scale):
     for j in range(scale.shape[0]):
         total += ((left[j] - right[j]) / scale[j]) ** 2
     return math.sqrt(total)
+
+
+@kernel(types.boolean(ARRAY, ARRAY, ARRAY), inline=True)
+def _coincide(left, right, scale):
+    """Whether two points' y are the same up to what corrections leave."""
+    furthest = 0.0
+    for j in range(scale.shape[0]):
+        furthest = max(furthest, abs((left[j] - right[j]) / scale[j]))
+    return furthest < 1e-6
 
 
 @kernel(types.boolean(ARRAY, ARRAY, ARRAY), inline=True)
@@ -149,9 +158,8 @@ def _find_events(setup, left, right, arc, least, found, fractions, kinds):
         while k > 0 and fractions[k - 1] > fractions[k]:
             fractions[k - 1], fractions[k] = fractions[k], fractions[k - 1]
             kinds[k - 1], kinds[k] = kinds[k], kinds[k - 1]
-            swap = found[k].copy()
-            found[k, :] = found[k - 1]
-            found[k - 1, :] = swap
+            for j in range(found.shape[1]):
+                found[k - 1, j], found[k, j] = found[k, j], found[k - 1, j]
             k -= 1
         count += 1
     # A curve bends sharply where it grazes, and may fold twice there between two points that look harmless.
@@ -167,7 +175,7 @@ def pin(setup, point, slot, level):
     normal, pinned = np.zeros(n + 1), point.copy()
     normal[slot] = 1.0
     pinned[slot] = level
-    if land(setup, pinned, normal) > 0 and np.max(np.abs((pinned - point)[: n + 1] / setup.scale)) < 1e-6:
+    if land(setup, pinned, normal) > 0 and _coincide(pinned, point, setup.scale):
         sign = 1.0 if dot(pinned[n + 1 : 2 * n + 2], point[n + 1 : 2 * n + 2]) >= 0.0 else -1.0
         for j in range(n + 1):
             point[j] = pinned[j]
@@ -205,15 +213,15 @@ def _find_end(setup, left, right, arc, ceiling, low, high, home, away, found):
         place = locate(setup, left, right, arc, slot, plane, level, trial)
         if place < 0.0:
             return -1, 0.0
-        if kind == CLOSED and np.max(np.abs((trial - home)[: n + 1] / setup.scale)) > 1e-6:
+        if kind == CLOSED and not _coincide(trial, home, setup.scale):
             continue
         if place < fraction:
             reason, fraction = kind, place
-            found[:] = trial
+            put(found, trial)
             if kind == RANGE_LEFT:
                 pin(setup, found, slot, level)
             elif kind == CLOSED:
-                found[:] = home
+                put(found, home)
     return reason, fraction
 
 
@@ -223,8 +231,8 @@ def _record(setup, point, event, arc, count, points, tangents, arclength, stable
     if count >= points.shape[0]:
         return False
     n = setup.unknowns
-    points[count, :] = point[: n + 1]
-    tangents[count, :] = point[n + 1 : 2 * n + 2]
+    put(points[count], point)
+    put(tangents[count], point[n + 1 :])
     arclength[count], events[count] = arc, event
     stable[count] = 1 if event != FOLD and point[2 * n + 1] * point[-1] > 0.0 else 0
     return True
@@ -262,7 +270,7 @@ def _note(diary, attempt, outcome, step, iterations, error, angle, count, y):
     if attempt < diary.shape[0]:
         diary[attempt, OUTCOME], diary[attempt, STEP], diary[attempt, ITERATIONS] = outcome, step, iterations
         diary[attempt, STRAY], diary[attempt, TURN], diary[attempt, POINTS] = error, angle, count
-        diary[attempt, PLACE:] = y
+        put(diary[attempt, PLACE:], y)
 
 
 @kernel(
@@ -341,7 +349,7 @@ def trace(
     here, there, last, guess = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(n + 1)
     found, fractions, kinds = np.zeros((monitors, size)), np.empty(monitors), np.empty(monitors, np.int64)
 
-    here[: n + 1] = start
+    put(here[: n + 1], start)
     # The second call makes the determinant that of the tangent's own border, comparable with those that follow.
     if not orient(setup, here, heading) or not orient(setup, here, here[n + 1 : 2 * n + 2].copy()):
         return 0, STEP_TOO_SMALL, 0
@@ -404,7 +412,7 @@ def trace(
         if reason > 0:
             return count, reason, refused
 
-        here[:] = there
+        put(here, there)
         # Aim at a third of the largest angle, and at no more than three corrections.
         factor = min(max(settings[ANGLE] / (3.0 * max(angle, 1e-9)), 0.5), 2.0)
         step *= min(factor, 3.0 / iterations) if iterations > 3 else factor

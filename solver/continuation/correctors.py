@@ -7,8 +7,7 @@ frozen object that names its compiled kernel; continuation calls the kernel and 
 import math
 from dataclasses import dataclass
 
-from numba import types
-
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError

@@ -12,9 +12,9 @@ import math
 from collections import namedtuple
 
 import numpy as np
-from numba import types
 
 from solver.continuation.correctors import bordered
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
 from solver.kernels.linear import dot, eliminate_rows
 

@@ -1,7 +1,6 @@
 """The cubic through two values with given slopes (Hermite): between two points of a curve it is what is known of it."""
 
-from numba import types
-
+from solver.kernels import types
 from solver.kernels.compile import kernel
 
 __all__ = ["cubic", "cubic_slope", "cubic_value"]

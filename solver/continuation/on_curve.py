@@ -6,17 +6,31 @@ a fold), it is located along the curve instead.
 """
 
 import numpy as np
-from numba import types
 
 from solver.continuation.arclength import pin, scaled_distance
 from solver.continuation.continuation import Continuation, Curve, Event, Problem
 from solver.continuation.curve_point import SETUP, Setup, land, locate, point_size
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.kernels.linear import put
 
 __all__ = ["curve_crossings", "meet"]
 
 _I, _F = types.int64, types.float64
 _FOLD = int(Event.FOLD)
+
+
+@kernel(_I(ARRAY, _F), inner=True)
+def _first_from(grid, value):
+    """Index of the first entry of an increasing grid that is not below a value."""
+    low, high = 0, grid.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if grid[middle] < value:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
@@ -125,7 +139,7 @@ def _crossings(
         # closed.
         if i < 0 and closed:
             continue
-        low, high = np.searchsorted(grid, min(before, after)), np.searchsorted(grid, max(before, after))
+        low, high = _first_from(grid, min(before, after)), _first_from(grid, max(before, after))
         while high < grid.shape[0] and grid[high] <= max(before, after):
             high += 1
         filled = False
@@ -135,13 +149,14 @@ def _crossings(
             if count == capacity:
                 return capacity + 1
             if grid[k] == after:
-                unknowns[count, :] = points[i + 1, :n]
+                put(unknowns[count], points[i + 1])
                 columns[count], stabilities[count] = k, stable[i + 1]
                 count += 1
                 continue
             if not filled:
-                left[: n + 1], right[: n + 1] = points[i], points[i + 1]
-                left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2] = tangents[i], tangents[i + 1]
+                for j in range(n + 1):
+                    left[j], right[j] = points[i, j], points[i + 1, j]
+                    left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
                 # The sign of the determinant is that of stability times the sense in which p moves.
                 sense = 1.0 if after > before else -1.0
                 piece = stable[i] if events[i] != _FOLD else stable[i + 1]
@@ -149,7 +164,7 @@ def _crossings(
                 filled = True
             if not meet(setup, left, right, arclength[i + 1] - arclength[i], grid[k], found):
                 return -1 - k
-            unknowns[count, :] = found[:n]
+            put(unknowns[count], found)
             columns[count], stabilities[count] = k, piece
             count += 1
     return count

@@ -1,11 +1,12 @@
 """From the roots of the reduced balance to boxes of motions that are proven to hold exactly one solution each."""
 
 import numpy as np
-from numba import types
 
 from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+from solver.kernels.linear import put
 
 __all__ = [
     "AMPLITUDE",
@@ -131,7 +132,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
             if found[count, AMPLITUDE] > ceiling:
                 above = _OPEN
             else:
-                undecided[n_open, :] = found[count]
+                put(undecided[n_open], found[count])
                 n_open += 1
             continue
         stable = (sign < 0.0) == (q[0] > 0.0)

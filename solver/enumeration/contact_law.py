@@ -26,9 +26,8 @@ that bounds over wide rectangles need not be solved for to the last digit (`slac
 
 import math
 
-from numba import types
-
 from solver.enumeration.interval import INTERVAL
+from solver.kernels import types
 from solver.kernels.compile import kernel
 
 __all__ = ["contact_law", "gain_over", "gain_slopes", "near_cosine"]

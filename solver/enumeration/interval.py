@@ -10,8 +10,7 @@ for its opposite. Operands are taken to be finite; `solver.enumeration.reduction
 
 import math
 
-from numba import types
-
+from solver.kernels import types
 from solver.kernels.compile import kernel
 
 __all__ = [

@@ -31,8 +31,6 @@ is that above with q^2 in place of q.
 
 import math
 
-from numba import types
-
 from solver.enumeration.coefficients import enclosed_coefficients
 from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes, near_cosine
 from solver.enumeration.interval import (
@@ -56,6 +54,7 @@ from solver.enumeration.interval import (
     symmetric,
     times,
 )
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.condensation import (
     ALPHA,

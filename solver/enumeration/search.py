@@ -15,10 +15,9 @@ returned as undecided.
 
 import math
 
-from numba import types
-
 from solver.enumeration.interval import above, absolute, below, divide, exact, subtract
 from solver.enumeration.reduction import GAP, LOAD, approximate_gain, gain_at, numerators_at, slope_over, turning_point
+from solver.kernels import types
 from solver.kernels.compile import MATRIX, kernel
 
 __all__ = ["CONTRADICTION", "FREE_MOTION", "narrow", "search"]

@@ -12,9 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from solver.harmonic.layout import BACK, DEGREES, FRONT, GEAR, KIND, OMEGA, PAIRS, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate_rows
 from solver.model.condensation import (

@@ -20,9 +20,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from solver.flow.switched_system import FREQUENCY, HIGH, LENGTH, LOW, SWITCHED_SYSTEM
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = [

@@ -16,13 +16,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import extremes
 from solver.continuation.problem import Problem
 from solver.harmonic.contact_terms import coefficient, contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES, packed
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError
@@ -147,7 +147,8 @@ def linear_solution(theta, direction, p, unknowns):
     square = jacobian[:, :n].copy()
     right = residual.copy()
     determinant = eliminate(square, right)
-    unknowns[:] = -right
+    for i in range(n):
+        unknowns[i] = -right[i]
     unknowns[0] += 1.0
     return np.sign(determinant)
 

@@ -13,9 +13,9 @@ M + h w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A.
 import cmath
 
 import numpy as np
-from numba import types
 
 from solver.harmonic.layout import DEGREES, GEAR, KIND, LOADS, OMEGA, PAIRS, PERIOD, SIGN, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.kernels.linear import eliminate_rows
 from solver.model.condensation import (

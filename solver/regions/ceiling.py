@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.boundaries.contact_angles import MONITORS, angle_rows, determinant, plane_coefficients
 from solver.boundaries.curve import BoundaryCurve, assembled
@@ -16,6 +15,7 @@ from solver.boundaries.first_order import FirstOrderProblem
 from solver.boundaries.problem import LEVEL, Contact, Plane
 from solver.boundaries.tracer import Tracer
 from solver.continuation.continuation import Continuation, Event, Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = ["ceiling_curve"]

@@ -10,11 +10,11 @@ and compared to rounding.
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Curve, Event
 from solver.continuation.curve_point import Setup, point_size
 from solver.continuation.on_curve import meet
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
 from solver.rows.span import RowSpan
 

@@ -8,11 +8,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.continuation.problem import Balance
 from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
 from solver.harmonic.layout import PERIOD, SYSTEM_AXES, packed
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.checks import ParameterError
 from solver.model.condensation import AXES

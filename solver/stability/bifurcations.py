@@ -16,13 +16,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Continuation, Curve, Event
 from solver.continuation.curve_point import SETUP, Setup, land_between, point_size
 from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.problem import Balance, Problem
 from solver.harmonic import layout
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
 from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
 from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room

@@ -22,7 +22,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import contact_arcs
 from solver.flow.switched_system import (
@@ -37,6 +36,7 @@ from solver.flow.switched_system import (
 )
 from solver.flow.taylor import BLOCKS, SERIES, Series, carry_deviations, count_blocks, new_series, set_identity
 from solver.harmonic.layout import PERIOD, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = [

@@ -9,8 +9,8 @@ F. Van Loan, Matrix Computations, sections 7.4 and 7.5).
 import math
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.stability.instability import BEYOND_MINUS_ONE, BEYOND_ONE, NEAR_CIRCLE, NOT_FINITE, PAIR_OUTSIDE
 

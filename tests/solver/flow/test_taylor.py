@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from numba import types
 
 from solver.flow.switched_system import SWITCHED_SYSTEM, SwitchedSystem
 from solver.flow.taylor import BLOCKS, new_series, series_at, state_at, step_length
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.contact_system import gear_system
 from solver.timedomain import taylor
