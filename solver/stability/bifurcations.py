@@ -95,19 +95,12 @@ def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continua
         curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~known] for name in names})
     if len(curve.points) < 2:
         return curve
-    watched, corrector = _watched(balance, problem), continuation.corrector
+    watched = _watched(balance, problem)
     size = problem.unknowns + 1
     after, kinds, fractions = np.empty(_MOST, np.int64), np.empty(_MOST, np.int8), np.empty(_MOST)
     points, tangents = np.empty((_MOST, size)), np.empty((_MOST, size))
     count = scan(
-        corrector.kernel,
-        corrector.tolerance,
-        corrector.max_iterations,
-        watched.balance,
-        watched.monitor,
-        watched.theta,
-        watched.direction,
-        watched.scale,
+        watched.setup(continuation.corrector),
         curve.points,
         curve.tangents,
         curve.arclength,

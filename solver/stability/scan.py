@@ -12,9 +12,10 @@ import numpy as np
 from numba import types
 
 from solver.continuation.continuation import Event
-from solver.continuation.curve_point import SETUP, Setup, land_between, locate, point_size
+from solver.continuation.curve_point import locate, point_size, state_at
+from solver.continuation.setup import SETUP
 from solver.harmonic.perturbation import COMPLEX_MATRIX
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.stability.exponents import NODES, exponent, gathered_phase, place
 from solver.stability.hill_determinant import HALF, WHOLE, determinant, fill_matrix, hill_of
 
@@ -139,7 +140,7 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
     phases, middle_phases, other_phases = np.empty(NODES), np.empty(NODES), np.empty(NODES)
     ends = np.empty((2, n + 1))
     for side in range(2):
-        if land_between(setup, left, right, arc, low if side == 0 else high, found) < 0:
+        if state_at(setup, left, right, arc, low if side == 0 else high, found) < 0:
             return -1.0
         ends[side, :] = found[: n + 1]
     g_low, g_high, z = 0.0, 0.0, complex(guess, 0.0)
@@ -152,7 +153,7 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
             bracketed = True
             break
         middle = 0.5 * (low + high)
-        if land_between(setup, left, right, arc, middle, found) < 0:
+        if state_at(setup, left, right, arc, middle, found) < 0:
             return -1.0
         end = _phases(setup.theta, setup.direction, ends[0], window, phases)
         middle_end = _phases(setup.theta, setup.direction, found[: n + 1], window, middle_phases)
@@ -172,7 +173,7 @@ def _pinpoint(setup, left, right, arc, low, high, window, guess, found):
         x = (low * g_high - high * g_low) / (g_high - g_low)
         margin = 1e-3 * (high - low)
         x = min(max(x, low + margin), high - margin)
-        if land_between(setup, left, right, arc, x, found) < 0:
+        if state_at(setup, left, right, arc, x, found) < 0:
             return -1.0
         # Another exponent may be close by: the path of this one is known at both ends of the bracket, and bends
         # between.
@@ -207,7 +208,7 @@ def _crossing(setup, left, right, arc, window, phases, end, other_phases, other_
     for part in range(1, _PARTS + 1):
         now_end = other_end
         if part < _PARTS:
-            if land_between(setup, left, right, arc, part / _PARTS, found) < 0:
+            if state_at(setup, left, right, arc, part / _PARTS, found) < 0:
                 return -2.0
             now_end = _phases(setup.theta, setup.direction, found[: setup.unknowns + 1], window, now)
         else:
@@ -231,67 +232,15 @@ def _record(count, i, kind, x, found, n, after, kinds, fractions, points, tangen
     return count
 
 
-@kernel(
-    _I(
-        CORRECTOR,
-        _F,
-        _I,
-        BALANCE,
-        MONITOR,
-        ARRAY,
-        ARRAY,
-        ARRAY,
-        MATRIX,
-        MATRIX,
-        ARRAY,
-        FLAGS,
-        types.int64[::1],
-        FLAGS,
-        ARRAY,
-        MATRIX,
-        MATRIX,
-    )
-)
-def scan(
-    corrector,
-    tolerance,
-    limit,
-    balance,
-    monitor,
-    theta,
-    direction,
-    scale,
-    branch,
-    branch_tangents,
-    arclength,
-    events,
-    after,
-    kinds,
-    fractions,
-    points,
-    tangents,
-):
+@kernel(_I(SETUP, MATRIX, MATRIX, ARRAY, FLAGS, types.int64[::1], FLAGS, ARRAY, MATRIX, MATRIX))
+def scan(setup, branch, branch_tangents, arclength, events, after, kinds, fractions, points, tangents):
     """Locate the bifurcations of a branch: fill the last five arrays; their number, or -1 - i if one near point i is
     lost.
 
     The search along the axis is repeated at every point of the branch but its folds, where the determinant over the
     whole window vanishes at its centre: the step across a fold is one step there, and its windings are halves.
     """
-    n = scale.shape[0] - 1
-    setup = Setup(
-        corrector,
-        tolerance,
-        limit,
-        balance,
-        monitor,
-        theta,
-        direction,
-        scale,
-        n,
-        1,
-        np.empty((3 * n + 6, n + 1)),
-        np.empty((1, n + 1)),
-    )
+    n, theta, direction = setup.unknowns, setup.theta, setup.direction
     size, total = point_size(setup), branch.shape[0]
     left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
     phases, ends = np.empty((total, 2, NODES)), np.empty((total, 2), _COMPLEX)
