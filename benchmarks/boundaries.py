@@ -10,9 +10,9 @@ import time
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 
-from pipeline.config import compose
-from pipeline.plan import plan
-from pipeline.sweep import model_at
+from pipeline.config.compose import compose
+from pipeline.plan.numerics import model_at
+from pipeline.plan.planning import plan
 from solver import sweep_row
 from solver.boundaries import boundary_curves, row_events
 

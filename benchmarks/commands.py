@@ -8,7 +8,8 @@ import time
 from pathlib import Path
 
 from benchmarks.measurement import Baselines, Measurement, Sizes, timed
-from pipeline import boundaries, figures, store
+from pipeline import figures, store
+from pipeline.analysis import boundaries
 
 __all__ = ["measure_commands", "run"]
 

@@ -6,9 +6,10 @@ import numpy as np
 
 from benchmarks.baselines import fsolve_sweep, runge_kutta_sweep
 from benchmarks.measurement import Baselines, Measurement, Sizes, timed
-from pipeline.config import compose
-from pipeline.plan import Plan, plan
-from pipeline.sweep import balance_of, continuation_of, model_at, row_of, seeds_of
+from pipeline.config.compose import compose
+from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_of, seeds_of
+from pipeline.plan.plan import Plan
+from pipeline.plan.planning import plan
 from solver import first_order_problem
 from solver.enumeration.certificates import MOST, enumerate_points
 from solver.harmonic.describing_function import linear_solution

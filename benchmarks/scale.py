@@ -101,10 +101,10 @@ def processor_seconds() -> tuple[float, float]:
 def crew(folder: Path, workers: int, rows: int) -> Effort:
     """What rows cost on so many workers that are warm."""
     from pipeline import store
-    from pipeline.cluster import Workforce
-    from pipeline.config import compose
-    from pipeline.dispatch import dispatch
-    from pipeline.plan import plan
+    from pipeline.config.compose import compose
+    from pipeline.plan.planning import plan
+    from pipeline.run.dispatch import dispatch
+    from pipeline.run.workforce import Workforce
 
     settings = compose([f"cluster.workers={workers}", f"plane.parameter.num={rows}"])
     planned = plan(settings)

@@ -9,9 +9,9 @@ import time
 import numpy as np
 
 from benchmarks.baselines import fsolve_sweep
-from pipeline.config import compose
-from pipeline.plan import plan
-from pipeline.sweep import continuation_of, model_at
+from pipeline.config.compose import compose
+from pipeline.plan.numerics import continuation_of, model_at
+from pipeline.plan.planning import plan
 from solver import Event, first_order_problem, sweep_row
 from solver.harmonic.describing_function import linear_solution
 

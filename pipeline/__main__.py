@@ -11,7 +11,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
     from pipeline.errors import ConfigurationError
-    from pipeline.progress import Reporter
+    from pipeline.run.progress import Reporter
 
     reporter = Reporter()
     try:
@@ -28,21 +28,21 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _run(arguments: list[str], reporter) -> int:
-    from pipeline.arguments import parse
+    from pipeline.cli.arguments import parse
 
     asked = parse(arguments)
     if asked.usage:
-        from pipeline.usage import usage
+        from pipeline.cli.help import usage
 
         print(usage(asked.config_dir), end="")
         return 0
     if asked.complete is not None:
-        from pipeline.completion import candidates
+        from pipeline.cli.completion import candidates
 
         print("\n".join(candidates(asked.complete)))
         return 0
     if asked.shell is not None:
-        from pipeline.completion import script
+        from pipeline.cli.completion import script
 
         print(script(asked.shell), end="")
         return 0
@@ -50,7 +50,7 @@ def _run(arguments: list[str], reporter) -> int:
 
 
 def _run_overrides(asked, reporter) -> int:
-    from pipeline.config import compose, expand
+    from pipeline.config.compose import compose, expand
     from pipeline.errors import ConfigurationError
 
     combinations = expand(asked.overrides)
@@ -66,12 +66,12 @@ def _run_overrides(asked, reporter) -> int:
 
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
-    from pipeline.cluster import Workforce
+    from pipeline.cli.warmup import compile_beside
     from pipeline.errors import ConfigurationError
-    from pipeline.warmup import compile_beside
+    from pipeline.run.workforce import Workforce
 
     helper = compile_beside()
-    from pipeline.stages import prepare, run_plane_stages, run_shared_stages
+    from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
 
     status, jobs = 0, []
     names = [settings.store_name for settings in all_settings]

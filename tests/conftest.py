@@ -29,7 +29,7 @@ def pytest_configure(config):
     """Compile all kernels once before several test processes would each compile them."""
     controls = getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput")
     if controls and not config.option.collectonly:
-        code = "from pipeline.warmup import compile_all, is_cold; is_cold() and compile_all()"
+        code = "from pipeline.cli.warmup import compile_all, is_cold; is_cold() and compile_all()"
         subprocess.run([sys.executable, "-c", code], cwd=_ROOT, check=True)
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import boundaries
-from pipeline.config import compose, expand
-from pipeline.plan import plan
+from pipeline.analysis import boundaries
+from pipeline.config.compose import compose, expand
+from pipeline.plan.planning import plan
 from tests.pipeline.planes import small_plan, small_store
 
 ROOT = Path(__file__).parents[1]
@@ -69,7 +69,9 @@ def test_two_commands_are_what_ci_runs():
     assert "`make bench`" in README and "\nbench:" in makefile
 
 
-@pytest.mark.parametrize("module", ["pipeline.cluster", "pipeline.completion", "pipeline.listing", "pipeline.opened"])
+@pytest.mark.parametrize(
+    "module", ["pipeline.run.workforce", "pipeline.cli.completion", "pipeline.store.listing", "pipeline.api"]
+)
 def test_doctests_of_the_pipeline(module):
     results = doctest.testmod(importlib.import_module(module))
     assert results.attempted > 0 and results.failed == 0

@@ -78,7 +78,7 @@ def draw_design(
     ----------
     store_path, folder, formats, dpi, units
         As for `draw`.
-    answer : pipeline.margins.Answer
+    answer : pipeline.analysis.margins.Answer
     """
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():

@@ -10,8 +10,8 @@ from pipeline.figures.naming import STATE_NAMES, axis_label, fixed_parameters, v
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
 from pipeline.figures.stored import StoredPlane
+from pipeline.plan.numerics import model_at
 from pipeline.store import COMPLETE, FAILED, PENDING
-from pipeline.sweep import model_at
 from solver import EndReason, Event, ImpactState, backbone
 
 __all__ = ["chosen_rows", "draw_curves"]

@@ -54,7 +54,7 @@ def draw_margins(plane: StoredPlane, answer) -> Figure:
     Parameters
     ----------
     plane : StoredPlane
-    answer : pipeline.margins.Answer
+    answer : pipeline.analysis.margins.Answer
 
     Returns
     -------

@@ -1,7 +1,8 @@
 """How parameters are written in figures."""
 
-from pipeline.plan import TEMPERATURE, Plan
-from pipeline.sweep import frame_of
+from pipeline.config.physical import TEMPERATURE
+from pipeline.plan.numerics import frame_of
+from pipeline.plan.plan import Plan
 from solver import ImpactState, Scales
 
 __all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "symbol", "value_text"]

@@ -3,7 +3,7 @@
 import math
 
 from pipeline.errors import ConfigurationError
-from pipeline.plan import Plan
+from pipeline.plan.plan import Plan
 
 __all__ = ["FORMATS", "check_options"]
 

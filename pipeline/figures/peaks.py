@@ -3,8 +3,8 @@
 import numpy as np
 
 from pipeline.figures.stored import StoredPlane
-from pipeline.peaks import resonance_peak
-from pipeline.resonances import resonances_of
+from pipeline.plane.peaks import resonance_peak
+from pipeline.plane.resonances import resonances_of
 
 __all__ = ["resonance_peaks"]
 

@@ -9,10 +9,10 @@ the amplitude ceiling, a boundary that could not be followed) the nearer row is 
 
 import numpy as np
 
-from pipeline.boundaries.events import GRAZINGS_AND_FOLDS, MARGINS, half_backlash
-from pipeline.boundaries.group import StoredBoundaries, StoredCurve
+from pipeline.analysis.boundaries.events import GRAZINGS_AND_FOLDS, MARGINS, half_backlash
+from pipeline.analysis.boundaries.group import StoredBoundaries, StoredCurve
 from pipeline.figures.stored import StoredPlane
-from pipeline.plan import Plan
+from pipeline.plan.plan import Plan
 from pipeline.store import COMPLETE
 from solver import Event, domain_code, impact_state
 

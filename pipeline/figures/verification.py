@@ -7,6 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
+from pipeline.analysis.verification.credibility import Credibility
+from pipeline.analysis.verification.group import StoredVerification, read_verification
+from pipeline.analysis.verification.verdicts import Verdict
 from pipeline.figures.layout import (
     BETWEEN,
     BOTTOM,
@@ -29,9 +32,6 @@ from pipeline.figures.palette import hex_colour
 from pipeline.figures.panels import cell_borders, lines_of
 from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
-from pipeline.verification.credibility import Credibility
-from pipeline.verification.group import StoredVerification, read_verification
-from pipeline.verification.verdicts import Verdict
 
 __all__ = ["draw_verification", "verification_of"]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.pieces import Piece, labels_at
+from pipeline.plane.segments import Piece, labels_at
 
 __all__ = ["coexistence_windows"]
 

@@ -1,6 +1,6 @@
 """Every array that a plane has: its dimensions, type, fill value and attributes."""
 
-from pipeline.plan import Plan
+from pipeline.plan.plan import Plan
 from pipeline.store.attributes import LONG_NAMES, UNITS, flags, label_flags
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, domain_labels

@@ -2,8 +2,10 @@
 
 import math
 
-from pipeline.axes import PATHS, Axis
-from pipeline.plan import Plan, check_numbers, plan_of
+from pipeline.config.physical import PATHS
+from pipeline.plan.axes import Axis
+from pipeline.plan.plan import Plan, plan_of
+from pipeline.plan.planning import check_numbers
 from solver import SCALAR_PARAMETERS
 
 __all__ = ["believed"]

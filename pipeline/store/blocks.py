@@ -4,7 +4,7 @@ import numpy as np
 import zarr
 
 from pipeline.errors import StoreError
-from pipeline.plan import Block, Plan
+from pipeline.plan.plan import Block, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.codecs import every_chunk
 from pipeline.store.states import COMPLETE, FAILED, PENDING

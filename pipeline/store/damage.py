@@ -17,7 +17,7 @@ import numpy as np
 import zarr
 
 from pipeline.errors import DamagedError, StoreError
-from pipeline.plan import SCHEMA_VERSION, Block, Plan
+from pipeline.plan.plan import SCHEMA_VERSION, Block, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.chunks import Chunks
 from pipeline.store.identity import plan_from, root_attributes

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.plan import OLDEST_READ, SCHEMA_VERSION, Plan
+from pipeline.plan.plan import OLDEST_READ, SCHEMA_VERSION, Plan
 from pipeline.store.believed import believed
 from pipeline.store.opening import look_over
 from pipeline.store.seal import sealed

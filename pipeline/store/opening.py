@@ -15,7 +15,7 @@ import numpy as np
 import zarr
 
 from pipeline.errors import DamagedError, StoreError
-from pipeline.plan import Plan
+from pipeline.plan.plan import Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.chunks import Chunks
 from pipeline.store.states import PENDING

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-from pipeline.plan import Block, Plan
+from pipeline.plan.plan import Block, Plan
 
 __all__ = [
     "COMPLETE",

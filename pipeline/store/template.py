@@ -8,7 +8,7 @@ from pathlib import Path
 
 import zarr
 
-from pipeline.plan import SCHEMA_VERSION, Plan
+from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.arrays import arrays_of
 from pipeline.store.attributes import axis_attributes
 from pipeline.store.codecs import COMPRESSORS

@@ -6,7 +6,8 @@ root of the margin, which stops Newton's method and makes second derivatives inf
 
     lambda_a sin phi_f = b - lambda_m,    lambda_a sin phi_b = -b - lambda_m,    -pi/2 <= phi <= pi/2,
 
-everything is a trigonometric polynomial in them (f front flank, the drive side; b back flank; PHYSICS section 4):
+everything is a trigonometric polynomial in them (f front flank, the drive side; b back flank; docs/physics.md,
+sections 4 and 5):
 
     f_0 = lambda_m + [(b - lambda_m) phi_f + lambda_a cos phi_f - (-b - lambda_m) phi_b - lambda_a cos phi_b]/pi
     N_a = 1 - [phi_f + sin phi_f cos phi_f - phi_b - sin phi_b cos phi_b]/pi

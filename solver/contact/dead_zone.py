@@ -2,7 +2,7 @@
 
 The dead zone is f(x) = x - b for x > b, 0 for |x| <= b, x + b for x < -b. For x(theta) = mean + amplitude cos(theta)
 its mean and fundamental follow in closed form from the two angles at which x crosses +b and -b
-(PHYSICS, section 4; the article's N_m, N_a, G and H).
+(docs/physics.md, section 4; the article's N_m, N_a, G and H).
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Impact state of a motion and the n/I label of a set of motions (PHYSICS, section 5)."""
+"""Impact state of a motion and the n/I label of a set of motions (docs/physics.md, section 5)."""
 
 import enum
 from collections.abc import Iterable

@@ -1,9 +1,10 @@
-"""When a periodic motion is in contact, and the Fourier coefficients of that: exact, not sampled (PHYSICS, section 4).
+"""When a periodic motion is in contact, and the Fourier coefficients of that: exact, not sampled.
 
-A motion is the array u = (Lambda_0, c_1, s_1, ..., c_H, s_H), lambda(theta) = Lambda_0 + sum_k c_k cos k theta + s_k
-sin k theta. Its crossings of the two flanks are isolated by bisection of the period with the bound |lambda''| <= sum_k
-k^2 |Lambda_k|: a piece is left alone once lambda cannot reach a flank in it, or is monotone in it. What is missed is at
-most a contact shorter than 1e-9 of a radian on either side, whose force is below rounding.
+The formulas are derived in docs/physics.md, section 4. A motion is the array u = (Lambda_0, c_1, s_1, ..., c_H, s_H),
+lambda(theta) = Lambda_0 + sum_k c_k cos k theta + s_k sin k theta. Its crossings of the two flanks are isolated by
+bisection of the period with the bound |lambda''| <= sum_k k^2 |Lambda_k|: a piece is left alone once lambda cannot
+reach a flank in it, or is monotone in it. What is missed is at most a contact shorter than 1e-9 of a radian on either
+side, whose force is below rounding.
 """
 
 import cmath

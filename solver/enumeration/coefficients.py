@@ -1,6 +1,6 @@
 """The coefficients of the first-order balance as intervals: a proof then holds for the model, not for its rounding.
 
-The same formulas as `solver.harmonic.describing_function.coefficients` (PHYSICS, sections 3 and 4), in interval
+The same formulas as `solver.harmonic.describing_function.coefficients` (docs/physics.md, sections 3 and 4), in interval
 arithmetic and without derivatives. The parameters themselves, theta + p * direction, are taken as the exact floats they
 are.
 """

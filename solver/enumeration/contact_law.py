@@ -3,7 +3,7 @@
 For a motion of amplitude 1 let phi = |f_0| be the mean force, beta the half gap and nu >= 0 the mean displacement on
 the side of the force. The motion is in contact with the near flank for 2 theta_+ and with the far flank for 2 theta_-
 of a period of 2 pi, cos theta_+ = beta - nu and cos theta_- = beta + nu (theta = 0 where the cosine exceeds 1, pi
-where it is below -1), and the describing functions (PHYSICS, section 4) become
+where it is below -1), and the describing functions (docs/physics.md, section 4) become
 
     phi = [(sin theta_+ - theta_+ cos theta_+) - (sin theta_- - theta_- cos theta_-)] / pi
     N   = [(theta_+ - sin theta_+ cos theta_+) + (theta_- - sin theta_- cos theta_-)] / pi

@@ -1,4 +1,4 @@
-"""A straight bevel gear pair in SI units, and the dimensionless model that it is (PHYSICS, sections 1 and 2)."""
+"""A straight bevel gear pair in SI units, and its dimensionless model (docs/physics.md, sections 1 and 2)."""
 
 import math
 from dataclasses import dataclass

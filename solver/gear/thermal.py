@@ -1,8 +1,8 @@
 """A gear pair at another temperature, seen on the scales of the reference temperature.
 
 Frequencies stay referred to Omega_n of the reference and lengths to its b_c, so that a plane over temperature has one
-axis Omega = Omega_h/Omega_n. With the ratios mu = k_m(T)/k_m(T_0) and nu = c_h(T)/c_h(T_0) the equations of PHYSICS,
-section 2, keep their form, and their numbers become
+axis Omega = Omega_h/Omega_n. With the ratios mu = k_m(T)/k_m(T_0) and nu = c_h(T)/c_h(T_0) the equations of
+docs/physics.md, section 2, keep their form, and their numbers become
 
     kappa_g mu,    c mu,    xi_h nu/mu,    xi_hg nu,    b_h(T)/b_c,
 

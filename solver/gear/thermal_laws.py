@@ -71,9 +71,9 @@ class Expansion:
     maps it onto itself. What expansion does is to move the apex. Relative to the shoulder that holds gear g, at the
     mounting distance M_g from its apex, the apex moves away by M_g a_g (T_gears - T_0), and the housing moves the
     shoulder away from the point where the axes meet by M_g a_h (T_housing - T_0). The difference s_g shifts the gear
-    along its axis into its mate. The normal of the contact has the axial component sin(delta_g) sin(alpha_n) (PHYSICS,
-    section 1; the other flank's normal has the same one), so that the gap at each flank closes by s_g sin(delta_g)
-    sin(alpha_n):
+    along its axis into its mate. The normal of the contact has the axial component sin(delta_g) sin(alpha_n)
+    (docs/physics.md, section 1; the other flank's normal has the same one), so that the gap at each flank closes by s_g
+    sin(delta_g) sin(alpha_n):
 
         change of b_h = -sin(alpha_n) sum_g M_g sin(delta_g) [a_g (T_gears - T_0) - a_h (T_housing - T_0)]
 

@@ -2,7 +2,7 @@
 
 Unknowns (lambda_m, lambda_c, lambda_s) with lambda = lambda_m + lambda_c cos(Omega tau) + lambda_s sin(Omega tau), that
 is Lambda_1 = lambda_c - i lambda_s. f is truncated to its mean f_0 and fundamental f_1 = N_a Lambda_1 *before* it is
-multiplied by the stiffness ("describing function", PHYSICS section 4). With S_l = alpha_l exp(i Phi_kl):
+multiplied by the stiffness ("describing function", docs/physics.md, section 4). With S_l = alpha_l exp(i Phi_kl):
 
     E_0 = c (f_0 + eps_r Re(S_1 conj f_1)/2) - f_pm
     E_1 = D Lambda_1 + (c - T) f_1 + (c eps_r - T eps_t)(S_1 f_0 + S_2 conj(f_1)/2) - F_1

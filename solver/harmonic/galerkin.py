@@ -6,10 +6,10 @@ chi- (back) is
 
     f_k = sum_m chi_(k-m) L_m - front chi+_k + back chi-_k,    L_0 = Lambda_0, L_m = Lambda_m/2, L_-m = conj L_m
 
-for every k (PHYSICS, section 4), and q = s f follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows are E_0,
-then Re E_k and -Im E_k with E_k = D_k Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable solution
-has a positive Jacobian determinant. f vanishes where contact switches, so that the derivatives of f are those at fixed
-contact.
+for every k (docs/physics.md, section 4), and q = s f follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows
+are E_0, then Re E_k and -Im E_k with E_k = D_k Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable
+solution has a positive Jacobian determinant. f vanishes where contact switches, so that the derivatives of f are those
+at fixed contact.
 """
 
 import math
@@ -199,7 +199,7 @@ class Galerkin:
     Parameters
     ----------
     order : int
-        H of PHYSICS: harmonics of the mesh frequency, 1 to 64. Order 1 differs from `DescribingFunction`, which
+        H, the harmonics of the mesh frequency, 1 to 64. Order 1 differs from `DescribingFunction`, which
         truncates the force before it is multiplied by the stiffness.
     period : int
         nu: motions may repeat after that many forcing periods only; 1 to 4. There are then nu * order harmonics of

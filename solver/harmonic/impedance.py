@@ -5,10 +5,10 @@ f,
 
     D Lambda + A f + B q = G
 
-Gear pair (PHYSICS, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the mesh
-row. Other systems, Z_0 = K + s C + s^2 M, closed by the contact so that a free rigid motion does no harm, Z = Z_0 + h
-w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A. That is det Z_0/det Z (matrix determinant lemma) and is
-computed as such, because A of a stiff contact is 1 but for its last digits.
+Gear pair (docs/physics.md, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the
+mesh row. Other systems, Z_0 = K + s C + s^2 M, closed by the contact so that a free rigid motion does no harm, Z = Z_0
++ h w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A. That is det Z_0/det Z (matrix determinant lemma) and
+is computed as such, because A of a stiff contact is 1 but for its last digits.
 """
 
 import cmath

@@ -1,8 +1,8 @@
 """Exact condensation of the seven-degree-of-freedom model to the mesh coordinate, with derivatives along an axis.
 
-Only lambda enters nonlinearly, so the translations leave the balance exactly (PHYSICS, section 3). Kernels see a model
-as one flat vector `theta`. An axis of a plane is a `direction` in that space: at axis value p the parameters are
-theta + p * direction, so that every scalar of the gear, the frequency included, is swept by the same code.
+Only lambda enters nonlinearly, so the translations leave the balance exactly (docs/physics.md, section 3). Kernels see
+a model as one flat vector `theta`. An axis of a plane is a `direction` in that space: at axis value p the parameters
+are theta + p * direction, so that every scalar of the gear, the frequency included, is swept by the same code.
 """
 
 import math
@@ -123,7 +123,7 @@ def mesh_receptance(theta, direction, p, s, d_s):
     -------
     T, U, dT, dU : complex
         T = -s^2 sum_j d_j^2 kappa_g/Z_j and U = -s^2 sum_j d_j^2 xi_hg/Z_j with Z_j = k_j + 2 xi_j s + s^2 (for s = i
-        omega those of PHYSICS, section 3), and their derivatives along the axis, s moving by d_s.
+        omega those of docs/physics.md, section 3), and their derivatives along the axis, s moving by d_s.
     """
     radians = math.pi / 180.0
     cone, pressure = (

@@ -6,8 +6,8 @@
 
 A one-sided contact has an infinite back gap. The spur pair of one degree of freedom, the geared rotor, and a mass
 against a stop are instances; so is the bevel pair (`gear_system`), whose supports of equal frequency and damping move
-only along d and merge into one coordinate each, exactly (PHYSICS, section 3): with all of them alike, two coordinates
-remain of seven.
+only along d and merge into one coordinate each, exactly (docs/physics.md, section 3): with all of them alike, two
+coordinates remain of seven.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Dimensionless 7-degree-of-freedom model of a straight bevel gear pair (PHYSICS, section 2).
+"""Dimensionless 7-degree-of-freedom model of a straight bevel gear pair (docs/physics.md, section 2).
 
 Coordinates are the six support translations x = (x1, y1, z1, x2, y2, z2) and the mesh displacement lambda; time is
 in units of 1/Omega_n, lengths in units of a fixed reference length:

@@ -1,7 +1,7 @@
 """Mesh damping as one axis: xi_h and xi_hg together, in the ratio that the gear has.
 
-One damper c_h between the teeth makes xi_h = c_h/(2 m_e Omega_n) and xi_hg = c_h/(2 m_g Omega_n) (PHYSICS, section 2),
-so that their ratio stays what it is when c_h changes: m_e/m_g = kappa_g with one mesh force for all rows.
+One damper c_h between the teeth makes xi_h = c_h/(2 m_e Omega_n) and xi_hg = c_h/(2 m_g Omega_n) (docs/physics.md,
+section 2), so that their ratio stays what it is when c_h changes: m_e/m_g = kappa_g with one mesh force for all rows.
 """
 
 import math

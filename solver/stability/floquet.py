@@ -2,7 +2,7 @@
 
 A motion u = (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu need not be a true one: it tells when there is contact,
 exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches
-(PHYSICS, section 6). Each piece is integrated by the Taylor series of the solution, which are entire: their
+(docs/physics.md, section 6). Each piece is integrated by the Taylor series of the solution, which are entire: their
 coefficients follow from a recurrence, the rank-one contact term needs one product of scalar series, and the last terms
 tell the step (Jorba and Zou, Experimental Mathematics 14, 2005). Where the coefficients are constant this is the scaled
 series of the exponential.

@@ -7,11 +7,12 @@ import numpy as np
 import zarr
 
 from pipeline import store
-from pipeline.config import compose
-from pipeline.plan import Plan, plan
-from pipeline.schema import Cluster
+from pipeline.config.compose import compose
+from pipeline.config.schema import Cluster
+from pipeline.plan.plan import Plan
+from pipeline.plan.planning import plan
+from pipeline.run.rows import sweep_block
 from pipeline.store.seal import sealed
-from pipeline.sweep import sweep_block
 
 __all__ = ["assert_same_contents", "assert_same_values", "cluster", "contents", "retold", "small_plan", "small_store"]
 

@@ -1,4 +1,4 @@
-"""Reference digits of PHYSICS, section 7: folds to 1e-6, solutions to 1e-8."""
+"""Reference digits of docs/physics.md, section 7: folds to 1e-6, solutions to 1e-8."""
 
 import numpy as np
 import pytest

@@ -9,10 +9,11 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from pipeline import groups, store
+from pipeline import store
 from pipeline.__main__ import main
+from pipeline.run.rows import sweep_block
+from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
-from pipeline.sweep import sweep_block
 from tests.pipeline.faults.runs import COMMAND, continued, same
 from tests.pipeline.planes import small_plan, small_store
 

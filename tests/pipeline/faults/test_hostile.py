@@ -13,9 +13,9 @@ import zarr
 
 from pipeline import store
 from pipeline.__main__ import main
-from pipeline.config import compose
+from pipeline.config.compose import compose
+from pipeline.config.units import quantity
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.units import quantity
 from tests.pipeline.faults.test_damage import run
 from tests.pipeline.planes import contents, retold, small_plan, small_store
 

@@ -188,9 +188,9 @@ def test_clocks_and_time_zones_change_nothing(tmp_path, undisturbed):
 def test_two_runs_at_the_same_moment_keep_both_logs(tmp_path, monkeypatch):
     from datetime import datetime
 
-    from pipeline.config import compose
-    from pipeline.progress import Reporter
-    from pipeline.stages import job
+    from pipeline.config.compose import compose
+    from pipeline.run import job
+    from pipeline.run.progress import Reporter
 
     class Stopped(datetime):
         @classmethod

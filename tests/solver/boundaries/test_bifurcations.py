@@ -161,7 +161,7 @@ def test_order_of_the_starts_does_not_matter():
 
 
 def test_the_neimark_sacker_of_antiphase_lies_where_physics_puts_it():
-    """PHYSICS, section 8: at Omega = 1.904 for f_e = 0.2."""
+    """docs/physics.md, section 8: at Omega = 1.904 for f_e = 0.2."""
     curves = [c for c in curves_of("antiphase", "f_e", HIGHER) if c.kind is Event.NEIMARK_SACKER]
     places = np.concatenate([c.crossings([0.2])[1][:, 3] for c in curves])
     assert np.min(np.abs(places - 1.904)) < 2e-3

@@ -30,7 +30,7 @@ def test_cusps_solve_the_cusp_equations(gear, axis):
 
 @pytest.mark.parametrize(("axis", "value"), [("alpha", 0.278), ("f_pm", 0.5855)])
 def test_shaft_jumps_end_in_a_cusp(axis, value):
-    """PHYSICS section 7: at alpha = 0.278 and f_pm = 0.5855."""
+    """docs/physics.md, section 7: at alpha = 0.278 and f_pm = 0.5855."""
     cusps = specials(folds("published", axis), SpecialPoint.CUSP)
     shaft = cusps[(np.abs(cusps[:, 3] - 1.2444) < 1e-3)]
     assert np.min(np.abs(shaft[:, 4] - value)) < 5e-4
@@ -38,7 +38,7 @@ def test_shaft_jumps_end_in_a_cusp(axis, value):
 
 @pytest.mark.parametrize(("axis", "value"), [("alpha", 0.388), ("f_pm", 0.714), ("f_e", 0.140)])
 def test_contact_loss_ends_at_an_extremum(axis, value):
-    """PHYSICS section 7: the shaft resonance loses contact up to alpha = 0.388, f_pm = 0.714, and from f_e = 0.140."""
+    """docs/physics.md, section 7: contact loss up to alpha = 0.388, f_pm = 0.714, and from f_e = 0.140."""
     curves = [curve for curve in curves_of("published", axis) if curve.kind is Event.MIN_AT_DRIVE]
     found = specials(curves, SpecialPoint.EXTREMUM)
     shaft = found[np.abs(found[:, 3] - 1.28) < 0.01]
@@ -118,7 +118,7 @@ def test_mergers_reconnect_branches(gear):
 
 
 def test_isola_of_the_consistent_gear():
-    """PHYSICS section 7, c = cos 20 deg: born between alpha 0.40 and 0.41, joined between 0.45 and 0.46; its folds."""
+    """docs/physics.md, section 7: born between alpha 0.40 and 0.41, joined between 0.45 and 0.46; its folds."""
     curves = folds("isola", "alpha")
 
     def mesh(points):
@@ -129,8 +129,7 @@ def test_isola_of_the_consistent_gear():
     assert 0.40 < birth[4] < 0.41 and 0.45 < merger[4] < 0.46
     at = mesh(np.concatenate([curve.crossings([0.44])[1] for curve in curves]))
     found = sorted((point[3], point[0], np.hypot(point[1], point[2])) for point in at)
-    # PHYSICS prints 2.122699 for the first amplitude. Solving E = 0, det dE/du = 0 with f_0 and f_1 by quadrature and
-    # the receptances written out (nothing of this package) gives 2.122987 from either start, and the others as printed.
+    # docs/physics.md, section 7: also solved there with plain arithmetic, nothing of this package.
     expected = [
         (0.511643, 1.084987, 2.122987),
         (0.513399, 0.826381, 1.879884),

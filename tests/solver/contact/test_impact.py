@@ -50,7 +50,7 @@ def test_every_motion_has_exactly_one_state_and_it_says_what_happens(lowest, ext
     ],
 )
 def test_borders_belong_to_one_side(lowest, highest, state):
-    """PHYSICS, section 5: I = 1 for -b <= lambda_min <= b < lambda_max; permanent contact is strict."""
+    """docs/physics.md, section 5: I = 1 for -b <= lambda_min <= b < lambda_max; permanent contact is strict."""
     assert ImpactState(int(impact_state(lowest, highest, 1.0))).name == state
 
 

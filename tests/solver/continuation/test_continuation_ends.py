@@ -13,7 +13,7 @@ from tests.solver.toy import toy
 
 
 def isola(**settings_):
-    """The closed curve of PHYSICS, section 7, from its unstable solution at Omega = 0.55."""
+    """The closed curve of docs/physics.md, section 7, from its unstable solution at Omega = 0.55."""
     model = consistent(rotation_coupling=COS_20, alpha=0.44)
     solutions = all_solutions(model, 0.55)
     pairs = [(s[0], np.hypot(s[1], s[2])) for s in solutions]
@@ -29,7 +29,7 @@ def isola(**settings_):
 def test_the_isola_closes_and_has_the_published_folds(corrector):
     model, solutions, curve = isola(corrector=corrector)
     assert curve.ends == (EndReason.CLOSED, EndReason.CLOSED) and curve.closed
-    # PHYSICS prints 2.122699 for the first amplitude; quadrature of the seven degrees of freedom gives 2.1229868, too.
+    # docs/physics.md, section 7.
     expected = [
         (0.511643, 1.084987, 2.122987),
         (0.513399, 0.826381, 1.879884),

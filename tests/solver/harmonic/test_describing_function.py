@@ -147,7 +147,7 @@ def test_linear_solution_and_its_determinant(model, omega):
 
 
 def test_signs_of_the_rows_make_a_linear_pair_without_variation_stable():
-    # PHYSICS, section 5: det J <= 0 is unstable for the rows (mean, Re E_1, -Im E_1).
+    # docs/physics.md, section 5: det J <= 0 is unstable for the rows (mean, Re E_1, -Im E_1).
     for omega in (0.1, 0.59, 1.0, 1.226, 3.0):
         assert np.linalg.det(evaluate(published(alpha=0.0, b=0.0), omega, [0.6, 0.0, 0.0])[1]) > 0.0
 

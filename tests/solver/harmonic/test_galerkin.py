@@ -131,7 +131,7 @@ def test_both_variants_of_first_order_are_there_and_differ():
     df = Continuation().trace(*_start(DescribingFunction(), published()), 0.05, 2.0)
     full = Continuation().trace(*_start(Galerkin(1), published()), 0.05, 2.0)
     places = [curve.points[curve.event == 1][:, -1] for curve in (df, full)]
-    # PHYSICS, section 7, for the describing function.
+    # docs/physics.md, section 7, for the describing function.
     np.testing.assert_allclose(np.sort(places[0]), [0.559374, 0.634641, 1.223810, 1.229708], rtol=0, atol=1e-6)
     assert 1e-4 < np.max(np.abs(np.sort(places[0]) - np.sort(places[1]))) < 0.02
     # Without variation there is no product to truncate.

@@ -37,21 +37,21 @@ def test_the_cache_of_a_module_belongs_to_its_sources(tmp_path, monkeypatch):
         for name, text in {**texts, **changes}.items():
             (tmp_path / name).parent.mkdir(exist_ok=True)
             (tmp_path / name).write_text(text)
-        compiled._digest.cache_clear()
-        return compiled._digest(tmp_path / "user.py")
+        compiled.module_digest.cache_clear()
+        return compiled.module_digest(tmp_path / "user.py")
 
     assert digest() == digest() == digest(**{"stranger.py": "x = 2\n"})
     for name in set(texts) - {"stranger.py", "deep/__init__.py"}:
         assert digest(**{name: texts[name] + "y = 2\n"}) != digest()
-    compiled._digest.cache_clear()
+    compiled.module_digest.cache_clear()
 
 
 def test_the_cache_goes_where_numba_is_told(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    compiled.cache_root.cache_clear()
-    assert compiled.cache_folder(compiled._ROOT / "kernels" / "linear.py").startswith(str(tmp_path))
-    assert compiled.cache_folder(tmp_path / "missing.py") is None
-    compiled.cache_root.cache_clear()
+    assert compiled.KernelStore().folder == tmp_path / "bevelmap"
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert compiled.KernelStore().folder == tmp_path / "xdg/bevelmap"
 
 
 def test_the_solver_is_numerics_alone():

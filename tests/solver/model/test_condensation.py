@@ -19,7 +19,7 @@ def receptance(theta, direction, p, harmonic):
 
 
 def schur(model, omega):
-    """T and U of PHYSICS, section 3, by eliminating the translations from K - omega^2 M + i omega C."""
+    """T and U of docs/physics.md, section 3, by eliminating the translations from K - omega^2 M + i omega C."""
     mass, damping, stiffness = model.matrices()
     translation, rotation = model.mesh_vectors()
     dynamic = stiffness - omega**2 * mass + 1j * omega * damping

@@ -117,7 +117,7 @@ def test_every_scalar_parameter_is_a_field():
 
 
 def test_directions_of_the_three_sets():
-    # PHYSICS, section 7.
+    # docs/physics.md, section 7.
     expected = [0.1362, -0.1362, -0.5293, -0.1362, 0.1362, 0.5293]
     np.testing.assert_allclose(published().direction, expected, rtol=0, atol=5e-5)
     assert published().rotation == 0.7719

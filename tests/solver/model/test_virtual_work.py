@@ -1,7 +1,7 @@
 """The dimensionless model against the dimensional one, whose forces are derived from Lambda_n by virtual work.
 
-PHYSICS, section 1: the generalised contact force on every coordinate is -F_n dLambda_n/dq. The gradient is taken here
-by complex steps from Lambda_n itself, so that no force is written down twice.
+docs/physics.md, section 1: the generalised contact force on every coordinate is -F_n dLambda_n/dq. The gradient is
+taken here by complex steps from Lambda_n itself, so that no force is written down twice.
 """
 
 from dataclasses import dataclass
@@ -111,7 +111,7 @@ class Pair:
         return np.sqrt(self.mesh_stiffness / self.equivalent_mass)
 
     def dimensionless(self):
-        """The same pair by the formulas of PHYSICS, section 2."""
+        """The same pair by the formulas of docs/physics.md, section 2."""
         unit, length, mass = self.frequency_unit, self.reference_length, np.repeat(self.mass, 3)
         (j1, j2), (r1, r2), (t1, t2) = self.inertia, self.radius, self.torque
         a3, m_e = self.normal[2], self.equivalent_mass

@@ -83,7 +83,7 @@ def row_pieces(axis, value, window=OMEGA):
     ],
 )
 def test_thresholds_of_the_published_gear(axis, label, window, place, value, digits):
-    """PHYSICS section 7."""
+    """docs/physics.md, section 7."""
     found = np.ravel(regions_of(axis).thresholds(label, WINDOWS[window]))
     assert found[place] == pytest.approx(value, abs=digits)
 

@@ -1,4 +1,4 @@
-"""The table of PHYSICS, section 7: where labels of the published set change, found again by bisection on rows."""
+"""The table of docs/physics.md, section 7: where labels of the published set change, by bisection on rows."""
 
 import numpy as np
 import pytest

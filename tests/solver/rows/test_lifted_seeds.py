@@ -32,7 +32,7 @@ def test_every_solution_solves_the_balance_and_the_signs_add_up(name):
 
 
 def test_five_solutions_of_first_order_are_three_at_order_five():
-    # PHYSICS, section 8: order 5, collocation and integration do not have the pair of folds at 1.2932 and 1.2936.
+    # docs/physics.md, section 8: order 5, collocation and integration do not have the folds at 1.2932 and 1.2936.
     grid = np.linspace(1.2, 1.4, 41)
     first, fifth = (row_of(antiphase(), order, grid=grid) for order in (1, 5))
     folds = [
@@ -59,7 +59,7 @@ def test_high_orders_are_shooting_s_orbits(omega, which):
 
 
 def test_motions_of_two_forcing_periods():
-    # PHYSICS, section 8, order 5: half-order amplitude 0.7888 and first 0.106 at Omega = 1.2; 2T from 1.05 on.
+    # docs/physics.md, section 8, order 5: half-order amplitude 0.7888 and first 0.106 at Omega = 1.2; 2T from 1.05 on.
     model = consistent(rotation_coupling=0.93969262, variation_translation=0.0)
     row = row_of(model, 5, 2, grid=np.linspace(0.9, 1.4, 51), columns=41)
     column = int(np.argmin(np.abs(row.grid - 1.2)))

@@ -11,7 +11,7 @@ from tests.solver.reference_rows import grid
 
 @pytest.mark.parametrize("alpha", [0.41, 0.42, 0.43, 0.44, 0.45])
 def test_default_seeds_find_the_isola(alpha):
-    """PHYSICS section 7: apart from the main branch from somewhere above 0.40 to somewhere above 0.45."""
+    """docs/physics.md, section 7: apart from the main branch from somewhere above 0.40 to somewhere above 0.45."""
     model = consistent(rotation_coupling=0.93969262, alpha=alpha)
     assert [curve.closed for curve in sweep_row(model, "omega", grid(79)).curves] == [False, True]
     assert [curve.closed for curve in sweep_row(model, "omega", grid(79), seeds=LinearSeeds()).curves] == [False]

@@ -15,7 +15,7 @@ from tests.solver.stability.rows import branch
 from tests.solver.strategies import random_model
 
 COUPLING = 0.93969262
-#: The first has a period doubling in permanent contact (PHYSICS, section 8), the second a Neimark-Sacker.
+#: The first has a period doubling in permanent contact (docs/physics.md, section 8), the second a Neimark-Sacker.
 PARAMETRIC = consistent(rotation_coupling=COUPLING, variation_translation=0.0)
 ANTIPHASE = antiphase(rotation_coupling=COUPLING)
 BALANCES = [DescribingFunction(), Galerkin(1), Galerkin(5)]
@@ -137,7 +137,7 @@ def test_points_are_located_to_rounding():
 
 
 def test_the_doubled_branch_of_parametric_resonance():
-    """PHYSICS, section 8: 2T motions for Omega = 1.05-1.24, at 1.2 of half-order amplitude 0.7888 and first 0.106."""
+    """docs/physics.md, section 8: 2T for Omega = 1.05-1.24, at 1.2 of half-order amplitude 0.7888 and first 0.106."""
     balance = Galerkin(5)
     problem, _, found = located(PARAMETRIC, balance)
     start = max(at(found, Event.PERIOD_DOUBLING), key=lambda y: y[-1])

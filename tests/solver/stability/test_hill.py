@@ -54,7 +54,7 @@ def test_hill_approaches_floquet_on_the_same_orbit(make, omega, choice):
     assert errors[2] < errors[0] * (5 / 21) ** 1.7
 
 
-#: PHYSICS, section 7: Omega, lambda_m, lambda_a.
+#: docs/physics.md, section 7: Omega, lambda_m, lambda_a.
 FOLDS = {
     "published": [
         (0.559374, 1.027736, 1.991212),

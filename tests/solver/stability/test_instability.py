@@ -1,4 +1,4 @@
-"""Kinds of instability, where the methods disagree, and the assessment of rows against the figures of PHYSICS."""
+"""Kinds of instability, where the methods disagree, and rows against the figures of docs/physics.md, section 8."""
 
 import numpy as np
 import pytest
@@ -67,7 +67,7 @@ def test_what_two_methods_say_together():
 
 
 def test_disputed_motions_of_the_published_pair():
-    """PHYSICS, section 6."""
+    """docs/physics.md, section 6."""
     for omega, which, modulus in [(0.58, 1, 0.952), (0.62, 2, 1.137)]:
         motions, static = first_order(published(), omega)
         found = assess(published(), "omega", np.full(3, omega), motions, static=static)
@@ -79,7 +79,7 @@ def test_disputed_motions_of_the_published_pair():
 
 
 def test_period_doubling_that_one_harmonic_calls_stable():
-    """PHYSICS, section 8: one solution, statically stable, with the multiplier -1.047."""
+    """docs/physics.md, section 8: one solution, statically stable, with the multiplier -1.047."""
     motions, static = first_order(SIDE, 1.2)
     assert len(motions) == 1 and static[0] == 1
     found = assess(SIDE, "omega", [1.2], motions, static=static)
@@ -89,7 +89,7 @@ def test_period_doubling_that_one_harmonic_calls_stable():
 
 
 def test_neimark_sacker_of_the_antiphase_pair():
-    """PHYSICS, section 8: a complex pair passes through the unit circle at Omega = 1.904."""
+    """docs/physics.md, section 8: a complex pair passes through the unit circle at Omega = 1.904."""
     model, balance = antiphase(rotation_coupling=0.93969262), Galerkin(15)
     points = curve(model, balance, 1.92, 1.89).points
     found = assess(model, "omega", points[:, -1], points[:, :-1], balance=balance)
@@ -103,7 +103,7 @@ def test_neimark_sacker_of_the_antiphase_pair():
 
 
 def test_doubled_motions_are_stable_where_the_single_one_is_not():
-    """The 2T motion of PHYSICS, section 8, half-order amplitude 0.7888: stable on its own period by both methods."""
+    """The 2T motion of docs/physics.md, section 8, half-order amplitude 0.7888: stable by both methods."""
     balance = Galerkin(8, 2)
     start = balance.lifted(first_order(SIDE, 1.2)[0][0])
     start[1] = 0.8

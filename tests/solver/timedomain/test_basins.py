@@ -22,7 +22,7 @@ def test_wilson_interval():
 
 
 def test_upper_resonance_of_the_published_pair():
-    # PHYSICS, section 8: three quarters of the starts on 2T, the others on the lower 1T.
+    # docs/physics.md, section 8: three quarters of the starts on 2T, the others on the lower 1T.
     shares = basin_shares(gear_system(published()), 1.2265, 24, seed=1)
     assert [share.attractor.kind for share in shares] == [AttractorKind.PERIOD_2, AttractorKind.PERIOD_1]
     assert sum(share.count for share in shares) == 24

@@ -1,4 +1,4 @@
-"""Periodic orbits: linear ones, and those of PHYSICS, section 8, that one harmonic misjudges."""
+"""Periodic orbits: linear ones, and those of docs/physics.md, section 8, that one harmonic misjudges."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_true_orbits_of_the_lower_resonance(omega, first, second, largest):
     assert abs(orbit.harmonics[1]) == pytest.approx(first, abs=6e-5)
     assert abs(orbit.harmonics[2]) == pytest.approx(second, abs=6e-5)
     assert orbit.largest_multiplier == pytest.approx(largest, abs=1e-5)
-    # Finite differences of SciPy's flow give the same modulus (PHYSICS has it to two digits: 1.011 and 1.026).
+    # Finite differences of SciPy's flow give the same modulus (docs/physics.md, section 8, has 1.011 and 1.026).
     matrix = np.empty((4, 4))
     for j in range(4):
         shift = 1e-5 * np.eye(4)[j]

@@ -13,7 +13,7 @@ def test_run_up_and_run_down_differ_between_the_folds():
     def system_at(omega):
         return gear_system(published()), omega
 
-    # The true 1T of the lower branch touches b, and 2T lives beside it: PHYSICS, section 8.
+    # The true 1T of the lower branch touches b, and 2T lives beside it: docs/physics.md, section 8.
     sweep = sweep_attractors(system_at, [1.20, 1.215, 1.2265, 1.25])
     assert sweep.hysteresis.tolist() == [False, False, True, False]
     kinds = {sweep.up[2].kind, sweep.down[2].kind}

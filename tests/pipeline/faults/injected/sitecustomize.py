@@ -48,7 +48,7 @@ def _patch(module) -> None:
 
 class _Finder(importlib.abc.MetaPathFinder):
     def find_spec(self, name, path, target=None):
-        if name != "pipeline.sweep":
+        if name != "pipeline.run.rows":
             return None
         sys.meta_path.remove(self)
         import importlib.util

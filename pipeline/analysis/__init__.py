@@ -1,0 +1,1 @@
+"""What is computed from a stored plane and added to it: boundaries, attractors, margins."""

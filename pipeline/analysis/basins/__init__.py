@@ -1,0 +1,1 @@
+"""Basin shares at chosen places."""

@@ -1,0 +1,126 @@
+"""The folds and grazings that the rows of a store have located: starts of boundaries, and which side is which."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.plan.numerics import balance_of, frame_of
+from pipeline.plan.plan import Plan
+from pipeline.store import COMPLETE
+from solver import Event
+from solver.model.parameter_path import place_on
+
+__all__ = ["BIFURCATIONS", "GRAZINGS_AND_FOLDS", "MARGINS", "RowEvents", "half_backlash", "read_events"]
+
+#: Grazing -> (sign of the amplitude, sign of b) in its margin lambda_m +- lambda_a -+ b.
+MARGINS = {
+    Event.MIN_AT_DRIVE: (-1.0, 1.0),
+    Event.MIN_AT_BACK: (-1.0, -1.0),
+    Event.MAX_AT_DRIVE: (1.0, 1.0),
+    Event.MAX_AT_BACK: (1.0, -1.0),
+}
+
+
+GRAZINGS_AND_FOLDS = (Event.FOLD, *MARGINS)
+BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
+
+
+@dataclass(frozen=True)
+class RowEvents:
+    """All events of the complete rows, in the order of rows and points.
+
+    Parameters
+    ----------
+    kind : (k,) int array
+        `Event`: folds and grazings.
+    points : (k, 5) array
+        lambda_m, lambda_c, lambda_s, x, p.
+    motions : (k, n) array
+        All unknowns of the balance there.
+    ahead : (k,) array
+        In which direction of x, +1 or -1, a fold's pair of solutions exists, and the margin of a grazing is positive
+        where the grazing solution is stable (negative where it is not); 0 where that cannot be told, and for events
+        that change neither number nor impact state.
+    rows : int
+        Number of complete rows.
+    """
+
+    kind: np.ndarray
+    points: np.ndarray
+    motions: np.ndarray
+    ahead: np.ndarray
+    rows: int
+
+    @property
+    def digest(self) -> str:
+        """Digest of what boundaries depend on besides the configuration."""
+        parts = (np.int64(self.rows), self.kind.astype(np.int8), self.points, self.motions, self.ahead.astype(np.int8))
+        return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
+
+    def starts(self, kinds=GRAZINGS_AND_FOLDS) -> list[tuple[Event, np.ndarray]]:
+        """(kind, (unknowns, x, p)) of the events of some kinds, as the solver starts boundaries from them."""
+        points = np.column_stack([self.motions, self.points[:, 3:]])
+        return [(Event(kind), y) for kind, y in zip(self.kind.tolist(), points, strict=True) if kind in kinds]
+
+
+def half_backlash(plan: Plan, x, p) -> np.ndarray:
+    """b at places of the plane, arrays of one shape."""
+    axes = {plan.sweep.name: x, plan.parameter.name: p}
+    if "b" in axes:
+        return np.broadcast_to(np.asarray(axes["b"], dtype=float), np.shape(x))
+    model, _, axis, _, _ = frame_of(plan)
+    if isinstance(axis, str):
+        return np.full(np.shape(x), model.b)
+    rows, place = np.unique(p, return_inverse=True)
+    return np.array([place_on(axis, row, model)[0].b for row in rows])[place].reshape(np.shape(p))
+
+
+def read_events(path: Path, plan: Plan) -> RowEvents:
+    """Read the events of the complete rows of a store."""
+    root = zarr.open_group(path, mode="r")
+    # Block by block, so that memory does not depend on the number of rows.
+    parts = [_block_events(root, plan, slice(block.start, block.stop)) for block in plan.blocks]
+    return RowEvents(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("kind", "points", "motions", "ahead")),
+        sum(part.rows for part in parts),
+    )
+
+
+def _block_events(root: zarr.Group, plan: Plan, rows: slice) -> RowEvents:
+    """The events of some rows."""
+    complete, values = root["status"][rows] == COMPLETE, plan.parameter.values[rows]
+    used = slice(int(root["branches/n_points"][rows].max(initial=0)))
+    names = ("mean", "cos", "sin", plan.sweep.name, "stable", "branch", "event")
+    table = {name: root[f"branches/{name}"][rows, used] for name in names}
+    row, point = np.nonzero(np.isin(table["event"], (*GRAZINGS_AND_FOLDS, *BIFURCATIONS)) & complete[:, None])
+    kind = table["event"][row, point].astype(np.int64)
+    columns = [table[name][row, point] for name in names[:4]]
+    points = np.column_stack([*columns, values[row]]).reshape(-1, 5)
+    balance = balance_of(plan.solver)
+    if plan.motion_size:
+        motions = root["branches/motion"][rows, used]
+    else:
+        motions = np.stack([table[name] for name in ("mean", "cos", "sin")], axis=2)
+    lowest, highest = balance.extremes(motions)
+    x, p = table[plan.sweep.name], np.broadcast_to(values[:, None], table["mean"].shape)
+    b = half_backlash(plan, x, p)
+    # Of the two neighbours on the branch the one that tells more decides.
+    ahead, telling = np.zeros(row.size), np.zeros(row.size)
+    for step in (-1, 1):
+        other = np.clip(point + step, 0, max(x.shape[1] - 1, 0))
+        same = (other != point) & (table["branch"][row, other] == table["branch"][row, point])
+        move = x[row, other] - points[:, 3]
+        weight = np.abs(move)
+        side = np.sign(move)
+        for grazing, (of_size, of_b) in MARGINS.items():
+            here = kind == grazing
+            margin = ((lowest if of_size < 0.0 else highest) - of_b * b)[row[here], other[here]]
+            weight[here] = np.abs(margin)
+            side[here] *= np.sign(margin) * np.where(table["stable"][row[here], point[here]] == 1, 1.0, -1.0)
+        better = same & (weight > telling)
+        ahead[better], telling[better] = side[better], weight[better]
+    ahead[np.isin(kind, BIFURCATIONS)] = 0.0
+    return RowEvents(kind, points, motions[row, point], ahead, int(complete.sum()))

@@ -1,0 +1,47 @@
+"""The stored boundaries as CSV: one line per point, and one per special point."""
+
+import csv
+from pathlib import Path
+
+from pipeline.analysis.boundaries.group import StoredBoundaries, special_places
+from pipeline.plan.plan import Plan
+from solver.boundaries import SpecialPoint
+
+__all__ = ["write_sheets"]
+
+
+def write_sheets(boundaries: StoredBoundaries, plan: Plan, folder: Path, name: str) -> list[Path]:
+    """Write `<name>.csv` and `<name>-special.csv`; the same bytes from the same store.
+
+    Numbers have as many digits as give back the stored ones.
+    """
+    x, p = plan.sweep.name, plan.parameter.name
+    points, special = [], []
+    for number, curve in enumerate(boundaries.curves):
+        kind = curve.kind.name.lower()
+        lines = [
+            [number, kind, place[3], place[4], place[0], size, stable, SpecialPoint(code).name.lower()]
+            for place, size, stable, code in zip(
+                *(part.tolist() for part in (curve.points, curve.amplitude, curve.stable, curve.special)), strict=True
+            )
+        ]
+        points += lines
+        special += [[lines[i][-1], *lines[i][:-2]] for i in special_places(curve)]
+    # By what they are; the sort keeps the order along the curves.
+    special.sort(key=lambda line: SpecialPoint[line[0].upper()])
+    folder.mkdir(parents=True, exist_ok=True)
+    places = [x, p, "mean", "amplitude"]
+    return [
+        _write(folder / f"{name}.csv", ["curve", "kind", *places, "stable", "special"], points),
+        _write(folder / f"{name}-special.csv", ["special", "curve", "kind", *places], special),
+    ]
+
+
+def _write(path: Path, header: list[str], lines: list[list]) -> Path:
+    draft = path.with_name(f".{path.name}.draft")
+    with draft.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(lines)
+    draft.replace(path)
+    return path

@@ -1,0 +1,47 @@
+"""The stage boundaries: folds and grazings as curves, started from the stored rows."""
+
+from time import perf_counter
+
+import numpy as np
+
+from pipeline import store
+from pipeline.run.job import Job, note_unfinished
+from pipeline.run.progress import Reporter
+from pipeline.run.stage import Stage
+from pipeline.run.workforce import Workforce
+
+__all__ = ["STAGE"]
+
+
+def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline.analysis import boundaries
+
+    path, plan = job.store_path, job.plan
+    note_unfinished(job, reporter, "boundaries start from the others")
+    begin = perf_counter()
+    try:
+        summary = boundaries.trace(path, plan)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        if store.damage_error(path, error) is not None:
+            raise
+        reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
+        return 1
+    folder = job.settings.output_root / "boundaries"
+    names = boundaries.write_sheets(boundaries.read_boundaries(path, plan), plan, folder, job.settings.store_name)
+    seconds = perf_counter() - begin
+    counts = [f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in summary.curves.items()] or ["no boundaries"]
+    special = ", ".join(f"{n} {kind.replace('_', '-')}" for kind, n in sorted(summary.special.items())) or "none"
+    for text in summary.cut_short:
+        reporter.error(text)
+    if summary.found_done:
+        reporter.line(f"boundaries: {', '.join(counts)} are in {path} already, nothing to do")
+    else:
+        reporter.line(
+            f"boundaries: {', '.join(counts)} of {summary.points} points into {path}; special points: {special} "
+            f"({seconds:.2f} s)"
+        )
+    reporter.line(f"boundaries: {', '.join(name.name for name in names)} in {folder.resolve()}")
+    return 1 if summary.cut_short else 0
+
+
+STAGE = Stage("boundaries", _run, writes=True)

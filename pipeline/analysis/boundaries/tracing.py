@@ -1,0 +1,157 @@
+"""Tracing the boundaries of a stored plane; what came of it, in numbers."""
+
+import dataclasses
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.analysis.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, RowEvents, read_events
+from pipeline.analysis.boundaries.group import (
+    StoredBoundaries,
+    StoredCurve,
+    read_boundaries,
+    special_places,
+    write_boundaries,
+)
+from pipeline.plan.numerics import balance_of, continuation_of, frame_of
+from pipeline.plan.plan import Plan
+from solver import Continuation, EndReason, Event
+from solver.boundaries import BoundaryCurve, SpecialPoint, boundary_curves
+
+__all__ = ["Summary", "first_order_curves", "to_store", "trace"]
+
+# Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
+_LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
+_WORDS = {Event.FOLD: "fold", Event.PERIOD_DOUBLING: "period doubling", Event.NEIMARK_SACKER: "Neimark-Sacker"}
+# A start this close to a curve, in scaled unknowns, belongs to it.
+_SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a plane's boundaries are: numbers by kind, and which curves end where they should not."""
+
+    curves: dict[str, int]
+    special: dict[str, int]
+    points: int
+    cut_short: tuple[str, ...]
+    found_done: bool
+
+
+def trace(path: Path, plan: Plan) -> Summary:
+    """Trace the boundaries of a stored plane into its group `boundaries`, unless they are there already.
+
+    Parameters
+    ----------
+    path : Path
+        The store. Only its complete rows count.
+    plan : Plan
+        The store's own.
+
+    Returns
+    -------
+    Summary
+
+    Raises
+    ------
+    ArithmeticError, ValueError
+        If boundaries cannot be followed. What the store held before is kept.
+    """
+    events = read_events(path, plan)
+    stored = read_boundaries(path, plan)
+    if stored is not None and stored.digest == events.digest:
+        return _summary(plan, stored, True)
+    curves = _first_order_curves(plan, events) if balance_of(plan.solver).truncated else []
+    traced = {curve.kind for curve in curves}
+    others = [
+        kind for kind in (*GRAZINGS_AND_FOLDS, *BIFURCATIONS) if kind not in traced and np.any(events.kind == kind)
+    ]
+    curves += _curves_of_any_order(plan, events.starts(others)) if others else []
+    fresh = StoredBoundaries(tuple(curves), events.digest)
+    write_boundaries(path, plan, fresh)
+    return _summary(plan, fresh, False)
+
+
+def _first_order_curves(plan: Plan, events: RowEvents) -> list[StoredCurve]:
+    """Folds and grazings of the describing function, on the angles of contact."""
+    continuation = _with_short_steps(continuation_of(plan.solver))
+    return [to_store(curve, _side(curve, events, continuation)) for curve in first_order_curves(plan, events.starts())]
+
+
+def first_order_curves(plan: Plan, starts) -> tuple[BoundaryCurve, ...]:
+    """Folds and grazings of the describing function from these starts, in so short steps as are stored."""
+    continuation = _with_short_steps(continuation_of(plan.solver))
+    return boundary_curves(*frame_of(plan), starts, omega=_frequency(plan), continuation=continuation)
+
+
+def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
+    """Bifurcations of the balance itself; whose sides are not told."""
+    # Its kernels are many, and planes without such events do without them.
+    from solver.boundaries.bifurcation_curves import bifurcation_curves
+
+    continuation = _with_short_steps(continuation_of(plan.solver))
+    curves = bifurcation_curves(
+        balance_of(plan.solver), *frame_of(plan), starts, omega=_frequency(plan), continuation=continuation
+    )
+    return [to_store(curve, 0) for curve in curves]
+
+
+def _frequency(plan: Plan) -> float | None:
+    return None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
+
+
+def _with_short_steps(continuation: Continuation) -> Continuation:
+    return dataclasses.replace(
+        continuation,
+        largest_angle=min(continuation.largest_angle, _LARGEST_ANGLE),
+        largest_step=min(continuation.largest_step, _LARGEST_STEP),
+        max_points=_MOST_POINTS,
+    )
+
+
+def to_store(curve: BoundaryCurve, side: int = 0) -> StoredCurve:
+    """A traced boundary as it is stored; its side is 0 where it is not known."""
+    return StoredCurve(
+        curve.kind, curve.ends, side, curve.points, curve.slopes, curve.arclength, curve.stable, curve.special
+    )
+
+
+def _side(curve: BoundaryCurve, events: RowEvents, continuation: Continuation) -> int:
+    """The side of a curve, from the row event at which the curve crosses its row most steeply.
+
+    One number does for the whole curve. A fold's pair lies on the same side of it on either side of a cusp, where the
+    direction of the curve reverses along with the pair's; likewise the margin of a grazing, except that on the unstable
+    sheet beyond a fold the picture is mirrored, which `RowEvents.ahead` allows for.
+    """
+    here = events.kind == curve.kind
+    points, ahead = events.points[here], events.ahead[here]
+    near = (curve.distances(points, continuation) <= _SAME) & (ahead != 0.0)
+    if not np.any(near):
+        return 0
+    points, ahead = points[near], ahead[near]
+    scale = curve.pieces[0].problem.scale[list(curve.seen)]
+    # A grazing curve crosses itself nowhere in all five components, so that the nearest point is its own.
+    vertex = np.array([np.argmin(np.max(np.abs(curve.points - point) / scale, axis=1)) for point in points])
+    steep = np.argmax(np.abs(curve.slopes[vertex, 4]))
+    return int(-np.sign(curve.slopes[vertex[steep], 4]) * ahead[steep])
+
+
+def _summary(plan: Plan, boundaries: StoredBoundaries, found_done: bool) -> Summary:
+    curves = Counter(_WORDS.get(curve.kind, "grazing") for curve in boundaries.curves)
+    first_order = balance_of(plan.solver).truncated
+    special: Counter[str] = Counter()
+    cut_short = []
+    for curve in boundaries.curves:
+        special.update(SpecialPoint(curve.special[place]).name.lower() for place in special_places(curve))
+        for end, place in zip(curve.ends, (0, -1), strict=True):
+            # Curves of any order may stop at a corner, where a motion begins to touch a flank; that is no failure.
+            known = first_order and curve.kind in GRAZINGS_AND_FOLDS
+            if known and end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
+                x, p = curve.points[place, 3:]
+                where = f"{plan.sweep.name} = {x:.9g}, {plan.parameter.name} = {p:.9g}"
+                cut_short.append(f"{curve.kind.name.lower()} boundary stops at {where}: {end.sentence}")
+    points = sum(len(curve.points) for curve in boundaries.curves)
+    # A start that leads nowhere would say so for both of its ends.
+    return Summary(dict(curves), dict(special), points, tuple(dict.fromkeys(cut_short)), found_done)

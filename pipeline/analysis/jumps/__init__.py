@@ -1,0 +1,1 @@
+"""Attractors followed along rows, upwards and downwards."""

@@ -1,0 +1,176 @@
+"""What may be asked of the stage `margins`, checked before anything is computed."""
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+
+from pipeline.config.physical import place_of
+from pipeline.config.schema import Margins
+from pipeline.errors import ConfigurationError
+from pipeline.plan.axes import Axis
+from pipeline.plan.numerics import model_at, row_axis
+from pipeline.plan.plan import Plan
+from pipeline.plan.scales import scales_of
+from solver import SCALAR_PARAMETERS, ParameterError, Scales
+
+__all__ = ["Design", "design_of", "nominal_value", "replaced"]
+
+#: Every further tolerance doubles the number of planes that are traced.
+_MOST_FURTHER = 6
+_LEAST_REACH, _MOST_REACH = 1.1, 100.0
+
+
+@dataclass(frozen=True)
+class Design:
+    """A design point of a plane.
+
+    Parameters
+    ----------
+    x, p : float
+        The point, on the swept axis and on the row axis.
+    low, high : float
+        Operating range on the swept axis; both x without one.
+    tolerance : float
+        Of p, plus or minus.
+    further : dict of str to float
+        Parameters that are no axis and their tolerances, plus or minus.
+    reach : float
+        Such parameters are looked at up to so many times their value.
+    """
+
+    x: float
+    p: float
+    low: float
+    high: float
+    tolerance: float = 0.0
+    further: dict[str, float] = field(default_factory=dict)
+    reach: float = 3.0
+
+
+def design_of(options: Margins, plan: Plan) -> Design:
+    """The design that the settings describe.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the key, its value and what is allowed.
+    """
+    axes, scales = (plan.sweep, plan.parameter), scales_of(plan)
+    x, p = _point(options.point, axes, scales)
+    low, high = _range(options.range, plan.sweep, x, scales)
+    tolerances = options.tolerances or {}
+    if not isinstance(tolerances, dict):
+        raise _refused("tolerances", tolerances, "numbers by name, such as {f_e: 0.02}")
+    allowed = "a number, at least 0"
+    names = dict.fromkeys(("omega", *SCALAR_PARAMETERS, plan.parameter.name))
+    for name in tolerances:
+        if name not in names:
+            raise ConfigurationError(f"margins.tolerances.{name} is not allowed: it must be one of {', '.join(names)}")
+    read = {name: _number(f"tolerances.{name}", size, name, allowed, scales) for name, size in tolerances.items()}
+    for name, size in read.items():
+        if size < 0.0:
+            raise _refused(f"tolerances.{name}", tolerances[name], "a number, at least 0")
+        if name not in (plan.sweep.name, plan.parameter.name):
+            row = float(read.get(plan.parameter.name, 0.0))
+            _check_further(name, size, tolerances[name], plan, x, (p - row, p, p + row))
+    spread, tolerance = read.pop(plan.sweep.name, 0.0), read.pop(plan.parameter.name, 0.0)
+    for axis, value, size in ((plan.sweep, x, spread), (plan.parameter, p, tolerance)):
+        if not axis.low <= value - size <= value + size <= axis.high:
+            raise _refused(
+                f"tolerances.{axis.name}",
+                size,
+                f"so small that {axis.name} = {value:g} +- it stays within {axis.low:g} ... {axis.high:g}",
+            )
+    if len(read) > _MOST_FURTHER:
+        raise _refused("tolerances", list(tolerances), f"of at most {_MOST_FURTHER} parameters that are no axis")
+    if not _LEAST_REACH <= options.reach <= _MOST_REACH:
+        raise _refused("reach", options.reach, f"from {_LEAST_REACH:g} to {_MOST_REACH:g}")
+    return Design(x, p, min(low, x - spread), max(high, x + spread), tolerance, read, float(options.reach))
+
+
+def _point(given, axes: tuple[Axis, Axis], scales: Scales | None) -> tuple[float, float]:
+    names = [axis.name for axis in axes]
+    allowed = f"[{', '.join(names)}] within " + ", ".join(f"{a.name} = {a.low:g} ... {a.high:g}" for a in axes)
+    if isinstance(given, dict) and sorted(given) == sorted(names):
+        given = [given[name] for name in names]
+    if not isinstance(given, list) or len(given) != 2:
+        raise _refused("point", given, allowed)
+    point = [_number("point", value, name, allowed, scales) for name, value in zip(names, given, strict=True)]
+    if not all(axis.low <= value <= axis.high for axis, value in zip(axes, point, strict=True)):
+        raise _refused("point", given, allowed)
+    return point[0], point[1]
+
+
+def _range(given, axis: Axis, x: float, scales: Scales | None) -> tuple[float, float]:
+    if given is None:
+        return x, x
+    allowed = f"null or [{axis.name} low, {axis.name} high] around {x:g} within {axis.low:g} ... {axis.high:g}"
+    if not isinstance(given, list) or len(given) != 2:
+        raise _refused("range", given, allowed)
+    low, high = (_number("range", value, axis.name, allowed, scales) for value in given)
+    if not axis.low <= low <= x <= high <= axis.high:
+        raise _refused("range", given, allowed)
+    return low, high
+
+
+def _number(key: str, given, name: str, allowed: str, scales: Scales | None) -> float:
+    """A value of parameter `name` as the user wrote it, with or without a unit: the one place where they are read."""
+    if isinstance(given, str) and scales is not None:
+        return place_of(f"margins.{key}", name, given, scales)
+    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
+        raise _refused(key, given, allowed)
+    return float(given)
+
+
+def _check_further(name: str, size: float, given, plan: Plan, x: float, rows: tuple[float, float, float]) -> None:
+    """Raise unless a parameter that is no axis has one value in the middle row, and may have those at the ends of its
+    tolerance in all three."""
+    key, p = f"tolerances.{name}", rows[1]
+    try:
+        value = nominal_value(plan, x, p, name)
+    except ValueError:
+        raise _refused(key, given, "left out: this gear has several values of it") from None
+    if name in _moved(plan) and name not in row_axis(plan).shifts:
+        raise _refused(key, given, f"left out: {name} varies with {plan.parameter.name}, its tolerance with it")
+    for end in (value - size, value + size):
+        try:
+            if name == "omega" and not end > 0.0:
+                raise ParameterError(name, end, "a finite number above 0")
+            changed = replaced(plan, {name: end}, x, p)
+            for row in rows:
+                model_at(changed, row, x)
+        except ParameterError as error:
+            stays = f"it leaves {error.name} =" if error.name == plan.parameter.name else "it stays"
+            raise _refused(key, given, f"so small that {name} = {value:g} +- {stays} {error.allowed}") from None
+
+
+def _moved(plan: Plan) -> tuple[str, ...]:
+    """Parameters that are no axis and that the row parameter moves."""
+    axis = row_axis(plan)
+    return () if isinstance(axis, str) else axis.uses
+
+
+def nominal_value(plan: Plan, x: float, p: float, name: str) -> float:
+    """A parameter's value at a place of the plane; raises ValueError where it has several."""
+    model = model_at(plan, p, x)
+    named = {"omega": plan.omega, "translation_coupling": model.sigma, "rotation_coupling": model.rotation}
+    named |= {plan.sweep.name: x, plan.parameter.name: p}
+    values = named[name] if name in named else getattr(model, name)
+    (value,) = set(values) if isinstance(values, tuple) else (values,)
+    return float(value)
+
+
+def replaced(plan: Plan, values: dict[str, float], x: float, p: float) -> Plan:
+    """The same plane with parameters that are no axis changed to values that they have at (x, p); raises ParameterError
+    if (x, p) does not allow it."""
+    gear = {**plan.gear, **{name: value for name, value in values.items() if name != "omega"}}
+    for name in values.keys() & set(_moved(plan)):
+        # The reference is moved by as much.
+        gear[name] = plan.gear[name] + (values[name] - nominal_value(plan, x, p, name))
+    changed = dataclasses.replace(plan, gear=gear, omega=values.get("omega", plan.omega))
+    model_at(changed, p, x)
+    return changed
+
+
+def _refused(key: str, given, allowed: str) -> ConfigurationError:
+    return ConfigurationError(f"margins.{key} = {given} is not allowed: it must be {allowed}")

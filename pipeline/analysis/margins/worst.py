@@ -1,0 +1,113 @@
+"""Which labels occur over an operating range and a tolerance of the row parameter, and which of them is the worst."""
+
+import itertools
+from dataclasses import dataclass
+
+from pipeline.analysis.margins.curves import crossed, part_of, traced
+from pipeline.analysis.margins.lines import codes_along, divided
+from pipeline.analysis.margins.options import Design, nominal_value, replaced
+from pipeline.plan.numerics import frame_of
+from pipeline.plan.plan import Plan
+from pipeline.plane.labels import RANKS
+from solver import ImpactState, domain_label, label_parts
+from solver.boundaries import BoundaryCurve
+from solver.regions import RegionError, Regions, regions
+
+__all__ = ["Corner", "corners", "labels_within", "severity"]
+
+#: Rows and columns from which boundaries are started, more where those leave something unexplained.
+_ROWS = (5, 17, 65)
+
+
+@dataclass(frozen=True)
+class Corner:
+    """Labels that occur with further parameters at the ends of their tolerances.
+
+    Parameters
+    ----------
+    values : dict of str to float
+        The further parameters; empty for the nominal gear.
+    labels : tuple of str
+        The worst first.
+    """
+
+    values: dict[str, float]
+    labels: tuple[str, ...]
+
+
+def severity(label: str) -> tuple[int, int]:
+    """What ranks a label: its severest impact, no stable motion at all above all, then how many stable motions.
+
+    Examples
+    --------
+    >>> sorted(["1/2", "2/0-1", "0/-", "1/0", "2/0-2"], key=severity)
+    ['1/0', '2/0-1', '1/2', '2/0-2', '0/-']
+    """
+    n, states = label_parts(label)
+    return (max(RANKS[state] for state in states), n) if n else (len(ImpactState), 0)
+
+
+def corners(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] | None) -> list[Corner]:
+    """Labels of the nominal gear and of all combinations of the further tolerances' ends.
+
+    Parameters
+    ----------
+    plan : Plan
+    design : Design
+    curves : tuple of BoundaryCurve
+        The plane's own.
+
+    Raises
+    ------
+    ArithmeticError
+        If boundaries cannot be followed or do not divide the plane.
+    """
+    found = [Corner({}, labels_within(plan, design, curves))]
+    spread = {name: size for name, size in design.further.items() if size > 0.0}
+    nominal = {name: nominal_value(plan, design.x, design.p, name) for name in spread}
+    ends = [(nominal[name] - size, nominal[name] + size) for name, size in spread.items()]
+    for combination in itertools.product(*ends) if spread else ():
+        values = dict(zip(spread, combination, strict=True))
+        found.append(Corner(values, labels_within(replaced(plan, values, design.x, design.p), design, None)))
+    return found
+
+
+def labels_within(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] | None) -> tuple[str, ...]:
+    """All labels over the operating range and the tolerance of the row parameter, the worst first.
+
+    Parameters
+    ----------
+    plan : Plan
+    design : Design
+    curves : tuple of BoundaryCurve or None
+        All of the plane; traced on the spot within that part of it if not given.
+    """
+    x, p = (design.low, design.high), (design.p - design.tolerance, design.p + design.tolerance)
+    if x[0] < x[1] and p[0] < p[1]:
+        found = set(_regions(plan, x, p, curves).labels)
+    elif x[0] < x[1] or p[0] < p[1]:
+        name, ends = (plan.sweep.name, x) if x[0] < x[1] else (plan.parameter.name, p)
+        places, kinds = crossed(plan, name, ends, design.x, design.p)
+        line = divided(places, kinds, ends, codes_along(plan, name, ends, design.x, design.p))
+        found = {domain_label(stretch.code) for stretch in line.stretches}
+    else:
+        codes = codes_along(plan, plan.sweep.name, (plan.sweep.low, plan.sweep.high), design.x, design.p)
+        found = {domain_label(code) for code in codes([design.x]).tolist()}
+    return tuple(sorted(found - {""}, key=lambda label: (severity(label), label), reverse=True))
+
+
+def _regions(plan: Plan, x, p, curves: tuple[BoundaryCurve, ...] | None) -> Regions:
+    """The regions of a part of a plane."""
+    ceiling = float(plan.solver["amplitude_max"])
+    omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
+    if curves is not None:
+        return regions(*frame_of(part_of(plan, x, p)), curves, omega=omega, amplitude_max=ceiling)
+    for rows in _ROWS:
+        window, curves = traced(plan, x, p, rows)
+        try:
+            return regions(*frame_of(window), curves, omega=omega, amplitude_max=ceiling)
+        except RegionError:
+            # A boundary that lies between the rows and columns is missing.
+            if rows == _ROWS[-1]:
+                raise
+    raise AssertionError

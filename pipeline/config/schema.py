@@ -1,0 +1,304 @@
+"""Types of every configuration key. Values live in conf/; what they may be is checked where they are used."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from omegaconf import MISSING
+
+__all__ = ["Configuration"]
+
+
+@dataclass
+class Variation:
+    """How much of the stiffness variation enters the translation rows and the mesh row."""
+
+    translation: float = MISSING
+    rotation: float = MISSING
+
+
+@dataclass
+class ThermalBacklash:
+    """Law of the backlash over temperature; keys of other laws than `law` are not read."""
+
+    law: str = MISSING
+    gears: Any = MISSING
+    housing: Any = MISSING
+    distances: Any = MISSING
+    valid: Any = MISSING
+    table: Any = MISSING
+
+
+@dataclass
+class ThermalStiffness:
+    """Law of the mesh stiffness over temperature."""
+
+    law: str = MISSING
+    slope: Any = MISSING
+    valid: Any = MISSING
+    table: Any = MISSING
+
+
+@dataclass
+class ThermalDamping:
+    """Law of the mesh damping over temperature."""
+
+    law: str = MISSING
+    constant: Any = MISSING
+    offset: Any = MISSING
+    exponent: Any = MISSING
+    valid: Any = MISSING
+    table: Any = MISSING
+
+
+@dataclass
+class Thermal:
+    """What temperature does to a gear in physical units; see `solver.gear.thermal`. Quantities have units."""
+
+    reference: Any = MISSING
+    housing_share: float = MISSING
+    backlash: ThermalBacklash = MISSING
+    stiffness: ThermalStiffness = MISSING
+    damping: ThermalDamping = MISSING
+
+
+@dataclass
+class PhysicalGear:
+    """Gear pair in physical units; see `solver.GearPair`. Texts are numbers with units, some keys take lists."""
+
+    teeth: Any = MISSING
+    module: Any = MISSING
+    diametral_pitch: Any = MISSING
+    shaft_angle: Any = MISSING
+    pressure_angle: Any = MISSING
+    face_width: Any = MISSING
+    blanks: Any = MISSING
+    density: Any = MISSING
+    mass: Any = MISSING
+    inertia: Any = MISSING
+    support_stiffness: Any = MISSING
+    support_damping: Any = MISSING
+    mesh_stiffness: Any = MISSING
+    mesh_stiffness_harmonics: Any = MISSING
+    mesh_damping_ratio: float | None = MISSING
+    mesh_cycle: str | None = MISSING
+    mesh_cycle_harmonics: int = MISSING
+    half_backlash: Any = MISSING
+    error_harmonics: Any = MISSING
+    torque: Any = MISSING
+    load_torque: Any = MISSING
+    torque_fluctuation: Any = MISSING
+    reference_length: Any = MISSING
+
+
+@dataclass
+class Gear:
+    """Dimensionless gear pair; see `solver.Model`. Keys of type Any take one number or a list.
+
+    Of a gear in physical units all but `physical` and `thermal` are null: they follow from these.
+    """
+
+    b: float | None = MISSING
+    alpha: float | None = MISSING
+    alpha_phase: float | None = MISSING
+    alpha_harmonics: Any = MISSING
+    f_e: float | None = MISSING
+    f_e_phase: float | None = MISSING
+    f_e_harmonics: Any = MISSING
+    f_pm: float | None = MISSING
+    f_pv: float | None = MISSING
+    kappa: Any = MISSING
+    xi_mesh: float | None = MISSING
+    xi_translation: Any = MISSING
+    xi_support: Any = MISSING
+    k_support: Any = MISSING
+    pitch_cone_angle: float | None = MISSING
+    pressure_angle: float | None = MISSING
+    translation_coupling: Any = MISSING
+    rotation_coupling: Any = MISSING
+    variation: Variation | None = MISSING
+    physical: PhysicalGear | None = MISSING
+    thermal: Thermal | None = MISSING
+
+
+@dataclass
+class Axis:
+    """One axis of a plane: `num` values from `min` to `max`, both included; these are numbers, or texts with units."""
+
+    name: str = MISSING
+    min: Any = MISSING
+    max: Any = MISSING
+    num: int = MISSING
+
+
+@dataclass
+class Plane:
+    """Two axes, a third one for a volume, and the frequency where it is none of them."""
+
+    sweep: Axis = MISSING
+    parameter: Axis = MISSING
+    parameter2: Axis | None = MISSING
+    layer: float | None = MISSING
+    omega: Any = MISSING
+    max_cells: float = MISSING
+
+
+@dataclass
+class Solver:
+    """Which balance, and continuation settings; see `solver.Continuation`."""
+
+    balance: str = MISSING
+    order: int = MISSING
+    period: int = MISSING
+    corrector: str = MISSING
+    certify: str = MISSING
+    certify_columns: int = MISSING
+    tolerance: float = MISSING
+    amplitude_max: float = MISSING
+    first_step: float = MISSING
+    largest_step: float = MISSING
+    smallest_step: float = MISSING
+    largest_angle: float = MISSING
+    largest_distance: float = MISSING
+    parameter_step: float = MISSING
+    growth: float = MISSING
+
+
+@dataclass
+class Cluster:
+    """Where tasks run."""
+
+    kind: str = MISSING
+    workers: int = MISSING
+    memory: str = MISSING
+    row_seconds: float = MISSING
+    dashboard: bool = MISSING
+    address: str | None = MISSING
+    scheduler_file: str | None = MISSING
+    timeout: float = MISSING
+
+
+@dataclass
+class Quality:
+    """Resolution that planes use unless they say otherwise."""
+
+    sweep: int = MISSING
+    parameter: int = MISSING
+
+
+@dataclass
+class Output:
+    """Where everything goes."""
+
+    root: str = MISSING
+
+
+@dataclass
+class Store:
+    """The store of a plane, and how much a row may hold."""
+
+    root: str = MISSING
+    name: str | None = MISSING
+    overwrite: bool = MISSING
+    wait: bool = MISSING
+    max_solutions: int = MISSING
+    max_branches: int = MISSING
+    max_points: int = MISSING
+
+
+@dataclass
+class Figures:
+    """What is drawn."""
+
+    curves: list[float] | None = MISSING
+    formats: list[str] = MISSING
+    dpi: int = MISSING
+    stability: str = MISSING
+    window: list[float] | None = MISSING
+    units: str = MISSING
+
+
+@dataclass
+class Verify:
+    """How a map is checked by higher orders and by direct integration."""
+
+    samples: int = MISSING
+    beside: int = MISSING
+    seed: int = MISSING
+    order: int = MISSING
+    columns: int = MISSING
+    delta: float = MISSING
+    max_periods: int = MISSING
+    tolerance: float = MISSING
+
+
+@dataclass
+class Basins:
+    """Where shares of basins are measured, and from how many random starts; `points` is null or a list of pairs."""
+
+    cells: int = MISSING
+    points: Any = MISSING
+    starts: int = MISSING
+    seed: int = MISSING
+    max_periods: int = MISSING
+
+
+@dataclass
+class Jumps:
+    """Along which rows attractors are followed up and down."""
+
+    rows: int = MISSING
+    values: list[float] | None = MISSING
+    max_periods: int = MISSING
+
+
+@dataclass
+class Check:
+    """What is done about damage."""
+
+    repair: bool = MISSING
+
+
+@dataclass
+class Debug:
+    """Which row is computed again with a diary of its continuation."""
+
+    row: int | None = MISSING
+
+
+@dataclass
+class Margins:
+    """A design point of the plane, its operating range and its tolerances; see `pipeline.analysis.margins.options`."""
+
+    point: Any = MISSING
+    range: Any = MISSING
+    tolerances: Any = MISSING
+    reach: float = MISSING
+
+
+@dataclass
+class Report:
+    """The reproduction report."""
+
+    run: bool = MISSING
+
+
+@dataclass
+class Configuration:
+    """All of it."""
+
+    stages: list[str] = MISSING
+    gear: Gear = MISSING
+    plane: Plane = MISSING
+    solver: Solver = MISSING
+    cluster: Cluster = MISSING
+    quality: Quality = MISSING
+    output: Output = MISSING
+    store: Store = MISSING
+    verify: Verify = MISSING
+    basins: Basins = MISSING
+    jumps: Jumps = MISSING
+    margins: Margins = MISSING
+    figures: Figures = MISSING
+    check: Check = MISSING
+    debug: Debug = MISSING
+    report: Report = MISSING

@@ -1,0 +1,37 @@
+"""The stage figures: pictures of the stored plane; nothing is solved again."""
+
+from time import perf_counter
+
+from pipeline.run.job import Job, note_unfinished
+from pipeline.run.progress import Reporter
+from pipeline.run.stage import Stage
+from pipeline.run.workforce import Workforce
+
+__all__ = ["STAGE"]
+
+
+def _options(job: Job) -> dict:
+    """The settings of figures as `pipeline.figures.draw` takes them."""
+    options = job.settings.config.figures
+    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability", "units")}
+
+
+def _check_options(job: Job) -> None:
+    from pipeline import figures
+
+    figures.check_options(job.plan, **_options(job))
+
+
+def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline import figures
+
+    note_unfinished(job, reporter, "the figures leave them blank")
+    begin = perf_counter()
+    folder = job.settings.output_root / "figures" / job.settings.store_name
+    paths = figures.draw(job.store_path, folder, **_options(job))
+    names = ", ".join(path.name for path in paths)
+    reporter.line(f"figures: {names} in {folder.resolve()} ({perf_counter() - begin:.2f} s)")
+    return 0
+
+
+STAGE = Stage("figures", _run, _check_options, of_volumes=True)

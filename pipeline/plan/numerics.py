@@ -1,0 +1,130 @@
+"""From a plan to the objects of the solver: balance, continuation, seeds, the gear at a place, one row."""
+
+from pipeline.plan.plan import Plan
+from pipeline.plan.thermal import thermal_pair
+from solver import (
+    Balance,
+    Broyden,
+    Continuation,
+    DescribingFunction,
+    LinearSeeds,
+    Model,
+    Newton,
+    ParameterError,
+    ProvenSeeds,
+    Row,
+    sweep_row,
+)
+from solver.model.mesh_damping import MESH_DAMPING
+from solver.model.parameter_path import ParameterPath, place_on
+
+__all__ = [
+    "BALANCES",
+    "CERTIFY",
+    "CORRECTORS",
+    "balance_of",
+    "continuation_of",
+    "frame_of",
+    "model_at",
+    "point_of",
+    "row_axis",
+    "row_of",
+    "seeds_of",
+]
+
+
+CORRECTORS = {"newton": Newton, "broyden": Broyden}
+
+
+CERTIFY = ("none", "columns", "all")
+
+
+BALANCES = ("describing_function", "galerkin")
+
+
+NOT_CONTINUATION = ("balance", "order", "period", "certify", "certify_columns")
+
+
+def balance_of(settings: dict) -> Balance:
+    """The harmonic balance that the solver settings describe."""
+    if settings["balance"] not in BALANCES:
+        raise ParameterError("balance", settings["balance"], f"one of {', '.join(BALANCES)}")
+    if settings["balance"] == "galerkin":
+        # Its kernels are many, and first-order runs do without them.
+        from solver.harmonic.galerkin import Galerkin
+
+        return Galerkin(settings["order"], settings["period"])
+    for name in ("order", "period"):
+        if settings[name] != 1:
+            raise ParameterError(name, settings[name], "1 for the describing function; solver=hb balances more")
+    return DescribingFunction()
+
+
+def continuation_of(settings: dict) -> Continuation:
+    """The continuation that the solver settings describe."""
+    settings = {key: value for key, value in settings.items() if key not in NOT_CONTINUATION}
+    name, tolerance = settings.pop("corrector"), settings.pop("tolerance")
+    if name not in CORRECTORS:
+        raise ParameterError("corrector", name, f"one of {', '.join(CORRECTORS)}")
+    return Continuation(corrector=CORRECTORS[name](tolerance=tolerance), **settings)
+
+
+def seeds_of(settings: dict, every_column: bool = False):
+    """Where branches start, as the solver settings describe; `every_column` asks for certainty in this row anyway."""
+    if settings["certify"] not in CERTIFY:
+        raise ParameterError("certify", settings["certify"], f"one of {', '.join(CERTIFY)}")
+    if settings["certify"] == "none":
+        return LinearSeeds()
+    if settings["balance"] == "galerkin":
+        from solver.rows.lifted_seeds import LiftedSeeds
+
+        if settings["certify"] == "all":
+            raise ParameterError("certify", "all", "none or columns for solver=hb: only first order can be proven")
+        return LiftedSeeds(settings["certify_columns"], every_column)
+    return ProvenSeeds(settings["certify_columns"], every_column or settings["certify"] == "all")
+
+
+def model_at(plan: Plan, row: float, column: float) -> Model:
+    """The gear at one point of the plane; omega, if it is an axis, is not the gear's."""
+    start, axis = _start(plan, row, column), row_axis(plan)
+    # At the reference temperature the gear is its own model: even that c is geometric stays, which enumeration encloses
+    # a little wider than the number.
+    at_reference = plan.thermal is not None and row == 0.0
+    return start if isinstance(axis, str) or at_reference else place_on(axis, row, start)[0]
+
+
+def row_axis(plan: Plan) -> str | ParameterPath:
+    """The row parameter as the solver takes it: a name, or the path along which it moves numbers of the gear."""
+    if plan.thermal is not None:
+        return thermal_pair(plan.thermal).path
+    return MESH_DAMPING if plan.parameter.name == MESH_DAMPING.name else plan.parameter.name
+
+
+def frame_of(plan: Plan) -> tuple:
+    """The gear to start from, both axes and the ranges of both, as boundaries and regions take them."""
+    x, p = plan.sweep, plan.parameter
+    return _start(plan, p.low, x.low), x.name, row_axis(plan), (x.low, x.high), (p.low, p.high)
+
+
+def _start(plan: Plan, row: float, column: float) -> Model:
+    """The gear before the row parameter has moved it, where that is a path; at its place otherwise."""
+    values = {plan.sweep.name: column}
+    if isinstance(row_axis(plan), str):
+        values[plan.parameter.name] = row
+    values.pop("omega", None)
+    return Model(**plan.gear, **values)
+
+
+def point_of(plan: Plan, row: float, column: float) -> tuple[Model, float]:
+    """The gear and the mesh frequency at one point of the plane."""
+    axes = {plan.parameter.name: row, plan.sweep.name: column}
+    return model_at(plan, row, column), axes.get("omega", plan.omega)
+
+
+def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+    """One row of the plane, with whatever balance; raises as `solver.sweep_row` does."""
+    omega = value if plan.parameter.name == "omega" else plan.omega
+    model = model_at(plan, value, plan.sweep.low)
+    return sweep_row(
+        model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation, seeds=seeds, balance=balance
+    )

@@ -1,0 +1,200 @@
+"""From a configuration to a plan, checked by building the models at its corners once."""
+
+import json
+from dataclasses import asdict
+from itertools import product
+
+import numpy as np
+
+from pipeline.config.compose import Settings
+from pipeline.config.physical import AXIS_KEYS, TEMPERATURE, describe, value_of
+from pipeline.errors import ConfigurationError
+from pipeline.plan.axes import ROLES, axes_of
+from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_axis, seeds_of
+from pipeline.plan.plan import Plan
+from pipeline.plan.scales import cycle_note
+from pipeline.plan.thermal import thermal_numbers
+from solver import SCALAR_PARAMETERS, GearPair, ParameterError, Scales
+
+__all__ = ["check_numbers", "gear_of", "plan", "warnings"]
+
+
+def plan(settings: Settings) -> Plan:
+    """Check a configuration and turn it into a plan.
+
+    Parameters
+    ----------
+    settings : Settings
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    ConfigurationError
+        Naming the key, its value and what is allowed.
+    """
+    config = settings.config
+    gear, physical = gear_of(config.gear)
+    scales = None if physical is None else _scales(physical)
+    axes = axes_of(config.plane, SCALAR_PARAMETERS, scales)
+    thermal = _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None
+    names = {axis.name for axis in axes.values()}
+    omega = config.plane.omega
+    if omega is not None:
+        omega = value_of("plane.omega", "omega", omega, scales)
+    if "omega" in names and omega is not None:
+        raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
+    if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
+        raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: it must be a finite number above 0")
+    for name in ("max_solutions", "max_branches", "max_points"):
+        low, high = (2, 10**7) if name == "max_points" else (1, 100)
+        value = getattr(config.store, name)
+        if not low <= value <= high:
+            raise ConfigurationError(f"store.{name} = {value} is not allowed: it must be from {low} to {high}")
+
+    if physical is not None:
+        _check_axis_keys(settings, names)
+    for name in names & set(gear):
+        key = f"gear.{name.replace('variation_', 'variation.')}"
+        if settings.overridden(key):
+            raise ConfigurationError(f"{key} is not allowed here: {name} is an axis of this plane")
+        if isinstance(gear[name], list) and len(set(map(str, gear[name]))) > 1:
+            raise ConfigurationError(
+                f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number"
+            )
+    # What an axis replaces does not belong to the configuration.
+    result = Plan(
+        gear={key: value for key, value in gear.items() if key not in names},
+        **axes,
+        omega=omega,
+        solver=asdict(config.solver),
+        max_solutions=config.store.max_solutions,
+        max_branches=config.store.max_branches,
+        max_points=config.store.max_points,
+        physical=physical,
+        thermal=thermal,
+    )
+    check_numbers(result)
+    return result
+
+
+def gear_of(config) -> tuple[dict, dict | None]:
+    """Keyword arguments of the dimensionless model, and what it comes from where that is a gear in physical units."""
+    values = asdict(config)
+    del values["physical"], values["thermal"]
+    if config.physical is None:
+        for key, value in values.items():
+            if value is None:
+                raise ConfigurationError(f"gear.{key} has no value")
+        variation = values.pop("variation")
+        values.update({f"variation_{part}": variation[part] for part in ("translation", "rotation")})
+        return values, None
+    for key, value in values.items():
+        if value is not None:
+            raise ConfigurationError(
+                f"gear.{key} = {value!r} is not allowed: it must be null, because it follows from gear.physical"
+            )
+    physical = describe(config.physical)
+    # As a store gives it back.
+    gear = json.loads(json.dumps(asdict(GearPair(**physical["gear"]).model())))
+    return gear, json.loads(json.dumps(physical))
+
+
+def _thermal(settings: Settings, physical: dict | None) -> dict:
+    """The laws of temperature, as plain data."""
+    config, where = settings.config.gear.thermal, "plane.parameter.name = 'temperature' is not allowed"
+    if physical is None:
+        raise ConfigurationError(f"{where}: it needs a gear in physical units, such as gear=miter")
+    if config is None:
+        raise ConfigurationError(f"{where}: gear.thermal, the laws of temperature, has no value")
+    return json.loads(json.dumps(thermal_numbers(config, GearPair(**physical["gear"]))))
+
+
+def _scales(physical: dict):
+    return Scales(GearPair(**physical["gear"]))
+
+
+def _check_axis_keys(settings: Settings, names: set[str]) -> None:
+    for name in names & set(AXIS_KEYS):
+        key = f"gear.physical.{AXIS_KEYS[name]}"
+        if settings.overridden(key):
+            raise ConfigurationError(f"{key} is not allowed here: {name}, which follows from it, is an axis")
+
+
+def _outer_planes(plan: Plan) -> list[Plan]:
+    """The plane itself; the first and the last layer of a volume."""
+    return [plan] if plan.parameter2 is None else [plan.layer(0), plan.layer(-1)]
+
+
+def check_numbers(plan: Plan) -> None:
+    """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
+    axis = row_axis(plan)
+    if not isinstance(axis, str) and plan.sweep.name in axis.uses:
+        raise ConfigurationError(
+            f"plane.sweep.name = {plan.sweep.name!r} is not allowed: over {axis} it must be another parameter than "
+            f"{', '.join(axis.uses)}, which follow from the {axis}"
+        )
+    try:
+        balance_of(plan.solver)
+        continuation_of(plan.solver)
+        seeds_of(plan.solver)
+    except ParameterError as error:
+        raise ConfigurationError(f"solver.{error}") from None
+    rows = [plan.parameter.low, plan.parameter.high]
+    if plan.thermal is not None:
+        # Gears may jam between temperatures at which they do not.
+        rows += plan.parameter.values[1:-1].tolist()
+    for plane in _outer_planes(plan):
+        for row, column in product(rows, (plan.sweep.low, plan.sweep.high)):
+            try:
+                model_at(plane, row, column)
+            except ParameterError as error:
+                key = _key_of(error, plan)
+                message = str(error).replace(error.name, key, 1)
+                raise ConfigurationError(message) from None
+
+
+def _key_of(error, plan: Plan) -> str:
+    """The key that a model's parameter has its value from; between the ends of an axis, the axis itself."""
+    name = error.name.split("[")[0]
+    for role, axis in zip(ROLES, plan.axes, strict=False):
+        if name == axis.name:
+            return {axis.low: f"plane.{role}.min", axis.high: f"plane.{role}.max"}.get(error.value, name)
+    return f"gear.{error.name.replace('variation_', 'variation.')}"
+
+
+def warnings(plan: Plan) -> list[str]:
+    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics."""
+    lines = []
+    corners = [
+        model_at(plane, row, column)
+        for plane in _outer_planes(plan)
+        for row in (plan.parameter.low, plan.parameter.high)
+        for column in (plan.sweep.low, plan.sweep.high)
+    ]
+    lowest = min(model.lowest_stiffness() for model in corners)
+    if lowest < 0.0:
+        lines.append(
+            f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical"
+        )
+    model = corners[0]
+    ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
+    if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
+        shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
+        parts = ("xi_mesh", "xi_translation", "kappa")
+        moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in parts]
+        names = {axis.name for axis in plan.axes}
+        hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in names else ""
+        lines.append(
+            f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "
+            f"one mesh force would make them equal{hint}"
+        )
+    if plan.physical is not None:
+        lines += cycle_note(plan)
+    if plan.parameter2 is not None:
+        lines.append(
+            "a volume has no boundaries of its own: plane.layer=VALUE takes out the plane of one layer, which has"
+        )
+    return lines

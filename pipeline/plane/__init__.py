@@ -1,0 +1,1 @@
+"""A stored plane, opened for questions: segments of branches, labels, resonances, peaks, regions."""

@@ -1,0 +1,122 @@
+"""Regions of equal n/I label in a stored plane: shares and thresholds from the boundary curves, not from the raster."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.errors import StoreError
+from pipeline.plan.numerics import continuation_of, frame_of
+from pipeline.plan.plan import Plan
+from pipeline.store import COMPLETE, read_plan
+from solver import Event, ParameterError
+from solver.boundaries import BoundaryCurve, boundary_curves
+from solver.boundaries.plane import KINDS
+from solver.regions.regions import Occurrence, RegionError, Regions, regions
+
+__all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds"]
+
+
+def thresholds(
+    path: Path | str, label: str | None = None, window: tuple[float, float] | None = None
+) -> tuple[Occurrence, ...]:
+    """Where in the row parameter the labels of a stored plane appear and disappear, and their shares of the area.
+
+    Parameters
+    ----------
+    path : Path or str
+        The store of a plane that was swept.
+    label : str, optional
+        For example "2/0-1"; all labels unless given.
+    window : (low, high), optional
+        Only this part of the swept axis counts, for example that of one resonance.
+
+    Returns
+    -------
+    tuple of Occurrence
+        With `label`, `appears`, `disappears` and `share`: one for every unbroken range of the row parameter, by
+        label and ascending. The shares of all labels add up to 1.
+
+    Raises
+    ------
+    StoreError
+        If there is no such store, it has no complete row, its boundaries do not divide it, or the window is not
+        allowed.
+
+    Examples
+    --------
+    Between which backlashes can the published gear, at its mesh-frequency resonance, run smoothly or strike both
+    flanks?
+
+    >>> import tempfile, pipeline
+    >>> from pipeline import store
+    >>> from pipeline.config.compose import compose
+    >>> from pipeline.plan.planning import plan
+    >>> from pipeline.run.rows import sweep_block
+    >>> swept = plan(compose(["plane=omega_b", "plane.sweep.num=40", "plane.parameter.num=15"]))
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name) / "omega_b.zarr"
+    >>> store.create(path, swept, "omega_b", "")
+    >>> for block in swept.blocks:
+    ...     _ = sweep_block(str(path), swept, block)
+    >>> for found in pipeline.thresholds(path, "2/0-2", window=(0.05, 0.9)):
+    ...     print(f"b = {found.appears:.6f} to {found.disappears:.6f}: {found.share:.4%} of the window")
+    b = 0.082305 to 1.010830: 2.0645% of the window
+    >>> folder.cleanup()
+    """
+    (found,) = label_occurrences(Path(path), [window])
+    return tuple(one for name in (found if label is None else (label,)) for one in found.get(name, ()))
+
+
+def label_occurrences(
+    path: Path, windows: Sequence[tuple[float, float] | None]
+) -> list[dict[str, tuple[Occurrence, ...]]]:
+    """For every window of the swept axis (None: all of it), the unbroken ranges of the row parameter of every label.
+
+    Raises
+    ------
+    StoreError
+        As `thresholds`.
+    """
+    try:
+        whole = stored_regions(path)
+        parts = [whole if window is None else whole.within(window) for window in windows]
+        return [{label: tuple(part.occurrences(label)) for label in part.labels} for part in parts]
+    except RegionError as error:
+        raise StoreError(f"{path} has no regions of one label: {error}") from error
+    except ParameterError as error:
+        raise StoreError(f"{path}: {error}") from error
+
+
+def stored_regions(path: Path) -> Regions:
+    """The regions of a stored plane.
+
+    Raises
+    ------
+    StoreError
+        If there is no such store, or it has no complete row.
+    RegionError
+        If the boundaries do not divide the plane.
+    """
+    plan = read_plan(path)
+    if plan.parameter2 is not None:
+        raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which has regions")
+    return regions(
+        *frame_of(plan), stored_curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
+    )
+
+
+def stored_curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
+    """All boundaries on which the events of the stored branches lie."""
+    root = zarr.open_group(path, mode="r")
+    complete = root["status"][:] == COMPLETE
+    if not np.any(complete):
+        raise StoreError(f"{path} has no complete row: run stages=[sweep] first")
+    events = root["branches/event"][:]
+    rows, points = np.nonzero(np.isin(events, KINDS) & complete[:, None])
+    columns = [root[f"branches/{name}"][:][rows, points] for name in ("mean", "cos", "sin", plan.sweep.name)]
+    starts = zip(
+        map(Event, events[rows, points].tolist()), np.column_stack([*columns, plan.parameter.values[rows]]), strict=True
+    )
+    return boundary_curves(*frame_of(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))

@@ -1,0 +1,55 @@
+"""The stage check: every file of a store against its checksum and the template, and mending what is damaged."""
+
+from time import perf_counter
+
+from pipeline import store
+from pipeline.run.job import Job
+from pipeline.run.progress import Reporter
+from pipeline.run.stage import Stage
+from pipeline.run.sweep import compute
+from pipeline.run.workforce import Workforce
+
+__all__ = ["STAGE"]
+
+_SHOWN = 20
+
+
+def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    path, config = job.store_path, job.settings.config
+    begin = perf_counter()
+    store.refuse_to_write_older(path)
+    damage = store.find_damage(path)
+    for item in damage[:_SHOWN]:
+        reporter.error(f"check: {item.sentence}")
+    if len(damage) > _SHOWN:
+        reporter.line(f"  and {len(damage) - _SHOWN} more files")
+    seconds = perf_counter() - begin
+    if not damage:
+        reporter.line(f"check: every file of {path} is sound ({seconds:.2f} s)")
+        return 0
+    blocks = {item.block for item in damage if item.block is not None}
+    rows = sum(block.stop - block.start for block in blocks)
+    groups = sorted({item.group for item in damage if item.group is not None})
+    what = f"{len(damage)} damaged files, {rows} rows in {len(blocks)} blocks"
+    what += f", groups {', '.join(groups)}" if groups else ""
+    if not config.check.repair:
+        reporter.line(f"check: {what}; the same command with check.repair=true mends them")
+        return 1
+    store.mend(path, damage)
+    status = _again(job, workforce, reporter) if blocks else 0
+    left = store.find_damage(path)
+    for name in groups:
+        reporter.line(f"check: the damaged group {name} was taken away: stages=[{name}] makes it again")
+    mended = f"check: {what} mended ({perf_counter() - begin:.2f} s)"
+    reporter.line(mended if not left else f"check: {len(left)} still damaged")
+    return status if not left else 1
+
+
+def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    """Compute what has been marked as pending."""
+    plan = store.read_plan(job.store_path)
+    workforce.start()
+    return compute(Job(job.settings, plan), store.pending_blocks(job.store_path, plan), workforce, reporter)
+
+
+STAGE = Stage("check", _run, on_workers=True, writes=True, needs_plan=False, of_volumes=True)

@@ -1,0 +1,121 @@
+"""Blocks of rows given out to workers: in batches of about a second, a few at a time, again where an attempt failed.
+
+What can fail is a row: it raises, hangs, or takes its process with it. Each attempt is noted (`pipeline.store.tries`),
+so that the third one of the same row gives up on that row alone and the rest of its block is stored.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from pipeline.errors import StoreError
+from pipeline.plan.plan import Block, Plan
+from pipeline.run.rows import Outcome, Receipt, sweep_blocks
+from pipeline.run.workforce import Task, WorkerLost, Workforce
+from pipeline.store.tries import MOST_TRIES
+
+__all__ = ["Batches", "dispatch"]
+
+#: Seconds of work that a task should hold: more, and workers end at different times; less, and giving it out costs.
+_WORK = 1.0
+
+
+def dispatch(
+    path: Path,
+    plan: Plan,
+    blocks: Sequence[Block],
+    every_column: Mapping[Block, frozenset[int]],
+    workforce: Workforce,
+    note: Callable[[str], None] = lambda text: None,
+) -> Iterator[tuple[Block, Receipt | Exception]]:
+    """Compute blocks of a store on workers.
+
+    Parameters
+    ----------
+    path : Path
+        A store whose template is written.
+    plan : Plan
+    blocks : sequence of Block
+    every_column : mapping
+        Block -> rows of it in which every column is looked at; none where a block is missing.
+    workforce : Workforce
+    note : callable, optional
+        Is given a sentence about every batch.
+
+    Yields
+    ------
+    (Block, Receipt or Exception)
+        In any order; the exception says why a block could not be stored.
+
+    Raises
+    ------
+    OSError
+        If the scheduler goes away, or a block cannot be written: the next one could not either.
+    """
+    batches = Batches(blocks, workforce)
+    limit = None if workforce.config.kind == "none" else workforce.config.row_seconds
+
+    def take() -> Task | None:
+        chosen, avoid = batches.take()
+        if not chosen:
+            return None
+        work = tuple((block, every_column.get(block, frozenset())) for block in chosen)
+        return Task((str(path), plan, work, limit), avoid)
+
+    for task, result in workforce.serve(sweep_blocks, take):
+        given = [block for block, _ in task.arguments[2]]
+        if isinstance(result, Outcome):
+            note(result.sentence)
+            for receipt in result.receipts:
+                batches.learn(receipt)
+                yield receipt.block, receipt
+            left = given[len(result.receipts) :]
+            batches.again(left, result.worker)
+        elif isinstance(result, WorkerLost):
+            for block in batches.again(given, None):
+                yield block, result
+        elif isinstance(result, OSError | StoreError):
+            raise result
+        else:
+            for block in given:
+                yield block, result
+
+
+class Batches:
+    """What is still to be given out, and how much of it at a time."""
+
+    def __init__(self, blocks: Sequence[Block], workforce: Workforce):
+        self._fresh, self._retry = deque(blocks), deque()
+        self._workforce = workforce
+        self._seconds = self._count = 0.0
+        self._losses: dict[Block, int] = {}
+
+    def take(self) -> tuple[list[Block], str | None]:
+        """The next batch and the worker that should not get it; retries go alone."""
+        if self._retry:
+            block, avoid = self._retry.popleft()
+            return [block], avoid
+        per_block = self._seconds / self._count if self._count else _WORK
+        # Towards the end, less at a time, so that all workers end together.
+        most = -(-len(self._fresh) // (2 * max(self._workforce.size, 1)))
+        size = max(1, min(int(_WORK / max(per_block, 1e-6)), most))
+        return [self._fresh.popleft() for _ in range(min(size, len(self._fresh)))], None
+
+    def learn(self, receipt: Receipt) -> None:
+        """How long a block took."""
+        self._seconds += receipt.seconds
+        self._count += 1
+
+    def again(self, blocks: Sequence[Block], avoid: str | None) -> list[Block]:
+        """Put blocks back; those that have had more than their tries already are returned instead.
+
+        Every row may use up its tries once: after so many losses it is not the rows.
+        """
+        given_up = []
+        for block in blocks:
+            losses = self._losses[block] = self._losses.get(block, 0) + 1
+            if losses > MOST_TRIES * (block.stop - block.start):
+                given_up.append(block)
+            else:
+                self._retry.append((block, avoid))
+        return given_up

@@ -1,0 +1,48 @@
+"""The stage list: which stores there are, and in what state."""
+
+from pathlib import Path
+
+from pipeline.run.job import Job
+from pipeline.run.progress import Reporter
+from pipeline.run.stage import Stage
+from pipeline.run.workforce import Workforce
+
+__all__ = ["STAGE"]
+
+
+def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline.store.listing import columns, listing
+
+    root = Path(job.settings.config.store.root).resolve()
+    found = listing(root)
+    if not found.entries:
+        reporter.line(f"list: no stores in {root}")
+    elif reporter.on_terminal:
+        _table(found, reporter)
+    else:
+        for text in columns(found):
+            reporter.line(text)
+    if found.entries:
+        reporter.line(f"list: {len(found.entries)} store{'s' * (len(found.entries) != 1)} in {root}")
+    if found.foreign:
+        reporter.line(f"list: no stores of this program: {', '.join(found.foreign)}")
+    return 0
+
+
+def _table(found, reporter: Reporter) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    from pipeline.store.listing import TITLES
+
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for title in TITLES:
+        table.add_column(title, overflow="fold")
+    for entry in found.entries:
+        # As text, so that nothing in a name is taken for markup.
+        table.add_row(*map(Text, entry.cells))
+    Console(file=reporter.stream).print(table)
+
+
+STAGE = Stage("list", _run, needs_plan=False)

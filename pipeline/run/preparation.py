@@ -1,0 +1,133 @@
+"""Preparing and running the stages that were asked for. Checks come first and write nothing."""
+
+import os
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from pipeline import store
+from pipeline.config.compose import Settings
+from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan.layers import layer_of, of_layer
+from pipeline.plan.planning import plan
+from pipeline.run.job import Job, sweep_command
+from pipeline.run.progress import Reporter
+from pipeline.run.stage import Stage
+from pipeline.run.workforce import Workforce, check_cluster
+from pipeline.stages import STAGES
+from pipeline.store.extraction import extract_layer
+from pipeline.store.lock import holding
+
+__all__ = ["prepare", "run_plane_stages", "run_shared_stages"]
+
+
+def _asked(job: Job, several_planes: bool) -> list[Stage]:
+    """The stages that the user wants, of those for one plane or of those for several, in the order of a run."""
+    return [entry.load() for entry in STAGES if entry.several_planes == several_planes and job.asks(entry.name)]
+
+
+def prepare(settings: Settings) -> Job:
+    """Check everything that can be checked without writing or starting anything.
+
+    Raises
+    ------
+    ConfigurationError
+        One line.
+    """
+    config = settings.config
+    known = [entry.name for entry in STAGES]
+    for name in config.stages:
+        if name not in known:
+            raise ConfigurationError(f"stages = {name!r} is not allowed: it must be a list of {', '.join(known)}")
+    if not config.stages:
+        raise ConfigurationError(f"stages = [] is not allowed: it must be a list of {', '.join(known)}")
+    for key, folder in (("output.root", config.output.root), ("store.root", config.store.root)):
+        _check_folder(key, Path(folder))
+    job = Job(settings, None)
+    plane_stages = _asked(job, several_planes=False)
+    asked = [*plane_stages, *_asked(job, several_planes=True)]
+    if any(stage.on_workers for stage in asked):
+        check_cluster(config.cluster)
+    layered = config.plane.layer is not None
+    if job.asks("sweep"):
+        job = Job(settings, plan(settings))
+    elif job.asks("debug") and not job.store_path.exists():
+        # A row can be looked at before there is a store.
+        job = Job(settings, plan(settings))
+    elif any(stage.needs_plan or layered for stage in plane_stages):
+        if not job.store_path.exists():
+            raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
+        job = Job(settings, store.read_plan(job.store_path))
+    if job.plan is not None:
+        job = _of_layer(job) if layered else _of_volume(job, plane_stages)
+    for stage in asked:
+        if job.asks(stage.name):
+            stage.check(job)
+    return job
+
+
+def _of_layer(job: Job) -> Job:
+    """The plane of one layer; what is stored under the names of the volume and of the plane must be these."""
+    layer = layer_of(job.settings, job.plan)
+    store.check(layer.volume, job.plan)
+    found = Job(of_layer(job.settings, job.plan, layer), job.plan.layer(layer.index), layer)
+    if not job.settings.config.store.overwrite:
+        store.check(found.store_path, found.plan)
+    return found
+
+
+def _of_volume(job: Job, plane_stages: Iterable[Stage]) -> Job:
+    """Of a volume, only the stages that can have one; to ask for another is a mistake, unless nobody asked."""
+    refused = [stage.name for stage in plane_stages if not stage.of_volumes]
+    if job.plan.parameter2 is None or not refused:
+        return job
+    if job.settings.overridden("stages"):
+        raise ConfigurationError(
+            f"stages = {refused[0]!r} is not allowed for a volume: with plane.layer=VALUE, a value of "
+            f"{job.plan.parameter2.name}, it is done in the plane of that layer"
+        )
+    kept = [name for name in job.settings.config.stages if name not in refused]
+    return replace(job, settings=replace(job.settings, config=replace(job.settings.config, stages=kept)))
+
+
+def _check_folder(key: str, folder: Path) -> None:
+    """Raise unless the folder exists and can be written, or can be made."""
+    place = folder.resolve()
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+        raise ConfigurationError(
+            f"{key} = {str(folder)!r} is not allowed: it must be a folder that can be written ({place})"
+        )
+
+
+def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
+    stages = _asked(job, several_planes=False)
+    if job.layer is None and not any(stage.writes for stage in stages):
+        return _run(stages, job, workforce, reporter)
+    with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
+        store.remove_left_overs(job.store_path)
+        # What was checked before a wait may have become another store.
+        job = prepare(job.settings) if waited else job
+        _take_out_layer(job, reporter)
+        return _run(stages, job, workforce, reporter)
+
+
+def _take_out_layer(job: Job, reporter: Reporter) -> None:
+    """Take the layer out of its volume, where there is one and that has not been done."""
+    anew = job.settings.config.store.overwrite and job.asks("sweep")
+    if job.layer is None or job.store_path.exists() or not job.layer.volume.exists() or anew:
+        return
+    extract_layer(job.layer, job.store_path, job.plan, job.settings.store_name, job.settings.yaml())
+    reporter.line(f"layer: {job.settings.store_name} taken out of {job.layer.volume} into {job.store_path}")
+
+
+def run_shared_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    """Run what needs several planes; with several jobs, once after all of them."""
+    return _run(_asked(job, several_planes=True), job, workforce, reporter)
+
+
+def _run(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    reporter.log = None
+    return max((stage.run(job, workforce, reporter) for stage in stages), default=0)

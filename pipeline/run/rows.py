@@ -1,0 +1,152 @@
+"""One block of rows: continue every row, write the block into the store, return a small receipt.
+
+This is what runs on workers. A row that fails is recorded with its reason and the others go on.
+"""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from pipeline import store
+from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
+from pipeline.plan.plan import Block, Plan
+from pipeline.store.tries import Tries
+from solver import Balance, Continuation, Row, RowError
+
+__all__ = ["Outcome", "Receipt", "RowTrouble", "sweep_block", "sweep_blocks"]
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """What came of one block: its failed rows (index and reason), branch points computed and seconds taken."""
+
+    block: Block
+    failures: tuple[tuple[int, str], ...]
+    points: int
+    seconds: float
+
+    @property
+    def rows(self) -> int:
+        """Number of rows done."""
+        return self.block.stop - self.block.start
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a batch: a receipt per block that was stored, the worker, whether a row of the next block raised."""
+
+    receipts: tuple[Receipt, ...]
+    worker: str | None
+    trouble: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """For the log."""
+        rows = ", ".join(f"{receipt.block.start}-{receipt.block.stop - 1}" for receipt in self.receipts) or "none"
+        points, failed = sum(r.points for r in self.receipts), sum(len(r.failures) for r in self.receipts)
+        return (
+            f"batch: {sum(receipt.rows for receipt in self.receipts)} rows ({rows}) in "
+            f"{sum(receipt.seconds for receipt in self.receipts):.2f} s on {self.worker or 'this process'}, "
+            f"{points} points, {failed} failed{', the next one raised' if self.trouble else ''}"
+        )
+
+
+class RowTrouble(RuntimeError):
+    """A row raised something unforeseen; it is worth another try elsewhere."""
+
+
+def _sweep(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+    row = row_of(plan, value, balance, continuation, seeds)
+    for name, size, room in (
+        ("max_solutions", row.mean.shape[1], plan.max_solutions),
+        ("max_branches", len(row.curves), plan.max_branches),
+        ("max_points", sum(len(curve.points) for curve in row.curves), plan.max_points),
+    ):
+        if size > room:
+            raise RowError(f"it needs room for {size}, more than store.{name} = {room}")
+    return row
+
+
+def sweep_block(
+    path: str, plan: Plan, block: Block, every_column: frozenset[int] = frozenset(), limit: float | None = None
+) -> Receipt:
+    """Compute one block of rows and write it; a row that fails for good is stored as failed, with the reason.
+
+    Rows that are stored already as they shall be stay.
+
+    Parameters
+    ----------
+    path : str
+        The store, its template already written.
+    plan : Plan
+    block : Block
+    every_column : set of int
+        Rows in which all solutions are enumerated at every column, whatever the settings say.
+    limit : float, optional
+        Seconds that a row may take; the process ends where one takes longer.
+
+    Returns
+    -------
+    Receipt
+
+    Raises
+    ------
+    RowTrouble
+        If a row raises something unforeseen: nothing is written then, and the attempt is noted for the next one.
+    """
+    begin = perf_counter()
+    balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
+    rows: list[Row | str | None] = []
+    kept = store.kept_rows(Path(path), plan, block, every_column)
+    with Tries(Path(path), block.start, limit) as tries:
+        for index in range(block.start, block.stop):
+            if index in kept:
+                rows.append(None)
+                continue
+            seeds = seeds_of(plan.solver, index in every_column)
+            verdict = tries.verdict(index)
+            if verdict is not None:
+                rows.append(verdict)
+                continue
+            try:
+                with tries.attempt(index):
+                    rows.append(_sweep(*plan.row(index), balance, continuation, seeds))
+            except RowError as error:
+                # Foreseen, and the same on every worker.
+                rows.append(str(error))
+            except Exception as error:
+                tries.raised(index, f"{type(error).__name__}: {error}")
+                verdict = tries.verdict(index)
+                if verdict is None:
+                    raise RowTrouble(f"row {index}: {type(error).__name__}: {error}") from error
+                rows.append(verdict)
+        store.write_block(path, plan, block, rows)
+        tries.forget()
+    failures = tuple((block.start + i, row) for i, row in enumerate(rows) if isinstance(row, str))
+    points = sum(len(curve.points) for row in rows if isinstance(row, Row) for curve in row.curves)
+    return Receipt(block, failures, points, perf_counter() - begin)
+
+
+def sweep_blocks(path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]], ...], limit: float | None) -> Outcome:
+    """Several blocks one after the other, as far as their rows can be computed; see `sweep_block`."""
+    receipts = []
+    for block, every_column in work:
+        try:
+            receipts.append(sweep_block(path, plan, block, every_column, limit))
+        except RowTrouble:
+            return Outcome(tuple(receipts), _worker(), trouble=True)
+    return Outcome(tuple(receipts), _worker())
+
+
+def _worker() -> str | None:
+    """The address of the worker that this runs on, None in a process of its own."""
+    # A process without dask is no worker, and dask takes half a second to import.
+    if "distributed" not in sys.modules:
+        return None
+    from distributed import get_worker
+
+    try:
+        return get_worker().address
+    except ValueError:
+        return None

@@ -1,0 +1,45 @@
+"""What a stage is, for the command line."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pipeline.run.job import Job
+from pipeline.run.progress import Reporter
+from pipeline.run.workforce import Workforce
+
+__all__ = ["Stage"]
+
+
+def _nothing(job: Job) -> None:
+    """Nothing to check."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One thing to do.
+
+    Parameters
+    ----------
+    name : str
+        As typed in `stages=[...]`.
+    run : callable
+        run(job, workforce, reporter) does it and returns an exit status.
+    check : callable
+        check(job) raises ConfigurationError unless it can be done; writes nothing.
+    on_workers : bool
+        Whether it needs the cluster.
+    writes : bool
+        Whether it writes into the store, so that it must be alone there.
+    needs_plan : bool
+        Whether it is given the plan of the plane.
+    of_volumes : bool
+        Whether it works on a volume, and not on a plane alone.
+    """
+
+    name: str
+    run: Callable[[Job, Workforce, Reporter], int]
+    check: Callable[[Job], None] = _nothing
+    on_workers: bool = False
+    writes: bool = False
+    needs_plan: bool = True
+    of_volumes: bool = False

@@ -1,0 +1,140 @@
+"""The stage sweep: rows of the plane that are not in the store yet, then a second look where folds come or go."""
+
+import shutil
+from collections.abc import Sequence
+from time import perf_counter
+
+import numpy as np
+
+from pipeline import store
+from pipeline.errors import ConfigurationError
+from pipeline.plan.axes import ROLES
+from pipeline.plan.plan import Block
+from pipeline.plan.planning import warnings
+from pipeline.run.job import Job, open_log
+from pipeline.run.progress import Reporter, RowProgress
+from pipeline.run.stage import Stage
+from pipeline.run.workforce import Workforce
+from pipeline.store import groups
+from pipeline.store.removal import remove
+from pipeline.store.tries import forget_tries
+
+__all__ = ["STAGE", "compute"]
+
+
+def _check_store(job: Job) -> None:
+    path, config = job.store_path, job.settings.config
+    if config.store.overwrite:
+        store.refuse_foreign(path)
+    else:
+        store.check(path, job.plan)
+    place = path
+    while not place.exists():
+        place = place.parent
+    free = shutil.disk_usage(place).free
+    if job.plan.bytes > free:
+        raise ConfigurationError(
+            f"{' x '.join(f'plane.{role}.num' for role, _ in zip(ROLES, job.plan.axes, strict=False))} = "
+            f"{' x '.join(str(axis.num) for axis in job.plan.axes)} is not allowed: "
+            f"up to {job.plan.bytes / 1e9:.3g} GB do not fit into the {free / 1e9:.3g} GB free at {place}"
+        )
+
+
+def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    settings, path = job.settings, job.store_path
+    for text in warnings(job.plan):
+        reporter.line(f"note: {text}")
+    begin = perf_counter()
+    present = store.check(path, job.plan) if not settings.config.store.overwrite else False
+    blocks = store.pending_blocks(path, job.plan) if present else job.plan.blocks
+    if not blocks and not _neighbours(job).size:
+        reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
+        return 0
+    if present:
+        store.refuse_to_write_older(path)
+    where = workforce.start()
+    open_log(job, reporter)
+    if present:
+        # They belong to the rows as they were.
+        groups.remove_added(path)
+    else:
+        remove(path)
+        store.create(path, job.plan, settings.store_name, settings.yaml())
+    rows = sum(block.stop - block.start for block in blocks)
+    state = "continues: " if present else ""
+    reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")
+    return compute(job, blocks, workforce, reporter, perf_counter() - begin)
+
+
+def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: Reporter, waited: float = 0.0) -> int:
+    """Compute blocks of a store, look a second time where that is due, and say what came of it; an exit status.
+
+    Parameters
+    ----------
+    job : Job
+    blocks : sequence of Block
+        Of a store whose template is written.
+    workforce : Workforce
+    reporter : Reporter
+    waited : float
+        Seconds that getting ready took, for the report.
+    """
+    path, rows, ready = job.store_path, sum(block.stop - block.start for block in blocks), perf_counter()
+    forget_tries(path)
+    lost, points = _run_blocks(job, blocks, {}, workforce, reporter, RowProgress(reporter, rows))
+    if not lost:
+        lost += _certify_neighbours(job, workforce, reporter)
+    seconds = perf_counter() - ready
+    failed = store.failures(path)
+    for row, reason in failed[:10]:
+        reporter.line(f"  {job.plan.row_text(row)} failed: {reason}")
+    if len(failed) > 10:
+        reporter.line(f"  and {len(failed) - 10} more; `message` in the store has every reason")
+    for text in lost:
+        reporter.error(text)
+    reporter.line(
+        f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
+        f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"
+    )
+    forget_tries(path)
+    return 1 if failed or lost else 0
+
+
+def _neighbours(job: Job):
+    """Rows that a second look is due to; none where enumeration is off or looks everywhere anyway."""
+    return store.rows_to_certify(job.store_path) if job.plan.solver["certify"] == "columns" else np.empty(0, int)
+
+
+def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> list[str]:
+    """Look everywhere in rows beside which folds come or go, until no more such rows turn up; why blocks were lost."""
+    lost, before = [], store.certified_rows(job.store_path).size
+    while not lost and (due := _neighbours(job)).size:
+        rows = np.union1d(due, store.certified_rows(job.store_path))
+        chosen = {
+            block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks
+        }
+        blocks = [block for block in job.plan.blocks if np.any((due >= block.start) & (due < block.stop))]
+        lost, _ = _run_blocks(job, blocks, chosen, workforce, reporter, RowProgress(None, 0))
+    count = store.certified_rows(job.store_path).size - before
+    reporter.line(f"sweep: {count} rows next to births and deaths of folds enumerated at every column")
+    return lost
+
+
+def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, reporter: Reporter, progress: RowProgress):
+    """Run the blocks, with a line per batch in the log; why blocks were lost, and the number of branch points."""
+    from pipeline.run.dispatch import dispatch
+
+    lost, points = [], 0
+    with progress:
+        for block, result in dispatch(job.store_path, job.plan, blocks, every_column, workforce, reporter.note):
+            count = block.stop - block.start
+            if isinstance(result, BaseException):
+                lost.append(f"rows {block.start}-{block.stop - 1} were not stored: {type(result).__name__}: {result}")
+                progress.advance(count, count)
+            else:
+                points += result.points
+                progress.advance(count, len(result.failures))
+    return lost, points
+
+
+STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True, of_volumes=True)

@@ -1,0 +1,202 @@
+"""The diary of one row: its continuation step by step, as text to read and as CSV to plot."""
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline import store
+from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
+from pipeline.plan.plan import Plan
+from solver import EndReason, Event, Row, RowError
+from solver.continuation.trace_log import LoggedContinuation, Outcome, Trace
+
+__all__ = ["RowDiary", "row_diary", "write_sheets"]
+
+_COLUMNS = ("trace", "step", "outcome", "length", "iterations", "stray", "angle", "points", "events")
+
+
+@dataclass(frozen=True)
+class RowDiary:
+    """What happened in one row.
+
+    Parameters
+    ----------
+    plan : Plan
+    index : int
+    every_column : bool
+        Whether solutions were enumerated at every column.
+    stored : str
+        State of this row in the store, in words.
+    traces : tuple of Trace
+        In the order in which they were made.
+    result : Row or str
+        The row; or why it failed.
+    """
+
+    plan: Plan
+    index: int
+    every_column: bool
+    stored: str
+    traces: tuple[Trace, ...]
+    result: Row | str
+
+    @property
+    def value(self) -> float:
+        """Of the row parameter."""
+        return self.plan.row(self.index)[1]
+
+    @property
+    def steps(self) -> int:
+        """Steps tried in all traces."""
+        return sum(trace.steps.outcome.size for trace in self.traces)
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """Why the row failed, if it did."""
+        return (self.result,) if isinstance(self.result, str) else ()
+
+
+def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
+    """Compute one row again, in this process, and keep a diary; nothing is written.
+
+    Parameters
+    ----------
+    path : Path
+        The store, if there is one: it says whether the row was enumerated at every column.
+    plan : Plan
+    index : int
+        The row's number.
+    """
+    every_column, stored = False, "there is no store yet"
+    if path.exists():
+        every_column = index in store.certified_rows(path)
+        words = {store.PENDING: "pending", store.COMPLETE: "complete", store.FAILED: "failed"}
+        stored = f"{words[int(store.statuses(path).ravel()[index])]} in the store"
+        stored += "".join(f": {text}" for row, text in store.failures(path) if row == index)
+    recording = LoggedContinuation(**vars(continuation_of(plan.solver)))
+    plane, value = plan.row(index)
+    try:
+        result = row_of(plane, value, balance_of(plan.solver), recording, seeds_of(plan.solver, every_column))
+    except RowError as error:
+        result = str(error)
+    except Exception as error:
+        # Whatever it is, the diary up to there is what was asked for.
+        result = f"{type(error).__name__}: {error}"
+    return RowDiary(plan, index, every_column, stored, tuple(recording.traces), result)
+
+
+def write_sheets(diary: RowDiary, folder: Path) -> list[Path]:
+    """Write `row-<n>.txt` and `row-<n>.csv`; the same bytes from the same row."""
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = {folder / f"row-{diary.index}.txt": _text(diary), folder / f"row-{diary.index}.csv": _csv(diary)}
+    for path, text in texts.items():
+        path.write_text(text, encoding="utf-8", newline="\n")
+    return list(texts)
+
+
+def _unknowns(trace: Trace) -> list[str]:
+    """Names of the unknowns."""
+    first = ["mean", "cos", "sin"]
+    return (
+        first
+        if trace.problem.unknowns == 3
+        else ["mean", *(f"{part}{k}" for k in range(1, (trace.problem.unknowns + 1) // 2) for part in ("cos", "sin"))]
+    )
+
+
+def _events(trace: Trace) -> list[str]:
+    """What was located on every step: kinds and places."""
+    curve, before, found = trace.curve, 1, []
+    for accepted, after in zip(trace.steps.accepted, trace.steps.points, strict=True):
+        here = range(before, after) if accepted else ()
+        found.append(
+            " ".join(
+                f"{Event(int(curve.event[i])).name.lower()}@{curve.points[i, -1]:.10g}"
+                for i in here
+                if curve.event[i] != Event.NONE
+            )
+        )
+        before = after
+    return found
+
+
+def _csv(diary: RowDiary) -> str:
+    """One line a step."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    names = _unknowns(diary.traces[0]) if diary.traces else []
+    writer.writerow([*_COLUMNS, "parameter", *names])
+    for number, trace in enumerate(diary.traces):
+        steps, events = trace.steps, _events(trace)
+        for k in range(steps.outcome.size):
+            writer.writerow(
+                [
+                    number,
+                    k,
+                    Outcome(int(steps.outcome[k])).name.lower(),
+                    repr(float(steps.length[k])),
+                    int(steps.iterations[k]),
+                    repr(float(steps.stray[k])),
+                    repr(float(steps.turn[k])),
+                    int(steps.points[k]),
+                    events[k],
+                    *(repr(float(value)) for value in (steps.places[k, -1], *steps.places[k, :-1])),
+                ]
+            )
+    return stream.getvalue()
+
+
+def _text(diary: RowDiary) -> str:
+    """For a reader."""
+    plan, axis = diary.plan, diary.plan.sweep
+    lines = [
+        f"{plan.row_text(diary.index)}: {axis.name} from {axis.low:g} to {axis.high:g}; {diary.stored}",
+        f"balance {plan.solver['balance']}, order {plan.solver['order']}, corrector {plan.solver['corrector']}; "
+        f"seeds: certify={plan.solver['certify']}{', every column' if diary.every_column else ''}",
+    ]
+    for number, trace in enumerate(diary.traces):
+        lines += ["", *_trace_lines(number, trace)]
+    lines += ["", *_outcome_lines(diary)]
+    return "\n".join(lines) + "\n"
+
+
+def _trace_lines(number: int, trace: Trace) -> list[str]:
+    curve, steps, names = trace.curve, trace.steps, _unknowns(trace)
+    width = min(len(names), 3)
+    start = ", ".join(f"{name} = {value:.10g}" for name, value in zip(names, trace.start, strict=False))
+    towards = "" if trace.heading.ndim else ", towards " + ("larger values" if trace.heading > 0 else "smaller values")
+    lines = [f"trace {number}: seed at parameter = {trace.start[-1]:.12g}{towards}; {start}"]
+    if steps.outcome.size:
+        lines.append(
+            f"{'step':>5} {'length':>10} {'iter':>4} {'angle':>9} {'parameter':>14}"
+            + "".join(f" {name:>13}" for name in names[:width])
+            + "  what"
+        )
+    for k, events in enumerate(_events(trace)):
+        outcome = Outcome(int(steps.outcome[k]))
+        what = events if steps.accepted[k] else f"refused: {outcome.sentence}"
+        place = "".join(f" {value:13.8g}" for value in steps.places[k, :width])
+        lines.append(
+            f"{k:5d} {steps.length[k]:10.3e} {steps.iterations[k]:4d} {steps.turn[k]:9.2e} "
+            f"{steps.places[k, -1]:14.9g}{place}  {what}".rstrip()
+        )
+    if not len(curve.points):
+        return [*lines, f"  nothing was traced: {curve.ends[1].sentence}"]
+    end = curve.ends[1]
+    return [
+        *lines,
+        f"  {len(curve.points)} points, {curve.refused} steps refused; ends at parameter = "
+        f"{curve.points[-1, -1]:.12g}: {end.sentence}",
+    ]
+
+
+def _outcome_lines(diary: RowDiary) -> list[str]:
+    if isinstance(diary.result, str):
+        return [f"the row fails: {diary.result}"]
+    lines = []
+    for number, curve in enumerate(diary.result.curves):
+        events = [Event(int(kind)).name.lower() for kind in curve.event if kind != Event.NONE]
+        ends = " / ".join(EndReason(end).name.lower() for end in curve.ends)
+        lines.append(f"branch {number}: {len(curve.points)} points, ends {ends}; {', '.join(events) or 'no events'}")
+    return lines

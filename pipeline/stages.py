@@ -1,0 +1,68 @@
+"""The registry of stages, in the order of a run. A new stage is one module with a `STAGE`, and one entry here."""
+
+import importlib
+from dataclasses import dataclass
+
+__all__ = ["STAGES", "Entry"]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is known of a stage before its module is loaded.
+
+    Parameters
+    ----------
+    name : str
+        As typed in `stages=[...]`.
+    sentence : str
+        What it does, as `--help` shows it.
+    module : str
+        The module that has its `STAGE`.
+    several_planes : bool
+        Whether it reads several planes, so that it runs once after all of them.
+    """
+
+    name: str
+    sentence: str
+    module: str
+    several_planes: bool = False
+
+    def load(self):
+        """The stage itself, a `pipeline.run.stage.Stage`."""
+        return importlib.import_module(self.module).STAGE
+
+
+STAGES = (
+    Entry("sweep", "rows of the plane that are not in the store yet", "pipeline.run.sweep"),
+    Entry(
+        "boundaries",
+        "folds, grazings and bifurcations as curves, started from the stored rows",
+        "pipeline.analysis.boundaries.stage",
+    ),
+    Entry(
+        "verify",
+        "where the map can be trusted, by higher orders and by direct integration",
+        "pipeline.analysis.verification.stage",
+    ),
+    Entry(
+        "basins",
+        "shares of random initial states that reach each of several coexisting motions",
+        "pipeline.analysis.basins.stage",
+    ),
+    Entry("jumps", "attractors followed along rows, upwards and downwards", "pipeline.analysis.jumps.stage"),
+    Entry(
+        "margins", "how far a design point is from anything that changes its label", "pipeline.figures.margins_stage"
+    ),
+    Entry("figures", "pictures of the stored plane; nothing is solved again", "pipeline.figures.stage"),
+    Entry(
+        "check",
+        "every file of a store against its checksum and the template; repair of what is damaged",
+        "pipeline.run.check",
+    ),
+    Entry("debug", "one row computed again in this process, step by step; no store is touched", "pipeline.run.debug"),
+    Entry("tables", "tables 1 to 3 of the study from the stored planes", "pipeline.study.tables.stage", True),
+    Entry(
+        "report", "the published study against what is computed here, as one page", "pipeline.study.report.stage", True
+    ),
+    Entry("list", "which stores there are, and in what state", "pipeline.run.listing", True),
+)

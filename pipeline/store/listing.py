@@ -1,0 +1,241 @@
+"""What stores a folder holds: read from their metadata alone, so that a folder of many is listed at once."""
+
+import json
+import math
+import time
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan.plan import OLDEST_READ, SCHEMA_VERSION, Plan
+from pipeline.store import COMPLETE, FAILED
+from pipeline.store.identity import plan_from, root_attributes
+
+__all__ = ["TITLES", "Entry", "Listing", "columns", "listing"]
+
+_METADATA = "zarr.json"
+_SHOWN = 2
+TITLES = ("store", "plane", "gear", "status", "size", "hash", "age", "groups")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One store, in words; `size` in bytes, `age` in seconds (nan where it is not known)."""
+
+    name: str
+    plane: str
+    gear: str
+    status: str
+    size: int
+    digest: str
+    age: float
+    groups: tuple[str, ...]
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """As shown, in the order of the columns."""
+        age = "?" if math.isnan(self.age) else _age(self.age)
+        texts = (
+            self.name,
+            self.plane,
+            self.gear,
+            self.status,
+            _size(self.size),
+            self.digest,
+            age,
+            " ".join(self.groups) or "-",
+        )
+        return tuple(map(printable, texts))
+
+
+@dataclass(frozen=True)
+class Listing:
+    """The stores of a folder by name, and the names of folders in it that are something else."""
+
+    entries: tuple[Entry, ...]
+    foreign: tuple[str, ...]
+
+
+def listing(root: Path) -> Listing:
+    """Look into a folder; nothing is written, and nothing but metadata and states of rows is read."""
+    entries, foreign = [], []
+    for path in sorted(root.iterdir()) if root.is_dir() else []:
+        # Drafts and locks of a run have names that begin with a dot.
+        if path.name.startswith(".") or not path.is_dir():
+            continue
+        try:
+            attributes = root_attributes(path)
+        except StoreError:
+            if (path / _METADATA).is_file() and (path / "branches").is_dir() and (path / "status").is_dir():
+                entries.append(_entry(path, None, "damaged metadata: stages=[check] cannot tell what it was"))
+            else:
+                foreign.append(printable(path.name))
+            continue
+        entries.append(_described(path, attributes))
+    return Listing(tuple(entries), tuple(foreign))
+
+
+def printable(text: str) -> str:
+    """The text without what would steer a terminal; stores may come from anyone."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
+
+
+def columns(found: Listing) -> list[str]:
+    """Plain aligned lines, a heading first."""
+    rows = [TITLES, *(entry.cells for entry in found.entries)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(TITLES))]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _described(path: Path, attributes: dict) -> Entry:
+    version = int(attributes["bevelmap_schema"])
+    try:
+        plan = plan_from(attributes, path)
+    except StoreError:
+        known = OLDEST_READ <= version <= SCHEMA_VERSION
+        schema = f"schema {version}, this program reads {OLDEST_READ} to {SCHEMA_VERSION}"
+        text = "damaged metadata" if known else schema
+        return _entry(path, attributes, text)
+    status = _status(path, plan)
+    if version < SCHEMA_VERSION:
+        status += f" (schema {version}: read only)"
+    plane = " x ".join(f"{axis.name} {axis.num}" for axis in plan.axes)
+    return _entry(path, attributes, status, plane, _gear(plan))
+
+
+def _entry(path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?") -> Entry:
+    said = attributes or {}
+    return Entry(
+        path.name.removesuffix(".zarr"),
+        plane,
+        gear,
+        status,
+        _bytes(path),
+        str(said.get("configuration_hash", "?"))[:16],
+        _seconds(said.get("created")),
+        _groups(path),
+    )
+
+
+def _status(path: Path, plan: Plan) -> str:
+    """What has been computed, or that it cannot be told."""
+    damaged = "damaged: stages=[check] says where"
+    try:
+        json.loads((path / _METADATA).read_text(encoding="utf-8"))["attributes"]["numbers"]
+        array = zarr.open_array(path / "status", mode="r")
+        if array.shape != tuple(axis.num for axis in plan.row_axes):
+            return damaged
+        states = array[:]
+    except (OSError, ValueError, KeyError, TypeError, RuntimeError):
+        return damaged
+    failed, done = int(np.sum(states == FAILED)), int(np.sum(states == COMPLETE))
+    if done == states.size:
+        return "complete"
+    parts = [f"{done} of {states.size} rows"] if done + failed < states.size else []
+    return ", ".join([*parts, *([f"{failed} rows failed"] if failed else [])])
+
+
+@cache
+def _known_gears() -> dict[str, dict]:
+    """Name -> keyword arguments of the model, for every gear file that comes with the program."""
+    from pipeline.config.compose import compose, conf_folder
+    from pipeline.plan.planning import gear_of
+
+    found = {}
+    for file in sorted((conf_folder() / "gear").glob("*.yaml")):
+        try:
+            gear, _ = gear_of(compose([f"gear={file.stem}"]).config.gear)
+        except ConfigurationError:
+            # A file that others start from has values missing.
+            continue
+        found[file.stem] = {key: _plain(value) for key, value in gear.items()}
+    return found
+
+
+def _plain(value):
+    """Numbers and lists so that 0.5 and six times 0.5 compare equal."""
+    flat = list(np.ravel(np.array(value, dtype=object)))
+    return flat[0] if flat and all(one == flat[0] for one in flat) else str(value)
+
+
+def _gear(plan: Plan) -> str:
+    """The nearest gear that comes with the program, and what differs from it."""
+    axes = {axis.name for axis in plan.axes}
+    stored = {key: _plain(value) for key, value in plan.gear.items()}
+    differences = {
+        name: [key for key in stored if key not in axes and stored[key] != known.get(key)]
+        for name, known in _known_gears().items()
+    }
+    name = min(differences, key=lambda one: len(differences[one]))
+    changed = differences[name]
+    words = [f"{key}={stored[key]:g}" if isinstance(stored[key], int | float) else key for key in changed[:_SHOWN]]
+    more = [f"and {len(changed) - _SHOWN} more"] if len(changed) > _SHOWN else []
+    return " ".join([name, *words, *more])
+
+
+def _groups(path: Path) -> tuple[str, ...]:
+    """Groups that stages have added beside the rows."""
+    found = []
+    for folder in sorted(path.iterdir()):
+        try:
+            kind = json.loads((folder / _METADATA).read_text(encoding="utf-8"))["node_type"]
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+        if kind == "group" and folder.name != "branches" and not folder.name.startswith("."):
+            found.append(folder.name)
+    return tuple(found)
+
+
+def _bytes(path: Path) -> int:
+    """Size of all files; some may vanish while a run writes."""
+    total = 0
+    for file in path.rglob("*"):
+        try:
+            total += file.lstat().st_size if not file.is_dir() else 0
+        except OSError:
+            continue
+    return total
+
+
+def _seconds(created) -> float:
+    """Since then, at least 0; nan where that cannot be read."""
+    try:
+        then = datetime.fromisoformat(str(created))
+    except ValueError:
+        return math.nan
+    then = then if then.tzinfo else then.replace(tzinfo=UTC)
+    return max(time.time() - then.timestamp(), 0.0)
+
+
+def _size(size: int) -> str:
+    """As people write it.
+
+    Examples
+    --------
+    >>> _size(900), _size(12_345_678)
+    ('900 B', '12.3 MB')
+    """
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"
+
+
+def _age(seconds: float) -> str:
+    """In the largest unit of which there are two.
+
+    Examples
+    --------
+    >>> _age(5), _age(7300), _age(3e6)
+    ('5 s', '2 h', '34 d')
+    """
+    for size, unit in ((86400, "d"), (3600, "h"), (60, "min")):
+        if seconds >= 2 * size:
+            return f"{int(seconds // size)} {unit}"
+    return f"{int(seconds)} s"
