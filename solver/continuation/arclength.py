@@ -97,7 +97,9 @@ def _orient_steeply(setup, point, heading):
         return False
     border[best] = 1.0
     orient(setup, point, border)
-    if dot(point[n + 1 : 2 * n + 2], heading) < 0.0:
+    side = dot(point[n + 1 : 2 * n + 2], heading)
+    # Exactly on a fold neither side has more of p than the other; opposite headings take opposite ones all the same.
+    if side < 0.0 or (side == 0.0 and heading[n] < 0.0):
         for j in range(n + 1, 2 * n + 2):
             point[j] = -point[j]
     return True
@@ -108,7 +110,7 @@ def _begin(setup, here, heading):
     """Make the start a point of the curve with a tangent on the side of `heading`; an end reason, 0 if it is one."""
     n = setup.unknowns
     start = here.copy()
-    if not orient(setup, here, heading) or scaled_distance(here, start, setup.scale) > setup.tolerance:
+    if not orient(setup, here, heading) or not scaled_distance(here, start, setup.scale) <= setup.tolerance:
         copy_into(here, start)
         if _solves(setup, here):
             if not _orient_steeply(setup, here, heading):

@@ -104,7 +104,10 @@ class RowSpan:
         """Trace the whole branch through a solution y = (u, p); raises RowError as `whole`."""
         curve = self.traced(start)
         if not len(curve.points):
-            raise RowError(f"No branch can be followed from {self.axis} = {start[-1]:.9g} with mean {start[0]:.6g}.")
+            raise RowError(
+                f"No branch can be followed from {self.axis} = {start[-1]:.9g} with mean {start[0]:.6g}: "
+                f"{curve.ends[1].sentence}"
+            )
         return self.whole(curve)
 
     def crossings(self, curve: Curve, grid: np.ndarray):
