@@ -68,8 +68,10 @@ def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
     from pipeline.cli.warmup import compile_beside
     from pipeline.errors import ConfigurationError
+    from pipeline.run.libraries import load_zarr
     from pipeline.run.workforce import Workforce
 
+    load_zarr()
     helper = compile_beside()
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
 
@@ -89,7 +91,7 @@ def _run_all(all_settings, reporter) -> int:
         helper.wait()
     if not jobs:
         return status
-    with Workforce(jobs[0].settings.config.cluster) as workforce:
+    with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
         # Tables need several planes: once, after all of them.
@@ -116,7 +118,7 @@ def _explained(job, error: Exception) -> str:
 
     # Stages that need several planes read all stores of the folder.
     for path in [job.store_path, *sorted(set(job.store_path.parent.glob("*.zarr")) - {job.store_path})]:
-        if path.exists() and (found := store.damage_error(path, error)) is not None:
+        if path.exists() and (found := store.damage_error(path)) is not None:
             return str(found)
     if isinstance(error, OSError):
         return f"{error}{_KEPT}"

@@ -1,6 +1,6 @@
 """What a user can get wrong and what can be wrong with a store, as exceptions with a one-line message."""
 
-__all__ = ["ConfigurationError", "DamagedError", "StoreError"]
+__all__ = ["ConfigurationError", "DamagedError", "StoreError", "WorkerLost"]
 
 
 class ConfigurationError(Exception):
@@ -15,6 +15,11 @@ class StoreError(ConfigurationError):
 
 
 class DamagedError(StoreError):
-    """Files of a store are damaged; the message names the first one and the way on."""
+    """Files of a store are damaged; the message names the first one and the way on, `what` is the fault alone."""
 
     status = 1
+    what = ""
+
+
+class WorkerLost(RuntimeError):
+    """The process that ran a task ended before the task did."""

@@ -20,7 +20,7 @@ for folder in [Path(sys.argv[1]), *(inner.parent for inner in Path(sys.argv[1]).
     name = "solver" if folder == Path(sys.argv[1]) else f"solver.{folder.name}"
     package = sys.modules[name] = types.ModuleType(name)
     package.__path__ = [str(folder)]
-import solver.stability.scan, solver.boundaries.bifurcation_curves, solver.boundaries.contact_angles
+import solver.stability.bifurcations, solver.boundaries.tracer
 """
 
 

@@ -9,12 +9,11 @@ import numpy as np
 
 from pipeline.plan.axes import ROLES, Axis
 
-__all__ = ["OLDEST_READ", "SCHEMA_VERSION", "Block", "Plan", "numbers_digest", "plan_of"]
+__all__ = ["SCHEMA_VERSION", "Block", "Plan", "numbers_digest", "plan_of"]
 
-#: Raised when stored numbers would no longer mean the same; part of the configuration's digest.
-SCHEMA_VERSION = 3
-#: Stores from this version on can be read; rows are only written to stores of this program's own version.
-OLDEST_READ = 2
+#: Raised when stored numbers would no longer mean the same; part of the configuration's digest. Only stores of this
+#: version are read.
+SCHEMA_VERSION = 4
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
@@ -134,12 +133,15 @@ class Plan:
     @property
     def blocks(self) -> list[Block]:
         """All blocks in order."""
+        layer = self.parameter.num
+        return [block for first in range(0, self.rows, layer) for block in self.blocks_of(Block(first, first + layer))]
+
+    def blocks_of(self, rows: Block) -> list[Block]:
+        """The blocks that hold some rows of one layer, in order."""
         size, layer = self.rows_per_block, self.parameter.num
-        return [
-            Block(first + i, first + min(i + size, layer))
-            for first in range(0, self.rows, layer)
-            for i in range(0, layer, size)
-        ]
+        first = rows.start - rows.start % layer
+        begin = (rows.start - first) // size * size
+        return [Block(first + i, first + min(i + size, layer)) for i in range(begin, rows.stop - first, size)]
 
     @property
     def bytes(self) -> int:

@@ -1,8 +1,9 @@
-"""The stage check: every file of a store against its checksum and the template, and mending what is damaged."""
+"""The stage check: every file of a store against its checksum and the template, and rows against their computation."""
 
 from time import perf_counter
 
 from pipeline import store
+from pipeline.errors import ConfigurationError, StoreError
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
@@ -17,7 +18,6 @@ _SHOWN = 20
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     path, config = job.store_path, job.settings.config
     begin = perf_counter()
-    store.refuse_to_write_older(path)
     damage = store.find_damage(path)
     for item in damage[:_SHOWN]:
         reporter.error(f"check: {item.sentence}")
@@ -26,7 +26,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     seconds = perf_counter() - begin
     if not damage:
         reporter.line(f"check: every file of {path} is sound ({seconds:.2f} s)")
-        return 0
+        return _recompute(job, workforce, reporter) if config.check.recompute else 0
     blocks = {item.block for item in damage if item.block is not None}
     rows = sum(block.stop - block.start for block in blocks)
     groups = sorted({item.group for item in damage if item.group is not None})
@@ -35,14 +35,49 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not config.check.repair:
         reporter.line(f"check: {what}; the same command with check.repair=true mends them")
         return 1
-    store.mend(path, damage)
+    store.repair(path, damage)
     status = _again(job, workforce, reporter) if blocks else 0
     left = store.find_damage(path)
     for name in groups:
         reporter.line(f"check: the damaged group {name} was taken away: stages=[{name}] makes it again")
     mended = f"check: {what} mended ({perf_counter() - begin:.2f} s)"
     reporter.line(mended if not left else f"check: {len(left)} still damaged")
-    return status if not left else 1
+    if status or left:
+        return 1
+    return _recompute(job, workforce, reporter) if config.check.recompute else 0
+
+
+def _recompute(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    """Compute some rows again and say which differ from what is stored, and in what."""
+    from pipeline.run.recompute import compare_row, drawn_rows
+
+    path, options, begin = job.store_path, job.settings.config.check, perf_counter()
+    plan = store.read_plan(path)
+    rows = drawn_rows(path, plan, options.recompute, options.seed)
+    if rows:
+        workforce.start()
+    different = 0
+    for (_, _, row), result in workforce.run(compare_row, [(str(path), plan, row) for row in rows]):
+        if isinstance(result, OSError | StoreError):
+            raise result
+        failed = isinstance(result, BaseException)
+        if failed or result:
+            different += 1
+            what = f"it fails: {' '.join(str(result).split())}" if failed else ", ".join(one.sentence for one in result)
+            reporter.error(f"check: {plan.row_text(row)} is stored otherwise than it is computed here: {what}")
+    said = f"{different} of {len(rows)} rows differ from" if different else f"{len(rows)} rows are bit by bit"
+    reporter.line(f"check: {said} what is computed here ({perf_counter() - begin:.2f} s)")
+    return 1 if different else 0
+
+
+def _check_options(job: Job) -> None:
+    options = job.settings.config.check
+    for name in ("recompute", "seed"):
+        value = getattr(options, name)
+        if not 0 <= value < 2**31:
+            raise ConfigurationError(
+                f"check.{name} = {value} is not allowed: it must be a whole number from 0 to 2^31 - 1"
+            )
 
 
 def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
@@ -52,4 +87,4 @@ def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return compute(Job(job.settings, plan), store.pending_blocks(job.store_path, plan), workforce, reporter)
 
 
-STAGE = Stage("check", _run, on_workers=True, writes=True, needs_plan=False, of_volumes=True)
+STAGE = Stage("check", _run, _check_options, on_workers=True, writes=True, needs_plan=False, of_volumes=True)

@@ -3,28 +3,43 @@
 This is what runs on workers. A row that fails is recorded with its reason and the others go on.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 from pipeline import store
+from pipeline.errors import DamagedError
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Block, Plan
+from pipeline.run.admission import worker_address
 from pipeline.store.tries import Tries
 from solver import Balance, Continuation, Row, RowError
+from solver.rows.seeds import Seeds
 
-__all__ = ["Outcome", "Receipt", "RowTrouble", "sweep_block", "sweep_blocks"]
+__all__ = ["Outcome", "Receipt", "RowTrouble", "stored_row", "sweep_block", "sweep_blocks"]
 
 
 @dataclass(frozen=True)
 class Receipt:
-    """What came of one block: its failed rows (index and reason), branch points computed and seconds taken."""
+    """What came of one block.
+
+    Parameters
+    ----------
+    block : Block
+    failures : tuple of (int, str)
+        Its failed rows and their reasons.
+    points : int
+        Branch points computed.
+    seconds : float
+    lost : str
+        What was wrong with its stored rows, so that none of them could be kept; else empty.
+    """
 
     block: Block
     failures: tuple[tuple[int, str], ...]
     points: int
     seconds: float
+    lost: str = ""
 
     @property
     def rows(self) -> int:
@@ -56,7 +71,8 @@ class RowTrouble(RuntimeError):
     """A row raised something unforeseen; it is worth another try elsewhere."""
 
 
-def _sweep(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+def stored_row(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds) -> Row:
+    """One row as it is stored; raises RowError as well where it does not fit into the store."""
     row = row_of(plan, value, balance, continuation, seeds)
     for name, size, room in (
         ("max_solutions", row.mean.shape[1], plan.max_solutions),
@@ -68,12 +84,10 @@ def _sweep(plan: Plan, value: float, balance: Balance, continuation: Continuatio
     return row
 
 
-def sweep_block(
-    path: str, plan: Plan, block: Block, every_column: frozenset[int] = frozenset(), limit: float | None = None
-) -> Receipt:
+def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None) -> Receipt:
     """Compute one block of rows and write it; a row that fails for good is stored as failed, with the reason.
 
-    Rows that are stored already as they shall be stay.
+    Up-to-date rows are kept, if everything that is stored of the block can be verified.
 
     Parameters
     ----------
@@ -81,8 +95,6 @@ def sweep_block(
         The store, its template already written.
     plan : Plan
     block : Block
-    every_column : set of int
-        Rows in which all solutions are enumerated at every column, whatever the settings say.
     limit : float, optional
         Seconds that a row may take; the process ends where one takes longer.
 
@@ -97,21 +109,24 @@ def sweep_block(
     """
     begin = perf_counter()
     balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
+    seeds = seeds_of(plan.solver)
     rows: list[Row | str | None] = []
-    kept = store.kept_rows(Path(path), plan, block, every_column)
+    try:
+        kept, lost = store.kept_rows(Path(path), plan, block), ""
+    except DamagedError as error:
+        kept, lost = {}, error.what
     with Tries(Path(path), block.start, limit) as tries:
         for index in range(block.start, block.stop):
             if index in kept:
                 rows.append(None)
                 continue
-            seeds = seeds_of(plan.solver, index in every_column)
             verdict = tries.verdict(index)
             if verdict is not None:
                 rows.append(verdict)
                 continue
             try:
                 with tries.attempt(index):
-                    rows.append(_sweep(*plan.row(index), balance, continuation, seeds))
+                    rows.append(stored_row(*plan.row(index), balance, continuation, seeds))
             except RowError as error:
                 # Foreseen, and the same on every worker.
                 rows.append(str(error))
@@ -121,32 +136,20 @@ def sweep_block(
                 if verdict is None:
                     raise RowTrouble(f"row {index}: {type(error).__name__}: {error}") from error
                 rows.append(verdict)
-        store.write_block(path, plan, block, rows)
+        values = [kept[block.start + i] if row is None else store.row_values(plan, row) for i, row in enumerate(rows)]
+        store.write_block(Path(path), plan, block, values)
         tries.forget()
     failures = tuple((block.start + i, row) for i, row in enumerate(rows) if isinstance(row, str))
     points = sum(len(curve.points) for row in rows if isinstance(row, Row) for curve in row.curves)
-    return Receipt(block, failures, points, perf_counter() - begin)
+    return Receipt(block, failures, points, perf_counter() - begin, lost)
 
 
-def sweep_blocks(path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]], ...], limit: float | None) -> Outcome:
+def sweep_blocks(path: str, plan: Plan, blocks: tuple[Block, ...], limit: float | None) -> Outcome:
     """Several blocks one after the other, as far as their rows can be computed; see `sweep_block`."""
     receipts = []
-    for block, every_column in work:
+    for block in blocks:
         try:
-            receipts.append(sweep_block(path, plan, block, every_column, limit))
+            receipts.append(sweep_block(path, plan, block, limit))
         except RowTrouble:
-            return Outcome(tuple(receipts), _worker(), trouble=True)
-    return Outcome(tuple(receipts), _worker())
-
-
-def _worker() -> str | None:
-    """The address of the worker that this runs on, None in a process of its own."""
-    # A process without dask is no worker, and dask takes half a second to import.
-    if "distributed" not in sys.modules:
-        return None
-    from distributed import get_worker
-
-    try:
-        return get_worker().address
-    except ValueError:
-        return None
+            return Outcome(tuple(receipts), worker_address(), trouble=True)
+    return Outcome(tuple(receipts), worker_address())

@@ -4,28 +4,19 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 """
 
 from pipeline.store.attributes import axis_attributes, flags, label_flags
-from pipeline.store.blocks import write_block
-from pipeline.store.damage import damage_error, find_damage, mend, remove_left_overs
-from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign, refuse_to_write_older
-from pipeline.store.states import (
-    COMPLETE,
-    FAILED,
-    PENDING,
-    certified_rows,
-    failures,
-    kept_rows,
-    pending_blocks,
-    rows_to_certify,
-    statuses,
-)
+from pipeline.store.blocks import RowValues, kept_rows, read_rows, row_values, write_block
+from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign
+from pipeline.store.inspection import damage_error, find_damage
+from pipeline.store.repair import remove_left_overs, repair
+from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, notes, pending_blocks, proven_cells, statuses
 from pipeline.store.template import consolidate, create
 
 __all__ = [
     "COMPLETE",
     "FAILED",
     "PENDING",
+    "RowValues",
     "axis_attributes",
-    "certified_rows",
     "check",
     "consolidate",
     "create",
@@ -35,14 +26,16 @@ __all__ = [
     "flags",
     "kept_rows",
     "label_flags",
-    "mend",
+    "notes",
     "pending_blocks",
+    "proven_cells",
     "read_numbers",
     "read_plan",
+    "read_rows",
     "refuse_foreign",
-    "refuse_to_write_older",
     "remove_left_overs",
-    "rows_to_certify",
+    "repair",
+    "row_values",
     "statuses",
     "write_block",
 ]

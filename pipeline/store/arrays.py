@@ -1,18 +1,22 @@
-"""Every array that a plane has: its dimensions, type, fill value and attributes."""
+"""Every array that a plane has: its dimensions, type, fill value, attributes and files."""
 
+from functools import cache
+
+from pipeline.plan.axes import Axis
 from pipeline.plan.plan import Plan
+from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.attributes import LONG_NAMES, UNITS, flags, label_flags
+from pipeline.store.names import ROWS
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, domain_labels
 from solver.stability import Instability
 
-__all__ = ["arrays_of"]
+__all__ = ["arrays_of", "axes_in_store", "layouts_of", "row_layouts"]
 
 
 def arrays_of(plan: Plan) -> dict[str, dict]:
     """Every array that has rows: name -> dims, dtype, fill value and attributes. `status` comes last."""
     row, column = tuple(axis.name for axis in plan.row_axes), plan.sweep.name
-    labels = domain_labels(plan.max_solutions)
     cell, solution, point = (*row, column), (*row, column, "solution"), (*row, "point")
     states = flags(ImpactState, [state.symbol for state in ImpactState])
 
@@ -38,7 +42,12 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
         "n_solutions": spec(cell, "uint8", 255, "number of periodic solutions; 255: not computed"),
         "n_stable": spec(cell, "uint8", 255, "number of statically stable solutions; 255: not computed"),
         "domain": spec(
-            cell, "uint16", 0, "n/I label of the solution domain; 0: not computed", None, **label_flags(labels)
+            cell,
+            "uint16",
+            0,
+            "n/I label of the solution domain; 0: not computed",
+            None,
+            **_domain_flags(plan.max_solutions),
         ),
         "mean": spec(solution, "float64", nan, "mean of the mesh displacement"),
         "amplitude": spec(solution, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
@@ -73,8 +82,7 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             flag_meanings="closed open",
         ),
         **({"certified": certified} if plan.solver["certify"] == "all" else {}),
-        "branches/n_folds": spec(row, "int16", -1, "folds of the branches found without looking at the columns"),
-        "branches/n_gained": spec(row, "int16", -1, "branches that only the columns brought; -1: not looked at"),
+        "branches/n_folds": spec(row, "int16", -1, "folds of all branches"),
         "branches/n_points": spec(row, "int32", 0, "number of branch points"),
         f"branches/{column}": spec(point, "float64", nan, LONG_NAMES[column], UNITS.get(column, "1")),
         "branches/mean": spec(point, "float64", nan, "mean of the mesh displacement"),
@@ -104,7 +112,7 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             None,
             **flags(EndReason),
         ),
-        "message": spec(row, "str", "", "why the row failed, else empty", None),
+        "message": spec(row, "str", "", "why the row failed, or what could not be decided in it; else empty", None),
         "status": spec(
             row,
             "uint8",
@@ -115,6 +123,47 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             flag_meanings="pending complete failed",
         ),
     }
+
+
+@cache
+def _domain_flags(max_solutions: int) -> dict:
+    """CF attributes of labels: there are hundreds."""
+    return label_flags(domain_labels(max_solutions))
+
+
+def axes_in_store(plan: Plan) -> dict[str, Axis]:
+    """Every array that holds the values of an axis, each in one chunk: name -> axis."""
+    rows = {f"{ROWS}/{axis.name}": axis for axis in plan.row_axes}
+    return {axis.name: axis for axis in plan.axes} | rows
+
+
+def layouts_of(plan: Plan) -> dict[str, ArrayLayout]:
+    """Where every array of a plane has its chunks: name -> layout."""
+    axes = {
+        name: ArrayLayout(name, (axis.num,), (axis.num,), "float64", (axis.name,), 0.0)
+        for name, axis in axes_in_store(plan).items()
+    }
+    return axes | row_layouts(plan)
+
+
+def row_layouts(plan: Plan) -> dict[str, ArrayLayout]:
+    """The layouts of the arrays that have rows; a chunk holds the rows of one block. `status` comes last."""
+    sizes = {
+        **{axis.name: axis.num for axis in plan.axes},
+        "solution": plan.max_solutions,
+        "point": plan.max_points,
+        "branch_number": plan.max_branches,
+        "end": 2,
+        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
+    }
+    along_rows = (1,) * (len(plan.row_axes) - 1) + (plan.rows_per_block,)
+    layouts = {}
+    for name, spec in arrays_of(plan).items():
+        shape = tuple(sizes[dim] for dim in spec["dims"])
+        kind = {"str": "string"}.get(spec["dtype"], spec["dtype"])
+        fill = spec["fill"] if spec["fill"] == spec["fill"] else "NaN"
+        layouts[name] = ArrayLayout(name, shape, (*along_rows, *shape[len(along_rows) :]), kind, spec["dims"], fill)
+    return layouts
 
 
 def _order_h_arrays(spec, solution: tuple[str, ...], point: tuple[str, ...]) -> dict[str, dict]:

@@ -1,91 +1,175 @@
-"""Writing one block of rows, the only writer of its chunks."""
+"""Blocks of rows: what is stored of a row, reading rows with every chunk verified, and writing a block whole.
+
+A block is written from what was computed or from what was read here: nothing that is stored is taken on trust.
+"""
+
+from pathlib import Path
 
 import numpy as np
 import zarr
 
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Block, Plan
-from pipeline.store.arrays import arrays_of
+from pipeline.store.array_layout import MOST_TEXT
+from pipeline.store.arrays import arrays_of, row_layouts
+from pipeline.store.chunk_files import read_chunk
 from pipeline.store.codecs import every_chunk
+from pipeline.store.removal import remove_file
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
 
-__all__ = ["write_block"]
+__all__ = ["RowValues", "is_stored", "kept_rows", "read_rows", "row_values", "write_block"]
+
+#: Array name -> the entries of one row.
+RowValues = dict[str, np.ndarray]
 
 
-def write_block(path: str, plan: Plan, block: Block, rows: list[Row | str | None]) -> None:
-    """Write one block; a row given as text has failed for that reason, and of a row that is None what is stored stays.
+def row_values(plan: Plan, row: Row | str | None) -> RowValues:
+    """What is stored of a row: its values, the reason where it failed, nothing but fill values where there is none."""
+    layouts, along = row_layouts(plan), len(plan.row_axes)
+    values = {
+        name: np.full(layouts[name].shape[along:], spec["fill"], object if spec["dtype"] == "str" else spec["dtype"])
+        for name, spec in arrays_of(plan).items()
+    }
+    if isinstance(row, str):
+        values["message"][...], values["status"][...] = row[:MOST_TEXT], FAILED
+    elif row is not None:
+        _fill_raster(values, row)
+        _fill_branches(values, row, plan.sweep.name)
+        values["message"][...], values["status"][...] = " ".join(row.notes)[:MOST_TEXT], COMPLETE
+    return values
+
+
+def read_rows(path: Path, plan: Plan, rows: Block, names: tuple[str, ...] | None = None) -> dict[str, np.ndarray]:
+    """Stored values of some rows of one layer; fill values where a block is not stored.
 
     Parameters
     ----------
-    path : str
+    path : Path
+    plan : Plan
+        Of the store.
+    rows : Block
+        Any rows of one layer, not only those of a block.
+    names : tuple of str, optional
+        Only these arrays.
+
+    Returns
+    -------
+    dict
+        Name -> (rows, ...) array; texts as objects.
+
+    Raises
+    ------
+    DamagedError
+        If a chunk of a stored block is missing or damaged.
+    """
+    layouts = row_layouts(plan)
+    empty = row_values(plan, None)
+    parts = {name: [] for name in names or layouts}
+    for block in plan.blocks_of(rows):
+        within = slice(max(rows.start, block.start) - block.start, min(rows.stop, block.stop) - block.start)
+        stored = is_stored(path, plan, block)
+        for name, found in parts.items():
+            if stored:
+                (file,) = layouts[name].files(*plan.place(block))
+                # A chunk holds rows of one layer.
+                found.append(read_chunk(path, file, layouts[name]).reshape(-1, *empty[name].shape)[within])
+            else:
+                found.append(np.stack([empty[name]] * (within.stop - within.start)))
+    return {name: np.concatenate(found) for name, found in parts.items()}
+
+
+def kept_rows(path: Path, plan: Plan, block: Block) -> dict[int, RowValues]:
+    """Complete rows of a block and what is stored of them.
+
+    Raises
+    ------
+    DamagedError
+        If anything that is stored of the block is missing or damaged.
+    """
+    if not is_stored(path, plan, block):
+        return {}
+    complete = np.flatnonzero(read_rows(path, plan, block, ("status",))["status"] == COMPLETE)
+    stored = read_rows(path, plan, block) if complete.size else {}
+    return {block.start + int(i): {name: values[i, ...] for name, values in stored.items()} for i in complete}
+
+
+def is_stored(path: Path, plan: Plan, block: Block) -> bool:
+    """Whether rows of a block are stored, by its chunk of `status`; without one it was never written.
+
+    Raises
+    ------
+    DamagedError
+        If that chunk is damaged.
+    """
+    status = row_layouts(plan)["status"]
+    (file,) = status.files(*plan.place(block))
+    return (path / file).exists() and bool(np.any(read_chunk(path, file, status) != PENDING))
+
+
+def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> None:
+    """Write one block, the only writer of its chunks.
+
+    Parameters
+    ----------
+    path : Path
         A store whose template matches the plan.
     plan : Plan
     block : Block
-    rows : list of Row, str or None
+    rows : list of RowValues
         One per row of the block.
     """
     root = zarr.open_group(path, mode="r+")
-    count = block.stop - block.start
-    specs = arrays_of(plan)
-    values, place = {}, plan.place(block)
-    with every_chunk():
-        # What an array writes is settled when it is opened.
-        arrays = {name: root[name] for name in specs}
-    stored = {name: array[place] for name, array in arrays.items()} if None in rows else {}
-    for name, spec in specs.items():
-        shape = arrays[name].shape[len(plan.row_axes) :]
-        if spec["dtype"] == "str":
-            values[name] = np.full(count, "", dtype=object)
-        else:
-            values[name] = np.full((count, *shape), spec["fill"], dtype=spec["dtype"])
-    for i, row in enumerate(rows):
-        if row is None:
-            for name, value in values.items():
-                value[i] = stored[name][i]
-        elif isinstance(row, str):
-            values["message"][i], values["status"][i] = row, FAILED
-        else:
-            _fill_raster(values, i, row)
-            _fill_branches(values, i, row, plan.sweep.name)
-            values["status"][i] = COMPLETE
     if root.attrs["configuration_hash"] != plan.digest:
         # A task of a run that is no more, on a scheduler that goes on.
         raise StoreError(f"{path} is no longer the store that these rows are of")
+    with every_chunk():
+        # What an array writes is settled when it is opened.
+        arrays = {name: root[name] for name in row_layouts(plan)}
+    place = plan.place(block)
     # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
+    _forget_part(path, plan, block, "status")
     arrays["status"][place] = PENDING
-    for name, value in values.items():
-        arrays[name][place] = value
+    for name, array in arrays.items():
+        if name != "status":
+            _forget_part(path, plan, block, name)
+        array[place] = np.stack([row[name] for row in rows])
 
 
-def _fill_raster(values: dict, i: int, row: Row) -> None:
+def _forget_part(path: Path, plan: Plan, block: Block, name: str) -> None:
+    """Remove the chunk of a block that ends before its chunk does: zarr would read it to write the rest again."""
+    if block.stop - block.start < plan.rows_per_block:
+        for file in row_layouts(plan)[name].files(*plan.place(block)):
+            remove_file(path / file)
+
+
+def _fill_raster(values: RowValues, row: Row) -> None:
     found = slice(row.mean.shape[1])
     for name in ("n_solutions", "n_stable", "domain", "open", "certified"):
         if name in values:
-            values[name][i] = getattr(row, name)
+            values[name][...] = getattr(row, name)
     for name in ("mean", "amplitude", "phase", "stable", "impact", "instability", "multiplier"):
-        values[name][i, :, found] = getattr(row, name)
+        values[name][:, found] = getattr(row, name)
     if "motion" in values:
-        values["motion"][i, :, found] = row.motions
-        values["lowest"][i, :, found], values["highest"][i, :, found] = row.extremes
+        values["motion"][:, found] = row.motions
+        values["lowest"][:, found], values["highest"][:, found] = row.extremes
 
 
-def _fill_branches(values: dict, i: int, row: Row, axis: str) -> None:
+def _fill_branches(values: RowValues, row: Row, axis: str) -> None:
     start = 0
     for number, curve in enumerate(row.curves):
         here = slice(start, start + len(curve.points))
         mean, cos, sin = row.branch_motions(curve)
         for name, value in (("mean", mean), ("cos", cos), ("sin", sin), (axis, curve.points[:, -1])):
-            values[f"branches/{name}"][i, here] = value
-        values["branches/amplitude"][i, here] = np.hypot(cos, sin)
+            values[f"branches/{name}"][here] = value
+        values["branches/amplitude"][here] = np.hypot(cos, sin)
         if "branches/motion" in values:
-            values["branches/motion"][i, here] = curve.points[:, :-1]
-        values["branches/arclength"][i, here] = curve.arclength
-        values["branches/stable"][i, here] = curve.stable
-        values["branches/impact"][i, here] = row.branch_impact(curve)
-        values["branches/branch"][i, here] = number
-        values["branches/event"][i, here] = curve.event
-        values["branches/end_reason"][i, number] = curve.ends
+            values["branches/motion"][here] = curve.points[:, :-1]
+        values["branches/arclength"][here] = curve.arclength
+        values["branches/stable"][here] = curve.stable
+        values["branches/impact"][here] = row.branch_impact(curve)
+        values["branches/branch"][here] = number
+        values["branches/event"][here] = curve.event
+        values["branches/end_reason"][number] = curve.ends
         start = here.stop
-    values["branches/n_points"][i] = start
-    values["branches/n_folds"][i], values["branches/n_gained"][i] = row.n_folds, row.n_gained
+    values["branches/n_points"][...], values["branches/n_folds"][...] = start, row.n_folds

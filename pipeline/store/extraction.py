@@ -1,15 +1,14 @@
 """One layer of a volume taken out as a store of its own, to which every stage may add."""
 
-import shutil
 from pathlib import Path
 
-import zarr
+import numpy as np
 
 from pipeline import store
 from pipeline.plan.layers import Layer
-from pipeline.plan.plan import Plan
-from pipeline.store.arrays import arrays_of
-from pipeline.store.codecs import every_chunk
+from pipeline.plan.plan import Block, Plan
+from pipeline.store.names import STORE_FILE
+from pipeline.store.removal import remove_known
 
 __all__ = ["extract_layer"]
 
@@ -26,15 +25,20 @@ def extract_layer(layer: Layer, path: Path, plan: Plan, name: str, configuration
         Of the layer.
     name, configuration : str
         As for `store.create`.
+
+    Raises
+    ------
+    DamagedError
+        If anything that is stored of the layer is missing or damaged.
     """
-    store.refuse_to_write_older(layer.volume)
+    volume = store.read_plan(layer.volume)
     draft = path.with_name(f".{path.name}.layer")
-    shutil.rmtree(draft, ignore_errors=True)
+    remove_known(draft, STORE_FILE)
     store.create(draft, plan, name, configuration)
-    source, target = zarr.open_group(layer.volume, mode="r"), zarr.open_group(draft, mode="r+")
-    with every_chunk():
-        for block in plan.blocks:
-            (rows,) = plan.place(block)
-            for array in arrays_of(plan):
-                target[array][rows] = source[array][layer.index, rows]
+    first = layer.index * plan.rows
+    for block in plan.blocks:
+        values = store.read_rows(layer.volume, volume, Block(first + block.start, first + block.stop))
+        if np.any(values["status"] != store.PENDING):
+            rows = [{name: found[i, ...] for name, found in values.items()} for i in range(block.stop - block.start)]
+            store.write_block(draft, plan, block, rows)
     draft.rename(path)

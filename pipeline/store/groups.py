@@ -4,7 +4,6 @@ A group is written beside the store and moved into it whole, and counts only onc
 a run killed at any moment leaves either the group or nothing. A sweep that computes rows takes all of them away first.
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,14 +11,15 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-from pipeline import store
 from pipeline.store.codecs import COMPRESSORS, every_chunk
-from pipeline.store.removal import remove
+from pipeline.store.documents import listed_in
+from pipeline.store.identity import read_plan
+from pipeline.store.names import ADDED, GROUP_FILE
+from pipeline.store.removal import refuse_unknown, remove_known
+from pipeline.store.template import consolidate
 
-__all__ = ["Variable", "open_group", "remove_added", "remove_group", "write_group"]
+__all__ = ["Variable", "open_group", "remove_added", "remove_group", "take_away", "write_group"]
 
-#: The group that the rows themselves fill.
-_ROWS = "branches"
 #: Arrays of two and more dimensions are cut into chunks of at most this many entries along each.
 _CHUNK = 1024
 
@@ -35,9 +35,18 @@ class Variable:
 
 
 def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str, Variable]) -> None:
-    """Put a group into the store at `path`, in place of what was there."""
+    """Put a group into the store at `path`, in place of what was there.
+
+    Raises
+    ------
+    DamagedError
+        If rows went missing meanwhile: what the group was computed from may have been read as fill values.
+    """
+    if name not in ADDED:
+        raise ValueError(f"{name!r} is no group that stages add: one of {', '.join(ADDED)}")
+    read_plan(path)
     draft = _beside(path, name, "draft")
-    remove(draft)
+    remove_known(draft, GROUP_FILE)
     group = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     for key, variable in variables.items():
         text = variable.dtype == "str"
@@ -55,26 +64,36 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
             )[...] = data
     remove_group(path, name)
     draft.rename(path / name)
-    store.consolidate(path)
+    consolidate(path)
 
 
 def remove_group(path: Path, name: str) -> None:
     """Take a group away, if there is one or the metadata still lists one that a killed run has taken away."""
+    if take_away(path, name) or name in listed_in(path):
+        consolidate(path)
+
+
+def take_away(path: Path, name: str) -> bool:
+    """Take the files of a group away, all at once, and leave it listed, which counts as none; whether it was there.
+
+    Raises
+    ------
+    StoreError
+        If it holds anything that is no file of a group; then nothing is removed.
+    """
     old = _beside(path, name, "old")
-    remove(old)
-    if (path / name).exists():
-        (path / name).rename(old)
-        store.consolidate(path)
-        remove(old)
-    elif name in zarr.open_group(path, mode="r"):
-        store.consolidate(path)
+    remove_known(old, GROUP_FILE)
+    if not (path / name).exists():
+        return False
+    refuse_unknown(path / name, GROUP_FILE)
+    (path / name).rename(old)
+    remove_known(old, GROUP_FILE)
+    return True
 
 
 def remove_added(path: Path) -> None:
     """Take away every group that stages have added."""
-    listed = {name for name, _ in zarr.open_group(path, mode="r").groups()}
-    there = {folder.name for folder in path.iterdir() if _is_group(folder)}
-    for name in sorted((listed | there) - {_ROWS}):
+    for name in ADDED:
         remove_group(path, name)
 
 
@@ -83,11 +102,6 @@ def open_group(path: Path, name: str) -> zarr.Group | None:
     # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
     root = zarr.open_group(path, mode="r")
     return root[name] if name in root and (path / name).exists() else None
-
-
-def _is_group(folder: Path) -> bool:
-    metadata = folder / "zarr.json"
-    return metadata.is_file() and json.loads(metadata.read_text(encoding="utf-8"))["node_type"] == "group"
 
 
 def _beside(path: Path, name: str, what: str) -> Path:

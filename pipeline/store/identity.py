@@ -1,29 +1,18 @@
 """Whose store it is: the plan it was made for, and whether that is the plan at hand."""
 
 import json
-import re
 from pathlib import Path
 
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.plan.plan import OLDEST_READ, SCHEMA_VERSION, Plan
-from pipeline.store.believed import believed
-from pipeline.store.opening import look_over
+from pipeline.plan.plan import SCHEMA_VERSION, Plan
+from pipeline.store.documents import read_json
+from pipeline.store.layout import validate_layout
+from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of
+from pipeline.store.removal import refuse_unknown
 from pipeline.store.seal import sealed
+from pipeline.store.validation import validate_plan
 
-__all__ = [
-    "check",
-    "plan_from",
-    "read_numbers",
-    "read_plan",
-    "refuse_foreign",
-    "refuse_to_write_older",
-    "root_attributes",
-]
-
-_MOST_BYTES = 2**24
-_CHUNK = re.compile(r"(\w+/){1,2}c(/\d+)+(\.\w+\.partial)?", re.ASCII)
-#: The first version of the schema that seals what the root says.
-_SEALED = 3
+__all__ = ["check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "root_attributes"]
 
 
 def root_attributes(path: Path) -> dict:
@@ -36,14 +25,14 @@ def root_attributes(path: Path) -> dict:
     """
     if not path.exists():
         raise StoreError(f"there is no store at {path}")
-    first, second = path / "zarr.json", path / "branches" / "zarr.json"
+    first, second = path / METADATA, path / ROWS / METADATA
     copies = [copy for copy in (_copy(first, "attributes"), _copy(second, "attributes", "plane")) if copy is not None]
     for attributes in copies:
-        if attributes["bevelmap_schema"] < _SEALED or attributes == sealed(attributes):
+        if attributes == sealed(attributes):
             return attributes
     for attributes in copies:
-        # What a newer version seals, and how, is not known here.
-        if attributes["bevelmap_schema"] > SCHEMA_VERSION:
+        # What another version seals, and how, is not known here.
+        if attributes["bevelmap_schema"] != SCHEMA_VERSION:
             return attributes
     if not copies and _left_over(path):
         raise StoreError(f"there is no store at {path}")
@@ -56,29 +45,21 @@ def root_attributes(path: Path) -> dict:
 def _copy(file: Path, *keys: str) -> dict | None:
     """What a metadata file says of the whole store, if it can be read."""
     try:
-        if file.stat().st_size > _MOST_BYTES:
-            return None
-        attributes = json.loads(file.read_text(encoding="utf-8"))
+        attributes = read_json(file)
         for key in keys:
             attributes = attributes[key]
         # A hash or a number too many is no store of ours.
         fine = type(attributes["bevelmap_schema"]) is int and isinstance(json.loads(attributes["numbers"]), dict)
         return attributes if fine else None
-    except (OSError, KeyError, ValueError, TypeError, RecursionError):
+    except (KeyError, ValueError, TypeError, RecursionError):
         return None
 
 
 def _left_over(path: Path) -> bool:
     """Whether only chunks are there: a task wrote them that ran on while the store was taken away."""
-    return (
-        path.is_dir()
-        and not (path / "zarr.json").exists()
-        and all(
-            _CHUNK.fullmatch(str(place.relative_to(path)))
-            for place in path.rglob("*")
-            if not place.is_dir() or place.is_symlink()
-        )
-    )
+    if not path.is_dir() or (path / METADATA).exists():
+        return False
+    return all(STORE_FILE.fullmatch(name) and not name.endswith(METADATA) for name in files_of(path))
 
 
 def plan_from(attributes: dict, path: Path) -> Plan:
@@ -95,10 +76,13 @@ def plan_from(attributes: dict, path: Path) -> Plan:
             f"{path} was made by a newer version of this program "
             f"(schema {version}, this one knows {SCHEMA_VERSION}): update it"
         )
-    if version < OLDEST_READ:
-        raise _older(path, version)
+    if version < SCHEMA_VERSION:
+        raise StoreError(
+            f"{path} was made by an older version of this program (schema {version}, this one knows {SCHEMA_VERSION}): "
+            "store.overwrite=true makes it anew, another store.name= keeps it"
+        )
     try:
-        return believed(json.loads(attributes["numbers"]))
+        return validate_plan(json.loads(attributes["numbers"]))
     except (
         ConfigurationError,
         ArithmeticError,
@@ -117,20 +101,6 @@ def _short(error: Exception) -> str:
     return said if len(said) <= 200 else f"{said[:200]}…"
 
 
-def refuse_to_write_older(path: Path) -> None:
-    """Raise if rows of a store were written by an older version: what this one writes would not go with them."""
-    version = root_attributes(path)["bevelmap_schema"]
-    if version < SCHEMA_VERSION:
-        raise _older(path, version)
-
-
-def _older(path: Path, version: int) -> StoreError:
-    return StoreError(
-        f"{path} was made by an older version of this program (schema {version}, this one writes {SCHEMA_VERSION}): "
-        "store.overwrite=true makes it anew, another store.name= keeps it"
-    )
-
-
 def read_numbers(path: Path) -> dict:
     """What the numbers of an existing store depend on; raises StoreError as `read_plan` does."""
     return read_plan(path).numbers
@@ -146,7 +116,7 @@ def read_plan(path: Path) -> Plan:
     """
     attributes = root_attributes(path)
     plan = plan_from(attributes, path)
-    look_over(path, plan, attributes)
+    validate_layout(path, plan, attributes)
     return plan
 
 
@@ -163,7 +133,6 @@ def check(path: Path, plan: Plan) -> bool:
     stored = read_numbers(path)
     if stored == plan.numbers:
         return True
-    refuse_to_write_older(path)
     old, new = _flatten(stored), _flatten(plan.numbers)
     keys = [key for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
     changes = "; ".join(f"{key}: stored {old.get(key, 'nothing')}, asked {new.get(key, 'nothing')}" for key in keys)
@@ -173,9 +142,10 @@ def check(path: Path, plan: Plan) -> bool:
 
 
 def refuse_foreign(path: Path) -> None:
-    """Raise unless the path is free or holds a store of ours, so that overwriting never deletes anything else."""
+    """Raise unless the path is free or holds a store of ours alone, so that overwriting never deletes anything else."""
     if path.exists() and not _left_over(path):
         root_attributes(path)
+        refuse_unknown(path, STORE_FILE)
 
 
 def _flatten(value, prefix="") -> dict[str, object]:

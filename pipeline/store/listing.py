@@ -12,7 +12,7 @@ import numpy as np
 import zarr
 
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.plan.plan import OLDEST_READ, SCHEMA_VERSION, Plan
+from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store import COMPLETE, FAILED
 from pipeline.store.identity import plan_from, root_attributes
 
@@ -97,13 +97,13 @@ def _described(path: Path, attributes: dict) -> Entry:
     try:
         plan = plan_from(attributes, path)
     except StoreError:
-        known = OLDEST_READ <= version <= SCHEMA_VERSION
-        schema = f"schema {version}, this program reads {OLDEST_READ} to {SCHEMA_VERSION}"
-        text = "damaged metadata" if known else schema
+        text = (
+            "damaged metadata"
+            if version == SCHEMA_VERSION
+            else f"schema {version}, this program reads {SCHEMA_VERSION}"
+        )
         return _entry(path, attributes, text)
     status = _status(path, plan)
-    if version < SCHEMA_VERSION:
-        status += f" (schema {version}: read only)"
     plane = " x ".join(f"{axis.name} {axis.num}" for axis in plan.axes)
     return _entry(path, attributes, status, plane, _gear(plan))
 

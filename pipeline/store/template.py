@@ -9,13 +9,14 @@ from pathlib import Path
 import zarr
 
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
-from pipeline.store.arrays import arrays_of
+from pipeline.store.arrays import arrays_of, axes_in_store, layouts_of
 from pipeline.store.attributes import axis_attributes
 from pipeline.store.codecs import COMPRESSORS
-from pipeline.store.removal import remove
+from pipeline.store.names import ROWS, STORE_FILE
+from pipeline.store.removal import remove_known
 from pipeline.store.seal import sealed
 
-__all__ = ["consolidate", "create", "create_again", "sizes_of"]
+__all__ = ["consolidate", "create", "create_again"]
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "numcodecs", "xarray", "dask", "distributed")
 
@@ -55,51 +56,34 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
     """Write the template with the attributes that a store of this plan has already; see `create`."""
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.template")
-    remove(draft)
-    column = plan.sweep
+    remove_known(draft, STORE_FILE)
     root = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     # A branch point's position is a coordinate; a plain variable would be hidden by the plane's axis of that name.
     # What the root says is kept twice: without it, nobody could tell what a damaged store holds.
-    root.create_group("branches", attributes={"coordinates": column.name, "plane": attributes})
-    places = {axis.name: axis for axis in plan.axes} | {f"branches/{axis.name}": axis for axis in plan.row_axes}
-    for place, axis in places.items():
+    root.create_group(ROWS, attributes={"coordinates": plan.sweep.name, "plane": attributes})
+    layouts = layouts_of(plan)
+    for name, axis in axes_in_store(plan).items():
         root.create_array(
-            place,
+            name,
             data=axis.values,
-            chunks=(axis.num,),
-            dimension_names=[axis.name],
+            chunks=layouts[name].chunks,
+            dimension_names=layouts[name].dims,
             compressors=COMPRESSORS,
             attributes=axis_attributes(axis.name),
         )
-    sizes = sizes_of(plan)
-    # A chunk holds rows of one layer.
-    along_rows = (1,) * (len(plan.row_axes) - 1) + (plan.rows_per_block,)
-    for array, spec in arrays_of(plan).items():
-        shape = tuple(sizes[dim] for dim in spec["dims"])
+    for name, spec in arrays_of(plan).items():
         root.create_array(
-            array,
-            shape=shape,
-            chunks=(*along_rows, *shape[len(along_rows) :]),
+            name,
+            shape=layouts[name].shape,
+            chunks=layouts[name].chunks,
             dtype=spec["dtype"],
             compressors=COMPRESSORS,
             fill_value=spec["fill"],
-            dimension_names=list(spec["dims"]),
+            dimension_names=layouts[name].dims,
             attributes=spec["attributes"],
         )
     consolidate(draft)
     draft.rename(path)
-
-
-def sizes_of(plan: Plan) -> dict[str, int]:
-    """Size of every dimension of the plane's own arrays."""
-    return {
-        **{axis.name: axis.num for axis in plan.axes},
-        "solution": plan.max_solutions,
-        "point": plan.max_points,
-        "branch_number": plan.max_branches,
-        "end": 2,
-        "component": 2 * plan.solver["order"] * plan.solver["period"] + 1,
-    }
 
 
 def consolidate(path: Path) -> None:

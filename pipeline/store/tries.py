@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipeline.store.removal import remove
+from pipeline.store.removal import remove_known
 
 __all__ = ["MOST_TRIES", "Tries", "forget_tries"]
 
@@ -21,6 +21,8 @@ MOST_TRIES = 3
 
 _LINE = re.compile(r"^(begin|end|raised) (\d+) ?(.*)$")
 _TIMEOUT = "Timeout ("
+#: Names of notes.
+_NOTE = re.compile(r"[0-9]+")
 
 
 def _folder(path: Path) -> Path:
@@ -29,7 +31,7 @@ def _folder(path: Path) -> Path:
 
 def forget_tries(path: Path) -> None:
     """Remove the notes of all blocks of the store at `path`."""
-    remove(_folder(path))
+    remove_known(_folder(path), _NOTE)
 
 
 class Tries:

@@ -23,14 +23,14 @@ from solver.continuation.setup import SETUP, STRAND, Strand
 from solver.continuation.solution_curve import Curve, Event
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 
-__all__ = ["curve_crossings"]
+__all__ = ["curve_crossings", "meet"]
 
 _I, _F = types.int64, types.float64
 _FOLD = int(Event.FOLD)
 
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def _meet(setup, left, right, arc, level, found):
+def meet(setup, left, right, arc, level, found):
     """Fill `found` with the point between two points at p = level; False if it cannot be found."""
     n, scale = setup.unknowns, setup.scale
     start, end = left[n], right[n]
@@ -102,7 +102,7 @@ def _crossings(setup, strand, closed, grid, columns, unknowns, stabilities):
                 piece = strand.stable[i] if strand.event[i] != _FOLD else strand.stable[i + 1]
                 left[-1] = right[-1] = sense if piece == 1 else -sense
                 filled = True
-            if not _meet(setup, left, right, strand.arclength[i + 1] - strand.arclength[i], grid[k], found):
+            if not meet(setup, left, right, strand.arclength[i + 1] - strand.arclength[i], grid[k], found):
                 return -1 - k
             copy_into(unknowns[count], found)
             columns[count], stabilities[count] = k, piece

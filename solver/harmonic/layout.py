@@ -12,7 +12,7 @@ import numpy as np
 from solver.model.checks import ParameterError
 from solver.model.condensation import ALPHA, ALPHA_PHASE, F_E, F_E_PHASE, B, axis_vectors
 from solver.model.condensation import OMEGA as MODEL_OMEGA
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, reduced
 from solver.model.gear_model import Model
 
 __all__ = [
@@ -86,6 +86,7 @@ def _gear(model: Model, axis: str, omega: float | None):
 def _system(system: ContactSystem, axis: str, omega: float | None):
     if axis not in SYSTEM_AXES:
         raise ParameterError("axis", axis, f"one of {', '.join(SYSTEM_AXES)}")
+    system = reduced(system)
     pairs = np.array(system.stiffness_harmonics or ((0.0, 0.0),), dtype=float)
     size = max(len(system.load), len(system.inertial_load))
     loads = [np.zeros((size, system.degrees), dtype=complex) for _ in range(2)]

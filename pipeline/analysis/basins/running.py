@@ -104,7 +104,7 @@ def measure(
     domain, usable = read_labels(path)
     text = json.dumps({"numbers": plan.digest, **dataclasses.asdict(options)}, sort_keys=True)
     made_from = hashlib.sha256(text.encode() + domain.astype("<u2").tobytes()).hexdigest()[:16]
-    stored = read_basins(path)
+    stored = read_basins(path, plan)
     if stored is not None and stored.made_from == made_from:
         return stored, True
     places = places_of(plan, domain, usable, options)
@@ -178,19 +178,17 @@ def _write(path: Path, plan: Plan, found: StoredBasins, options: Basins) -> None
         "coordinates": f"cell_{x} cell_{p}",
         "configuration_hash": plan.digest,
         "made_from": found.made_from,
-        "axes": [x, p],
         **settings,
     }
     groups.write_group(path, GROUP, attributes, variables)
 
 
-def read_basins(path: Path) -> StoredBasins | None:
+def read_basins(path: Path, plan: Plan) -> StoredBasins | None:
     """What is stored; None if nothing is."""
     group = groups.open_group(path, GROUP)
     if group is None:
         return None
-    x, p = group.attrs["axes"]
-    stored = {"x": f"cell_{x}", "p": f"cell_{p}"}
+    stored = {"x": f"cell_{plan.sweep.name}", "p": f"cell_{plan.parameter.name}"}
     return StoredBasins(
         {name: group[stored.get(name, name)][...] for name in _PLACES},
         {name: group[name][...] for name in _FOUND},

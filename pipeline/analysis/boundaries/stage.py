@@ -22,7 +22,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     try:
         summary = boundaries.trace(path, plan)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
-        if store.damage_error(path, error) is not None:
+        if store.damage_error(path) is not None:
             raise
         reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
         return 1

@@ -59,6 +59,8 @@ def harm(file: Path, kind: str, place: float = 0.5, bit: int = 0) -> None:
         file.write_bytes(b"")
     elif kind == "truncated":
         file.write_bytes(content[:at])
+    elif kind == "zeroed":
+        file.write_bytes(bytes(len(content)))
     else:
         file.write_bytes(content[:at] + bytes([content[at] ^ 1 << bit]) + content[at + 1 :])
 
@@ -99,7 +101,7 @@ def _kinds_of_files(path: Path) -> dict[str, list[str]]:
 def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
     kinds = _kinds_of_files(whole)
     file = data.draw(st.sampled_from(sorted(kinds)).flatmap(lambda kind: st.sampled_from(kinds[kind])))
-    kind = data.draw(st.sampled_from(["missing", "empty", "truncated", "flipped"]))
+    kind = data.draw(st.sampled_from(["missing", "empty", "truncated", "flipped", "zeroed"]))
     folder = tmp_path_factory.mktemp("damaged")
     path = Path(shutil.copytree(whole, folder / "outputs/store/plane.zarr"))
     before = _chunks(path)
@@ -109,7 +111,7 @@ def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
     damage = store.find_damage(path)
     assert any(file in item.sentence for item in damage), (file, kind, damage)
     assert {item.file for item in damage} <= {file, "zarr.json"} or file == "zarr.json"
-    store.mend(path, damage)
+    store.repair(path, damage)
     repaired = {item.block for item in damage if item.block is not None}
     code = main([*_SHARED, f"output.root={folder / 'outputs'}", "cluster=none", "stages=[sweep]"]) if repaired else 0
     assert code == 0
@@ -226,7 +228,7 @@ def test_tables_name_a_damaged_plane(copy, tmp_path, capsys):
 
 
 def test_left_overs_of_killed_writers_are_removed(copy, tmp_path, capsys):
-    left = copy / "mean/c/3/0/0.0123456789abcdef.partial"
+    left = copy / "mean/c/3/0/0.0123456789abcdef0123456789abcdef.partial"
     left.write_bytes(b"half of a chunk")
     code, out, err = run(tmp_path, capsys, "stages=[sweep]")
     assert (code, err) == (0, "") and "nothing to do" in out and not left.exists()
@@ -252,7 +254,7 @@ def test_a_last_block_that_fills_its_chunk_in_part_is_mended(tmp_path, kind):
     harm(path / f"mean/c/{len(plan.blocks) - 1}/0/0", kind)
     damage = store.find_damage(path)
     assert {item.block for item in damage} == {last} and len(damage) == 2
-    store.mend(path, damage)
+    store.repair(path, damage)
     assert store.pending_blocks(path, plan) == [last]
     sweep_block(str(path), plan, last)
     assert store.find_damage(path) == []

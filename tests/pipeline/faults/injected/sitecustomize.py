@@ -1,4 +1,4 @@
-"""Put on PYTHONPATH by tests of this folder: makes rows fail, or clocks jump, in every process of a run."""
+"""Put on PYTHONPATH by tests of this folder: makes rows fail, clocks jump, or bevelmap absent."""
 
 import importlib.abc
 import os
@@ -86,7 +86,17 @@ def _turn_clock_back() -> None:
     datetime.datetime = Turned
 
 
-if _FAULT == "clock":
+class _Absent(importlib.abc.MetaPathFinder):
+    """As where bevelmap is not installed."""
+
+    def find_spec(self, name, path, target=None):
+        if name.split(".")[0] in ("pipeline", "solver"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+if _FAULT == "absent":
+    sys.meta_path.insert(0, _Absent())
+elif _FAULT == "clock":
     _turn_clock_back()
 elif _FAULT:
     sys.meta_path.insert(0, _Finder())

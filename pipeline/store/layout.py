@@ -1,0 +1,197 @@
+"""Looking a store over before zarr opens it: it may be damaged, and it may come from someone else.
+
+Every reader goes through `validate_layout`. Names, metadata and sizes of files are compared with the plan, so that no
+array can be anywhere else, or claim a size, a type or a codec that this program does not write; zarr would believe it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.errors import StoreError
+from pipeline.plan.plan import Plan
+from pipeline.store.array_layout import ArrayLayout
+from pipeline.store.arrays import layouts_of, row_layouts
+from pipeline.store.damage import Damage, damaged
+from pipeline.store.documents import document, listed_in
+from pipeline.store.names import ADDED, METADATA, ROWS, files_of, is_name
+from pipeline.store.states import PENDING
+
+__all__ = ["Layout", "group_faults", "listing_faults", "validate_layout"]
+
+#: What all added groups may claim together, in bytes, however small the plane.
+_ADDED_BYTES = 2**30
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What is in a store, as far as names and metadata tell.
+
+    Parameters
+    ----------
+    files : dict
+        Name -> size in bytes.
+    listed : dict
+        What the root gathers: name -> metadata, None where that is none.
+    groups : tuple of str
+        The added groups that are there.
+    """
+
+    path: Path
+    plan: Plan
+    files: dict[str, int]
+    listed: dict[str, dict | None]
+
+    @classmethod
+    def of(cls, path: Path, plan: Plan) -> "Layout":
+        """Look into a store.
+
+        Raises
+        ------
+        StoreError
+            If there are links in it, or metadata of arrays or groups that no stage of this program adds.
+        """
+        files = files_of(path)
+        own = {ROWS, *layouts_of(plan)}
+        for name in sorted(files):
+            place, _, file = name.rpartition("/")
+            if file.startswith(".z") or (file == METADATA and place and place not in own and not _is_added(place)):
+                raise StoreError(
+                    f"{path} is not allowed: {name[:200]!r} is no part of a store of this program; move it away"
+                )
+        return cls(path, plan, files, listed_in(path))
+
+    @property
+    def groups(self) -> list[str]:
+        """The added groups that are there."""
+        there = {name.partition("/")[0] for name in self.files}
+        return [name for name in ADDED if name in there]
+
+
+def validate_layout(path: Path, plan: Plan, attributes: dict) -> Layout:
+    """Look a store over; nothing in it is opened under a name that this program has not given.
+
+    Parameters
+    ----------
+    path : Path
+    plan : Plan
+        As the store itself describes it.
+    attributes : dict
+        What the root says, from whichever copy is sound.
+
+    Raises
+    ------
+    DamagedError
+        If metadata is missing or says something else than its plan, or a chunk of a stored row is missing.
+    StoreError
+        If there are links or foreign arrays in it.
+    """
+    layout = Layout.of(path, plan)
+    for damage in _faults(layout, attributes):
+        raise damaged(path, damage.sentence)
+    return layout
+
+
+def _faults(layout: Layout, attributes: dict) -> Iterator[Damage]:
+    yield from _root(layout, attributes)
+    yield from listing_faults(layout)
+    yield from _plane(layout)
+    for name in layout.groups:
+        yield from group_faults(layout, name)
+    yield from _chunks(layout)
+
+
+def _is_added(place: str) -> bool:
+    """Whether a stage may add a group or an array of this name."""
+    group, slash, array = place.partition("/")
+    return group in ADDED and (not slash or is_name(array))
+
+
+def _root(layout: Layout, attributes: dict) -> Iterator[Damage]:
+    """What the root says of the store."""
+    told = document(layout.path / METADATA)
+    if told is None:
+        yield Damage(METADATA, "cannot be read" if METADATA in layout.files else "is missing")
+    elif told.get("attributes") != attributes or not _is_group(told):
+        yield Damage(METADATA, "does not say what it should")
+    for name in {ROWS, *layouts_of(layout.plan)} - set(layout.listed):
+        yield Damage(METADATA, f"does not list {name}")
+
+
+def _is_group(told: dict) -> bool:
+    return (told.get("node_type"), told.get("zarr_format")) == ("group", 3)
+
+
+def listing_faults(layout: Layout) -> Iterator[Damage]:
+    """Names that the root lists and nothing of this program has: zarr would open what is there, outside as well."""
+    for name in sorted(set(layout.listed) - {ROWS, *layouts_of(layout.plan)}):
+        if not _is_added(name):
+            yield Damage(METADATA, f"lists {name[:80]!r}, which is no name of this program")
+
+
+def _plane(layout: Layout) -> Iterator[Damage]:
+    """Metadata of the plane's own arrays."""
+    for name, expected in {ROWS: None, **layouts_of(layout.plan)}.items():
+        file = f"{name}/{METADATA}"
+        told = document(layout.path / file)
+        if told is None:
+            yield Damage(file, "cannot be read" if file in layout.files else "is missing")
+        elif not _is_group(told) if expected is None else ArrayLayout.of_document(name, told) != expected:
+            yield Damage(file, "does not say what it should")
+        elif layout.listed.get(name) != told:
+            yield Damage(METADATA, f"says something else than {file}")
+
+
+def group_faults(layout: Layout, group: str) -> Iterator[Damage]:
+    """Metadata and chunks of an added group; without a second copy of its metadata, what is in doubt is damaged."""
+    there = {name.rpartition("/")[0] for name in layout.files if name.endswith(f"/{METADATA}")}
+    inside = {name for name in there | set(layout.listed) if name.startswith(f"{group}/") and _is_added(name)}
+    size = 0
+    for name in (group, *sorted(inside)):
+        file = f"{name}/{METADATA}"
+        told = document(layout.path / file)
+        array = ArrayLayout.of_document(name, told)
+        size += 0 if array is None else array.bytes
+        if told is None:
+            yield Damage(file, "cannot be read" if file in layout.files else "is missing", group=group)
+        elif layout.listed.get(name, told) != told:
+            yield Damage(file, f"says something else than {METADATA}", group=group)
+        elif name == group and _is_group(told):
+            continue
+        # Every chunk is a file, so that there are no more chunks than files.
+        elif array is None or size > most_added(layout.plan) or array.count > len(layout.files):
+            yield Damage(file, "claims what this program does not write", group=group)
+        else:
+            yield from (
+                Damage(chunk, "is missing", group=group) for chunk in array.files() if chunk not in layout.files
+            )
+
+
+def most_added(plan: Plan) -> int:
+    """Bytes that arrays of one group may claim together."""
+    return max(_ADDED_BYTES, plan.bytes)
+
+
+def _chunks(layout: Layout) -> Iterator[Damage]:
+    """Chunks of axes and of stored rows: a missing one zarr would take for one that was never written."""
+    plan, path = layout.plan, layout.path
+    rows = row_layouts(plan)
+    for name, array in layouts_of(plan).items():
+        if name not in rows:
+            yield from (Damage(file, "is missing") for file in array.files() if file not in layout.files)
+    try:
+        status = zarr.open_array(path / "status", mode="r")[...]
+    except (ValueError, OSError, RuntimeError, IndexError):
+        yield Damage("status", "cannot be read")
+        return
+    for block in plan.blocks:
+        place = plan.place(block)
+        if np.all(status[place] == PENDING):
+            continue
+        for array in rows.values():
+            for file in array.files(*place):
+                if file not in layout.files:
+                    yield Damage(file, "is missing", block)
