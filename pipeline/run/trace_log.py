@@ -9,7 +9,7 @@ from pipeline import store
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
 from solver import EndReason, Event, Row, RowError
-from solver.continuation.trace_log import DiaryContinuation, Outcome, Trace
+from solver.continuation.trace_log import LoggedContinuation, Outcome, Trace
 
 __all__ = ["RowDiary", "row_diary", "write_sheets"]
 
@@ -70,7 +70,7 @@ def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
         words = {store.PENDING: "pending", store.COMPLETE: "complete", store.FAILED: "failed"}
         stored = f"{words[int(store.statuses(path).ravel()[index])]} in the store"
         stored += "".join(f": {text}" for row, text in store.failures(path) if row == index)
-    recording = DiaryContinuation(**vars(continuation_of(plan.solver)))
+    recording = LoggedContinuation(**vars(continuation_of(plan.solver)))
     plane, value = plan.row(index)
     try:
         result = row_of(plane, value, balance_of(plan.solver), recording, seeds_of(plan.solver))
@@ -104,8 +104,8 @@ def _unknowns(trace: Trace) -> list[str]:
 def _events(trace: Trace) -> list[str]:
     """What was located on every step: kinds and places."""
     curve, before, found = trace.curve, 1, []
-    for outcome, after in zip(trace.steps.outcome, trace.steps.points, strict=True):
-        here = range(before, after) if outcome == Outcome.ACCEPTED else ()
+    for accepted, after in zip(trace.steps.accepted, trace.steps.points, strict=True):
+        here = range(before, after) if accepted else ()
         found.append(
             " ".join(
                 f"{Event(int(curve.event[i])).name.lower()}@{curve.points[i, -1]:.10g}"
@@ -171,14 +171,14 @@ def _trace_lines(number: int, trace: Trace) -> list[str]:
         )
     for k, events in enumerate(_events(trace)):
         outcome = Outcome(int(steps.outcome[k]))
-        what = events if outcome is Outcome.ACCEPTED else f"refused: {outcome.sentence}"
+        what = events if steps.accepted[k] else f"refused: {outcome.sentence}"
         place = "".join(f" {value:13.8g}" for value in steps.places[k, :width])
         lines.append(
             f"{k:5d} {steps.length[k]:10.3e} {steps.iterations[k]:4d} {steps.turn[k]:9.2e} "
             f"{steps.places[k, -1]:14.9g}{place}  {what}".rstrip()
         )
     if not len(curve.points):
-        return [*lines, "  no tangent can be told at the seed: nothing was traced"]
+        return [*lines, f"  nothing was traced: {curve.ends[1].sentence}"]
     end = curve.ends[1]
     return [
         *lines,

@@ -152,17 +152,7 @@ class Stretch:
 
     def reversed(self) -> "Stretch":
         """The same stretch, the other way."""
-        curve = self.curve
-        back = Curve(
-            curve.points[::-1].copy(),
-            -curve.tangents[::-1],
-            curve.arclength[-1] - curve.arclength[::-1],
-            curve.stable[::-1].copy(),
-            curve.event[::-1].copy(),
-            curve.ends[::-1],
-            curve.refused,
-        )
-        return Stretch(self.contact, self.problem, back)
+        return Stretch(self.contact, self.problem, self.curve.reversed())
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ from solver.boundaries.problem import (
     curve_tangent,
 )
 from solver.continuation.continuation import Continuation, Curve, EndReason, Event
-from solver.continuation.correctors import workspace_rows
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
 from solver.model.checks import ParameterError
@@ -232,22 +231,13 @@ class Tracer:
             self.boundary_problem.problem(self.kind, contact),
             self.boundary_problem.box(self.kind, contact),
         )
-        before, corrector = y, self.continuation.corrector
-        y = y.copy()
-        iterations = corrector.kernel(
-            problem.balance,
-            problem.theta,
-            problem.direction,
-            problem.scale,
-            y,
-            np.ascontiguousarray(normal),
-            corrector.tolerance,
-            2 * corrector.max_iterations,
-            np.empty((workspace_rows(problem.unknowns), y.size)),
-        )
+        corrector, before = self.continuation.corrector, y
+        y = problem.corrected(y, corrector, normal, 2 * corrector.max_iterations)
+        if y is None:
+            return None
         inside = np.clip(y, low, high)
         moved = (np.abs(y - before) / problem.scale)[list(self.boundary_problem.components(self.kind))]
-        if iterations < 0 or np.max(moved) > reach or np.max(np.abs(y - inside) / problem.scale) > beyond:
+        if np.max(moved) > reach or np.max(np.abs(y - inside) / problem.scale) > beyond:
             return None
         return inside
 

@@ -6,7 +6,7 @@ from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_ove
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
-from solver.kernels.linear import put
+from solver.kernels.linear import copy_into
 
 __all__ = [
     "AMPLITUDE",
@@ -132,7 +132,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
             if found[count, AMPLITUDE] > ceiling:
                 above = _OPEN
             else:
-                put(undecided[n_open], found[count])
+                copy_into(undecided[n_open], found[count])
                 n_open += 1
             continue
         stable = (sign < 0.0) == (q[0] > 0.0)

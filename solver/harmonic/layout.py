@@ -98,6 +98,9 @@ def _system(system: ContactSystem, axis: str, omega: float | None):
         raise ParameterError(
             "stiffness", system.stiffness, "such that closing the contact makes the system statically stable"
         )
+    # A contact that is stiffer than what carries it makes the equations small; a power of 2 changes nothing else.
+    stiffer = abs(system.contact @ np.linalg.pinv(system.stiffness) @ system.force)
+    sign *= 2.0 ** max(0.0, np.round(np.log2(max(stiffer, 1.0))))
     head = np.zeros(PAIRS)
     head[[KIND, STIFFNESSES, LOADS, DEGREES, SIGN]] = SYSTEM, len(pairs), size - 1, system.degrees, sign
     head[OMEGA], head[FRONT], head[BACK] = omega or 0.0, system.front_gap, system.back_gap

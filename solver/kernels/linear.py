@@ -6,7 +6,7 @@ LAPACK through numba costs about 1 us per 4 x 4 solve, three times what the whol
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
-__all__ = ["dot", "eliminate", "eliminate_rows", "put"]
+__all__ = ["copy_into", "dot", "eliminate", "eliminate_rows"]
 
 COMPLEX_MATRIX = types.complex128[:, ::1]
 
@@ -21,10 +21,10 @@ def dot(left, right):
 
 
 @kernel(types.void(ARRAY, ARRAY), inline=True)
-def put(target, values):
-    """target[:] = values, which takes numba seconds to compile: it adds an error message for unequal lengths."""
+def copy_into(target, source):
+    """Copy as much of `source` as `target` holds; a slice assignment takes numba seconds to compile."""
     for i in range(target.shape[0]):
-        target[i] = values[i]
+        target[i] = source[i]
 
 
 @kernel(types.float64(MATRIX, MATRIX), types.complex128(COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)

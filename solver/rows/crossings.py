@@ -12,10 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.continuation.continuation import Curve, Event
-from solver.continuation.curve_point import Setup, point_size
+from solver.continuation.curve_point import point_size
+from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.on_curve import meet
+from solver.continuation.setup import SETUP, STRAND, Strand
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+from solver.kernels.linear import copy_into
 from solver.rows.span import RowSpan
 
 __all__ = ["Crossings", "Known", "crossings", "nothing_known"]
@@ -56,18 +59,17 @@ def _cubic_place(left, right, leave, arrive, scale, arc, level, place):
     n = place.shape[0]
     start, end = left[n], right[n]
     off, on = arc * leave[n] * scale[n], arc * arrive[n] * scale[n]
-    a, b = 2.0 * (start - end) + off + on, 3.0 * (end - start) - 2.0 * off - on
+    a, b = cubic(start, end, off, on)
     low, high = 0.0, 1.0
     x = (level - start) / (end - start)
     # Newton's method in a bracket: p is monotone between the ends, next to a fold only just.
     for _ in range(40):
-        ahead = ((a * x + b) * x + off) * x + start - level
+        ahead = cubic_value(a, b, off, start, x) - level
         if (ahead < 0.0) == (start < end):
             low = x
         else:
             high = x
-        slope = (3.0 * a * x + 2.0 * b) * x + off
-        moved = x - ahead / slope
+        moved = x - ahead / cubic_slope(a, b, off, x)
         if not low < moved < high:
             moved = 0.5 * (low + high)
         step, x = abs(moved - x), moved
@@ -75,81 +77,18 @@ def _cubic_place(left, right, leave, arrive, scale, arc, level, place):
             break
     for j in range(n):
         off, on = arc * leave[j] * scale[j], arc * arrive[j] * scale[j]
-        a, b = 2.0 * (left[j] - right[j]) + off + on, 3.0 * (right[j] - left[j]) - 2.0 * off - on
-        place[j] = ((a * x + b) * x + off) * x + left[j]
+        a, b = cubic(left[j], right[j], off, on)
+        place[j] = cubic_value(a, b, off, left[j], x)
 
 
-@kernel(
-    _I(
-        CORRECTOR,
-        _F,
-        _I,
-        BALANCE,
-        MONITOR,
-        ARRAY,
-        ARRAY,
-        ARRAY,
-        _I,
-        MATRIX,
-        MATRIX,
-        ARRAY,
-        FLAGS,
-        FLAGS,
-        types.boolean,
-        ARRAY,
-        _CUBE,
-        _CODES,
-        FLAGS,
-        _CODES,
-        types.int64[::1],
-        MATRIX,
-        FLAGS,
-    )
-)
-def _crossings(
-    corrector,
-    tolerance,
-    limit,
-    balance,
-    monitor,
-    theta,
-    direction,
-    scale,
-    monitors,
-    points,
-    tangents,
-    arclength,
-    stable,
-    events,
-    closed,
-    grid,
-    known,
-    known_stable,
-    complete,
-    on_curve,
-    columns,
-    unknowns,
-    stabilities,
-):
+@kernel(_I(SETUP, STRAND, types.boolean, ARRAY, _CUBE, _CODES, FLAGS, _CODES, types.int64[::1], MATRIX, FLAGS))
+def _crossings(setup, strand, closed, grid, known, known_stable, complete, on_curve, columns, unknowns, stabilities):
     """Mark the known solutions that the curve passes in `on_curve` (X, S); fill the last three with all other places.
 
     Their number, or one more than there is room for.
     """
-    n = scale.shape[0] - 1
-    setup = Setup(
-        corrector,
-        tolerance,
-        limit,
-        balance,
-        monitor,
-        theta,
-        direction,
-        scale,
-        n,
-        monitors,
-        np.empty((3 * n + 6, n + 1)),
-        np.empty((monitors, n + 1)),
-    )
+    n, scale, points, tangents = setup.unknowns, setup.scale, strand.points, strand.tangents
+    arclength, stable, events = strand.arclength, strand.stable, strand.event
     size = point_size(setup)
     left, right, found, place = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(n)
     count, capacity = 0, columns.shape[0]
@@ -168,7 +107,7 @@ def _crossings(
                 continue
             if grid[k] == after:
                 piece, reached = stable[i + 1], True
-                found[:n] = points[i + 1, :n]
+                copy_into(found[:n], points[i + 1])
             else:
                 arc = arclength[i + 1] - arclength[i]
                 piece = stable[i] if events[i] != _FOLD else stable[i + 1]
@@ -179,8 +118,9 @@ def _crossings(
                         on_curve[k, index] = 1
                         continue
                 if not filled:
-                    left[: n + 1], right[: n + 1] = points[i], points[i + 1]
-                    left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2] = tangents[i], tangents[i + 1]
+                    for j in range(n + 1):
+                        left[j], right[j] = points[i, j], points[i + 1, j]
+                        left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
                     # The sign of the determinant is that of stability times the sense in which p moves.
                     sense = 1.0 if after > before else -1.0
                     left[-1] = right[-1] = sense if piece == 1 else -sense
@@ -260,35 +200,14 @@ def crossings(span: RowSpan, curve: Curve, grid: np.ndarray, known: Known | None
     -------
     Crossings
     """
-    problem, continuation, n = span.problem, span.continuation, span.problem.unknowns
+    n, setup = span.problem.unknowns, span.problem.setup(span.continuation.corrector)
+    strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
     known = known or nothing_known(grid.size, n)
     capacity = 16 + (0 if np.all(known.complete) else 2 * grid.size)
     while True:
         on_curve = np.zeros(known.stable.shape, np.int8)
         columns, unknowns, stable = np.empty(capacity, np.int64), np.empty((capacity, n)), np.empty(capacity, np.int8)
-        count = _crossings(
-            continuation.corrector.kernel,
-            continuation.corrector.tolerance,
-            continuation.corrector.max_iterations,
-            problem.balance,
-            problem.monitor,
-            problem.theta,
-            problem.direction,
-            problem.scale,
-            problem.monitors,
-            curve.points,
-            curve.tangents,
-            curve.arclength,
-            curve.stable,
-            curve.event,
-            curve.closed,
-            grid,
-            *known,
-            on_curve,
-            columns,
-            unknowns,
-            stable,
-        )
+        count = _crossings(setup, strand, curve.closed, grid, *known, on_curve, columns, unknowns, stable)
         if count <= capacity:
             break
         capacity *= 2

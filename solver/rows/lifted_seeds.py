@@ -144,24 +144,12 @@ class _Found:
         """Follow the branch that crosses a curve at one of its points, if it is a new one."""
         span, problem, y = self.span, self.span.problem, curve.points[place]
         n = problem.unknowns
-        jacobian = np.empty((n, n + 1))
-        problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
+        _, jacobian = problem.evaluated(y)
         null = np.linalg.svd(jacobian[:, :n] * problem.scale[:n])[2][-1]
         normal = np.append(null, 0.0)
-        start = y + _OFF * normal * problem.scale
-        corrector = span.continuation.corrector
-        count = corrector.kernel(
-            problem.balance,
-            problem.theta,
-            problem.direction,
-            problem.scale,
-            start,
-            normal,
-            corrector.tolerance,
-            20,
-            np.empty((3 * n + 6, n + 1)),
-        )
-        if count < 0 or not span.low <= start[n] <= span.high:
+        off = y + _OFF * normal * problem.scale
+        start = problem.corrected(off, span.continuation.corrector, normal, max_iterations=20)
+        if start is None or not span.low <= start[n] <= span.high:
             return
         if all(_far(start, other, problem.scale, span.balance.period) for other in self.curves):
             self._follow(start)
@@ -215,13 +203,4 @@ def _one_phase(span: RowSpan, curve: Curve) -> Curve:
         EndReason.JOINED if place != whole or (end is EndReason.STEP_TOO_SMALL and size[place] < _VANISHING) else end
         for place, whole, end in zip((first, last), (0, len(size) - 1), curve.ends, strict=True)
     )
-    here = slice(first, last + 1)
-    return Curve(
-        curve.points[here],
-        curve.tangents[here],
-        curve.arclength[here] - curve.arclength[first],
-        curve.stable[here],
-        curve.event[here],
-        ends,
-        curve.refused,
-    )
+    return curve.between(first, last, ends)

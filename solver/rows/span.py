@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, EndReason, Problem
-from solver.continuation.correctors import workspace_rows
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
 from solver.model.condensation import axis_vectors
@@ -46,23 +45,9 @@ class RowSpan:
 
     def corrected(self, start: np.ndarray, iterations: int = 20) -> np.ndarray | None:
         """The solution y = (u, p) that Newton's method reaches from a start at the same p; None if it reaches none."""
-        problem, y = self.problem, np.array(start, dtype=float)
-        corrector = self.continuation.corrector
-        n = problem.unknowns
-        found = corrector.kernel(
-            problem.balance,
-            problem.theta,
-            problem.direction,
-            problem.scale,
-            y,
-            np.eye(n + 1)[n],
-            corrector.tolerance,
-            iterations,
-            np.empty((workspace_rows(n), n + 1)),
-        )
-        y[n] = start[-1]
-        within = np.sqrt(np.sum(y[1:n] ** 2)) <= self.continuation.amplitude_max
-        return y if found > 0 and np.all(np.isfinite(y)) and within else None
+        y = self.problem.corrected(start, self.continuation.corrector, max_iterations=iterations)
+        within = y is not None and np.sqrt(np.sum(y[1:-1] ** 2)) <= self.continuation.amplitude_max
+        return y if within else None
 
     def traced(self, start: np.ndarray) -> Curve:
         """The whole branch through a solution y = (u, p), however it ends; fewer than two points if it has none."""

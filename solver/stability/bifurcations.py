@@ -18,12 +18,13 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Event
-from solver.continuation.curve_point import SETUP, Setup, land_between, point_size
+from solver.continuation.curve_point import point_size, state_at
 from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.problem import Balance, Problem
+from solver.continuation.setup import SETUP
 from solver.harmonic import layout
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
 from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room
 from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
@@ -143,7 +144,7 @@ def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tes
             x = 0.5 * (low + high)
         if look % 3 == 2:
             width = high - low
-        if land_between(setup, left, right, arc, x, found) < 0:
+        if state_at(setup, left, right, arc, x, found) < 0:
             return -1.0
         _look(watch, found[: setup.unknowns + 1], tests)
         if math.isnan(tests[LARGEST]):
@@ -275,24 +276,20 @@ def _on_piece(setup, left, right, arc, x, motions, first, last):
 
 @kernel(
     types.void(
-        CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I,
+        SETUP,
         MATRIX, MATRIX, ARRAY,
         ARRAY, ARRAY, ARRAY, MATRIX, MATRIX,
         _INDICES, ARRAY, FLAGS, MATRIX, _INDICES,
     )
 )  # fmt: skip
 def _bifurcations(
-    corrector, tolerance, limit, balance, monitor, theta, direction, scale, monitors,
+    setup,
     branch, tangents, arclength,
     system_theta, system_direction, values, motions, motion_tests,
     after, fractions, kinds, points, counts,
 ):  # fmt: skip
     """Locate the bifurcations of a branch; the last five arrays are those of `_Found`."""
-    n = scale.shape[0] - 1
-    setup = Setup(
-        corrector, tolerance, limit, balance, monitor, theta, direction, scale, n, monitors,
-        np.empty((3 * n + 6, n + 1)), np.empty((monitors, n + 1)),
-    )  # fmt: skip
+    n = setup.unknowns
     watch = _Watch(system_theta, system_direction, new_room(system_theta, system_direction, branch[0, n], n))
     found = _Found(after, fractions, kinds, points, counts)
     size = point_size(setup)
@@ -402,14 +399,13 @@ def locate_bifurcations(
         curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~old] for name in names})
     if len(curve.points) < 2:
         return curve, ()
-    n, corrector = problem.unknowns, continuation.corrector
+    n = problem.unknowns
     if known is None:
         known = KnownMotions(np.empty(0), np.empty((0, n)), np.empty((0, TESTS)))
     after, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
     points, counts = np.empty((_MOST, 2 * (n + 1) + 2 * problem.monitors + 1)), np.zeros(3, np.int64)
     _bifurcations(
-        corrector.kernel, corrector.tolerance, corrector.max_iterations,
-        problem.balance, problem.monitor, problem.theta, problem.direction, problem.scale, problem.monitors,
+        problem.setup(continuation.corrector),
         curve.points, curve.tangents, curve.arclength,
         *parameters, *known,
         after, fractions, kinds, points, counts,

@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.kernels.linear import put
+from solver.kernels.linear import copy_into
 from solver.model.checks import ParameterError
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.polynomial import evaluate, first_exit
@@ -130,7 +130,7 @@ def _integrate(packed, start, begin, stop, tolerance, series_table, times, state
     work, state = new_work(n), start.copy()
     zone, time, count = zone_of(packed, state), begin, 0
     times[0] = time
-    put(states[0], state)
+    copy_into(states[0], state)
     while time < stop:
         if count == room:
             return TOO_MANY_STEPS, count, zone
@@ -141,10 +141,10 @@ def _integrate(packed, start, begin, stop, tolerance, series_table, times, state
         last = after == zone and step >= stop - time
         time = stop if last else time + step
         zones[count] = zone
-        put(series_table[count], work.contact)
+        copy_into(series_table[count], work.contact)
         count += 1
         times[count] = time
-        put(states[count], state)
+        copy_into(states[count], state)
         zone = after
     return COMPLETE, count, zone
 
