@@ -83,11 +83,9 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     lost, points = _run_blocks(job, blocks, {}, workforce, reporter, RowProgress(reporter, rows))
     if not lost:
         lost += _certify_neighbours(job, workforce, reporter)
-        pending = store.statuses(path) == store.PENDING
         lost += [
             f"rows {block.start}-{block.stop - 1} are stored no longer: the same command computes them again"
-            for block in job.plan.blocks
-            if np.any(pending[block.start : block.stop])
+            for block in store.pending_blocks(path, job.plan, (store.COMPLETE, store.FAILED))
         ]
     seconds = perf_counter() - ready
     failed = store.failures(path)
@@ -98,7 +96,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     for text in lost:
         reporter.error(text)
     # A chunk that went missing while the others were computed would be read as fill values.
-    store.read_plan(path)
+    store.read_layout(path)
     reporter.line(
         f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
         f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"

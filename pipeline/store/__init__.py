@@ -5,11 +5,11 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 
 from pipeline.store.attributes import axis_attributes, flags, label_flags
 from pipeline.store.blocks import RowValues, read_rows, row_values, write_block
-from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign
+from pipeline.store.due import certified_rows, kept_rows, pending_blocks, rows_to_certify
+from pipeline.store.identity import check, read_layout, read_plan, refuse_foreign
 from pipeline.store.inspection import damage_error, find_damage
 from pipeline.store.repair import remove_left_overs, repair
-from pipeline.store.second_look import certified_rows, kept_rows, rows_to_certify
-from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, pending_blocks, statuses
+from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, statuses
 from pipeline.store.template import consolidate, create
 
 __all__ = [
@@ -29,7 +29,7 @@ __all__ = [
     "kept_rows",
     "label_flags",
     "pending_blocks",
-    "read_numbers",
+    "read_layout",
     "read_plan",
     "read_rows",
     "refuse_foreign",

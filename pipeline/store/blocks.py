@@ -11,14 +11,14 @@ import zarr
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import MOST_TEXT
-from pipeline.store.arrays import arrays_of, row_layouts
+from pipeline.store.arrays import arrays_of, row_layouts, status_layout
 from pipeline.store.chunk_files import read_chunk
 from pipeline.store.codecs import every_chunk
 from pipeline.store.removal import remove_file
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
 
-__all__ = ["RowValues", "is_stored", "read_rows", "row_values", "write_block"]
+__all__ = ["RowValues", "is_stored", "read_rows", "read_states", "row_values", "write_block"]
 
 #: Array name -> the entries of one row.
 RowValues = dict[str, np.ndarray]
@@ -80,16 +80,24 @@ def read_rows(path: Path, plan: Plan, rows: Block, names: tuple[str, ...] | None
 
 
 def is_stored(path: Path, plan: Plan, block: Block) -> bool:
-    """Whether rows of a block are stored, by its chunk of `status`; without one it was never written.
+    """Whether rows of a block are stored, complete or failed; raises as `read_states`."""
+    return bool(np.any(read_states(path, plan, block) != PENDING))
+
+
+def read_states(path: Path, plan: Plan, block: Block) -> np.ndarray:
+    """State of every row of a block, by its chunk of `status`; pending where there is none, which was never written.
 
     Raises
     ------
     DamagedError
         If that chunk is damaged.
     """
-    status = row_layouts(plan)["status"]
+    status = status_layout(plan)
     (file,) = status.files(*plan.place(block))
-    return (path / file).exists() and bool(np.any(read_chunk(path, file, status) != PENDING))
+    count = block.stop - block.start
+    if not (path / file).exists():
+        return np.full(count, PENDING, np.uint8)
+    return read_chunk(path, file, status).reshape(-1)[:count]
 
 
 def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> None:

@@ -1,16 +1,30 @@
-"""Which rows are enumerated at every column, and which of them are still due; everything that is read is verified."""
+"""Which blocks and rows are still due: those not complete, and those to be enumerated at every column.
+
+Everything that is read for it is verified.
+"""
 
 from pathlib import Path
 
 import numpy as np
 
 from pipeline.plan.plan import Block, Plan
-from pipeline.store.blocks import RowValues, is_stored, read_rows
+from pipeline.store.blocks import RowValues, is_stored, read_rows, read_states
 from pipeline.store.states import COMPLETE
 
-__all__ = ["certified_rows", "kept_rows", "rows_to_certify"]
+__all__ = ["certified_rows", "kept_rows", "pending_blocks", "rows_to_certify"]
 
 _GAINED = "branches/n_gained"
+
+
+def pending_blocks(path: Path, plan: Plan, done: tuple[int, ...] = (COMPLETE,)) -> list[Block]:
+    """Blocks with a row whose state is not `done`; each is computed again as a whole, as far as its rows are not kept.
+
+    Raises
+    ------
+    DamagedError
+        If a chunk of `status` is damaged.
+    """
+    return [block for block in plan.blocks if not np.all(np.isin(read_states(path, plan, block), done))]
 
 
 def rows_to_certify(path: Path, plan: Plan) -> np.ndarray:
