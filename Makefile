@@ -2,8 +2,9 @@
 PYTHON ?= python3
 VENV := .venv
 READY := $(VENV)/.ready
+DOCS_READY := $(VENV)/.docs-ready
 
-.PHONY: map test test-slow check format bench clean
+.PHONY: map test test-slow check format docs bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -28,6 +29,14 @@ check: $(READY)
 format: $(READY)
 	$(VENV)/bin/ruff format .
 	$(VENV)/bin/ruff check --fix .
+
+# The documentation site, in docs/_build. Sphinx is installed for it alone. Warnings are errors.
+$(DOCS_READY): $(READY)
+	$(VENV)/bin/pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
+docs: $(DOCS_READY)
+	$(VENV)/bin/python -m sphinx -E -W --keep-going --quiet -b html docs docs/_build
 
 # QUICK=1 leaves out what takes long.
 bench: $(READY)

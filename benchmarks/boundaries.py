@@ -31,7 +31,9 @@ def main() -> None:
             x, p, axis = planned.sweep.values, planned.parameter.values, planned.parameter.name
             model = model_at(planned, float(p[0]), float(x[0]))
             begin = time.process_time()
-            starts = [e for v in p for e in row_events(sweep_row(model.replace(**{axis: v}), "omega", x), float(v))]
+            starts = [
+                e for v in p for e in row_events(sweep_row(model.replace(**{axis: v}), "omega", x).curves, float(v))
+            ]
             sweeping = time.process_time() - begin
             limits = ((x[0], x[-1]), (p[0], p[-1]))
             curves = boundary_curves(model, "omega", axis, *limits, starts)

@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from solver import Proof, all_solutions
-from solver.enumeration.certificates import MOST, enumerate_points
+from solver.enumeration.certificates import enumerate_points
 from solver.model.condensation import axis_vectors
 from tests.conftest import MODELS
 
@@ -18,19 +18,11 @@ POINTS = 400
 def kernel_times(model) -> np.ndarray:
     """Seconds per point of the compiled kernel alone, the best of five runs each."""
     theta, direction = axis_vectors(model, "omega")
-    arrays = (
-        np.empty((1, MOST, 3)),
-        np.empty((1, MOST)),
-        np.empty((1, MOST), np.int8),
-        np.empty(1, np.int64),
-        np.empty(1, np.int8),
-        np.empty(1, np.int8),
-    )
     times = np.full(POINTS, np.inf)
     for i, omega in enumerate(np.linspace(0.05, 2.0, POINTS)):
         for _ in range(5):
             start = time.perf_counter()
-            enumerate_points(theta, direction, np.array([omega]), 100.0, *arrays)
+            enumerate_points(theta, direction, np.array([omega]), 100.0)
             times[i] = min(times[i], time.perf_counter() - start)
     return times
 

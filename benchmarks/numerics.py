@@ -11,7 +11,7 @@ from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_of
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from solver import first_order_problem
-from solver.enumeration.certificates import MOST, enumerate_points
+from solver.enumeration.certificates import enumerate_points
 from solver.harmonic.describing_function import linear_solution
 from solver.model.condensation import axis_vectors
 
@@ -62,16 +62,7 @@ def _kernel(planned: Plan, model, sizes: Sizes, baselines) -> Measurement:
 
 def _enumeration(model, grid: np.ndarray, sizes: Sizes, baselines) -> Measurement:
     theta, direction = axis_vectors(model, "omega")
-    size = grid.size
-    arrays = (
-        np.empty((size, MOST, 3)),
-        np.empty((size, MOST)),
-        np.empty((size, MOST), np.int8),
-        np.empty(size, np.int64),
-        np.empty(size, np.int8),
-        np.empty(size, np.int8),
-    )
-    values = timed(lambda: enumerate_points(theta, direction, grid, 100.0, *arrays), sizes.repeats, 1e6 / size)
+    values = timed(lambda: enumerate_points(theta, direction, grid, 100.0), sizes.repeats, 1e6 / grid.size)
     return Measurement("enumeration", "every solution at a point, proven", "us", values, baselines)
 
 

@@ -15,9 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Rectangle
 from matplotlib.path import Path as Outline
 
-from pipeline.config import compose
-from pipeline.plan import Plan, plan
-from pipeline.sweep import frame_of, model_at
+from pipeline.config.compose import compose
+from pipeline.plan.numerics import frame_of, model_at
+from pipeline.plan.plan import Plan
+from pipeline.plan.planning import plan
 from solver import Event, Row, domain_code, domain_label, enumerate_row, impact_state, sweep_row
 from solver.boundaries import boundary_curves, row_events
 from solver.stability import Instability
@@ -47,7 +48,7 @@ def draw(path: Path) -> None:
     planned = plan(compose(["plane=omega_fe"]))
     row = sweep_row(model_at(planned, LEVEL, planned.sweep.low), "omega", planned.sweep.values)
     rows = [(p, _row(planned, p)) for p in np.linspace(planned.parameter.low, planned.parameter.high, _ROWS)]
-    starts = [event for p, swept in rows for event in row_events(swept, float(p))]
+    starts = [event for p, swept in rows for event in row_events(swept.curves, float(p))]
     curves = boundary_curves(*frame_of(planned), starts)
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(9.6, 8.1), facecolor="white")
@@ -126,13 +127,13 @@ def _plan(axes: Axes, planned: Plan, row: Row, starts, curves):
 
 def _seeds(axes: Axes, planned: Plan, row: Row, starts, curves):
     _window(axes)
-    probes = np.linspace(planned.sweep.low, planned.sweep.high, int(planned.solver["certify_columns"]))
-    found = enumerate_row(model_at(planned, LEVEL, planned.sweep.low), "omega", probes)
-    for place, amplitudes in zip(probes, found.amplitude, strict=True):
+    columns = planned.sweep.values
+    found = enumerate_row(model_at(planned, LEVEL, planned.sweep.low), "omega", columns)
+    for place, amplitudes in zip(columns, found.amplitude, strict=True):
         if WINDOW[0] <= place <= WINDOW[1]:
             axes.axvline(place, color=PALE, linewidth=0.4)
             axes.plot(np.full(amplitudes.size, place), amplitudes, "o", color=INK, markersize=2.6)
-    return "Seeds", f"all solutions at {probes.size} columns, proven"
+    return "Seeds", f"all solutions at {columns.size} columns, proven"
 
 
 def _curve(axes: Axes, row: Row, **style):
@@ -172,7 +173,7 @@ def _raster(axes: Axes, planned: Plan, row: Row, starts, curves):
         if 0.6 <= place <= 0.7:
             axes.axvline(place, color=PALE, linewidth=0.5)
             axes.plot(np.full(amplitudes.size, place), amplitudes, "s", color=INK, markersize=3.2)
-    return "Raster", "solved at every column, not interpolated"
+    return "Raster", "the proven solutions, each on a branch"
 
 
 def _stability(axes: Axes, planned: Plan, row: Row, starts, curves):

@@ -1,5 +1,6 @@
 """`python -m pipeline`: the command line. Imports are inside the functions because every worker imports this module."""
 
+import signal
 import sys
 
 __all__ = ["main"]
@@ -10,6 +11,14 @@ _KEPT = "; what is stored is kept, and the same command goes on from there"
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    from pipeline.cli.process import ended_by_signals, unread_output
+
+    with unread_output(), ended_by_signals():
+        return _status(arguments)
+
+
+def _status(arguments: list[str]) -> int:
+    """The exit status; whatever ends the run is one line."""
     from pipeline.errors import ConfigurationError
     from pipeline.run.progress import Reporter
 
@@ -22,9 +31,11 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         reporter.error(f"{error}{_KEPT}")
         return 1
-    except KeyboardInterrupt:
-        reporter.error(f"interrupted{_KEPT}")
-        return 130
+    except KeyboardInterrupt as error:
+        # As a shell has it: 128 and the number of the signal.
+        number = getattr(error, "number", signal.SIGINT)
+        reporter.error(f"interrupted{f' by {error}' if number != signal.SIGINT else ''}{_KEPT}")
+        return 128 + number
 
 
 def _run(arguments: list[str], reporter) -> int:
@@ -66,12 +77,14 @@ def _run_overrides(asked, reporter) -> int:
 
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
-    from pipeline.cli.warmup import compile_beside
+    from pipeline.cli.warmup import warm_up
     from pipeline.errors import ConfigurationError
-    from pipeline.run.workforce import Workforce
+    from pipeline.run.libraries import load_zarr
 
-    helper = compile_beside()
+    load_zarr()
+    from pipeline.run.kernels import kernels_for
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
+    from pipeline.run.workforce import Workforce
 
     status, jobs = 0, []
     names = [settings.store_name for settings in all_settings]
@@ -85,15 +98,20 @@ def _run_all(all_settings, reporter) -> int:
         except ConfigurationError as error:
             reporter.error(str(error))
             status = max(status, error.status)
-    if helper is not None:
-        helper.wait()
     if not jobs:
         return status
-    with Workforce(jobs[0].settings.config.cluster) as workforce:
+    # Workers of a running scheduler have a cache of their own.
+    configs = [job.settings.config for job in jobs if job.settings.config.cluster.kind != "scheduler"]
+    warm_up([name for config in configs for name in kernels_for(config.stages, config.solver.balance)], reporter)
+    with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
         # Tables need several planes: once, after all of them.
-        return max(status, _attempt(run_shared_stages, jobs[-1], workforce, reporter))
+        status = max(status, _attempt(run_shared_stages, jobs[-1], workforce, reporter))
+    if len(jobs) < len(all_settings):
+        done = ", ".join(job.settings.store_name for job in jobs)
+        reporter.line(f"note: {len(jobs)} of {len(all_settings)} planes were run: {done}; the others were refused")
+    return status
 
 
 def _attempt(run, job, workforce, reporter) -> int:

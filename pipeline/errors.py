@@ -1,6 +1,6 @@
 """What a user can get wrong and what can be wrong with a store, as exceptions with a one-line message."""
 
-__all__ = ["ConfigurationError", "DamagedError", "StoreError"]
+__all__ = ["ConfigurationError", "DamagedError", "StoreError", "WorkerLost"]
 
 
 class ConfigurationError(Exception):
@@ -19,3 +19,7 @@ class DamagedError(StoreError):
 
     status = 1
     what = ""
+
+
+class WorkerLost(RuntimeError):
+    """The process that ran a task ended before the task did."""

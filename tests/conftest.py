@@ -1,12 +1,7 @@
-"""Parameter sets and reference digits that many tests use.
-
-The solver is imported by what needs it: the process that hands tests out should not compile its kernels.
-"""
+"""Parameter sets and reference digits that many tests use."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,17 +16,6 @@ settings.load_profile("bevelmap")
 
 if TYPE_CHECKING:
     from solver import Model
-
-_ROOT = Path(__file__).parents[1]
-
-
-def pytest_configure(config):
-    """Compile all kernels once before several test processes would each compile them."""
-    controls = getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput")
-    if controls and not config.option.collectonly:
-        code = "from pipeline.cli.warmup import compile_all, is_cold; is_cold() and compile_all()"
-        subprocess.run([sys.executable, "-c", code], cwd=_ROOT, check=True)
-
 
 REFERENCE = Path(__file__).parent / "reference"
 

@@ -24,7 +24,7 @@ examples
   python -m pipeline plane=omega_fe gear=antiphase gear.b=0.8 store.name=mine    another gear
   python -m pipeline stages=[list]                                        what there is so far
 
-overrides that people need (every key of conf/config.yaml is one: docs/options.md)
+overrides that people need (every key of conf/config.yaml is one: docs/reference/configuration.md)
   gear.b=0.5                        any parameter of the gear that is no axis of the plane
   plane.parameter.name=kappa        any scalar as an axis; also plane.parameter.min, .max, .num
   plane.sweep.num=800               columns of the plane; plane.parameter.num are its rows

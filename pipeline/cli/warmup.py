@@ -1,66 +1,43 @@
-"""The very first run: half of the kernels are compiled by a second process while this one compiles the other half.
+"""The first run: what its stages need is compiled before rows are due, by two processes, and said while it lasts."""
 
-Numba compiles one function after the other, and a run has two cores. What the helper compiles goes into the cache on
-disk, where this process finds it when its imports get there. Nothing depends on it: what it left undone is done here.
-"""
-
-import importlib.util
+import os
 import subprocess
 import sys
-from pathlib import Path
 
-__all__ = ["compile_all", "compile_beside", "is_cold"]
+from pipeline.run.progress import Reporter, RowProgress
 
-# The packages' own imports would compile everything in the same order; as bare folders they let one module be chosen.
+__all__ = ["warm_up"]
+
 _HELPER = """
-import sys, types
-from pathlib import Path
-
-for folder in [Path(sys.argv[1]), *(inner.parent for inner in Path(sys.argv[1]).glob("*/__init__.py"))]:
-    name = "solver" if folder == Path(sys.argv[1]) else f"solver.{folder.name}"
-    package = sys.modules[name] = types.ModuleType(name)
-    package.__path__ = [str(folder)]
-import solver.stability.scan, solver.boundaries.bifurcation_curves, solver.boundaries.contact_angles
+import sys
+from solver.kernels.warm import kernels_of, warm
+warm(kernels_of(sys.argv[1:]))
 """
 
 
-def is_cold() -> bool:
-    """Whether kernels are kept and none of these sources has been compiled yet; imports no kernel."""
-    folder = _solver_folder()
-    if folder is None:
-        return False
-    module = importlib.util.spec_from_file_location("_compile", folder / "kernels/compile.py")
-    compiling = importlib.util.module_from_spec(module)
-    module.loader.exec_module(compiling)
-    return compiling.is_cold(folder / "continuation/arclength.py")
+def warm_up(names: list[str], reporter: Reporter) -> None:
+    """Compile what is not kept yet of some kernels, with one process beside this one; says nothing if all are kept.
 
-
-def _solver_folder() -> Path | None:
-    spec = importlib.util.find_spec("solver")
-    return None if spec is None else Path(spec.origin).parent
-
-
-def compile_beside() -> subprocess.Popen | None:
-    """Start the helper if no kernel has been compiled yet; call before anything imports the solver.
-
-    Returns
-    -------
-    subprocess.Popen or None
-        The helper, None where the cache is warm or the solver imported already.
+    Parameters
+    ----------
+    names : list of str
+        Modules or kernels, as for `solver.kernels.warm.kernels_of`.
+    reporter : Reporter
     """
-    if "solver" in sys.modules or not is_cold():
-        return None
-    return subprocess.Popen([sys.executable, "-c", _HELPER, str(_solver_folder())], stdout=subprocess.DEVNULL)
+    from solver.kernels.warm import kernels_of, warm
 
-
-def compile_all() -> None:
-    """Compile the kernels of every module of the solver, with the helper beside; cached ones stay as they are."""
-    import pkgutil
-
-    helper = compile_beside()
-    import solver
-
-    for module in pkgutil.walk_packages(solver.__path__, "solver."):
-        importlib.import_module(module.name)
-    if helper is not None:
-        helper.wait()
+    missing = [kernel for kernel in kernels_of(names) if not kernel.is_kept()]
+    if not missing:
+        return
+    reporter.line(f"first run: {len(missing)} kernels are compiled and kept for the next ones")
+    # Nothing depends on the helper: what it left undone is done here.
+    names = [f"{kernel.__module__}.{kernel.__name__}" for kernel in missing]
+    quiet = dict(stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    beside = subprocess.Popen([sys.executable, "-c", _HELPER, *names], **quiet) if (os.cpu_count() or 1) > 1 else None
+    try:
+        with RowProgress(reporter, len(missing), what="compile", unit="kernels") as progress:
+            warm(missing, lambda name, done, total: progress.advance(done - progress.done, 0))
+    finally:
+        if beside is not None:
+            beside.terminate()
+            beside.wait()

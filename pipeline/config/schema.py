@@ -164,6 +164,15 @@ class Solver:
 
 
 @dataclass
+class Security:
+    """Files with which a scheduler at a tls:// address and this program know each other."""
+
+    ca_file: str | None = MISSING
+    cert: str | None = MISSING
+    key: str | None = MISSING
+
+
+@dataclass
 class Cluster:
     """Where tasks run."""
 
@@ -175,6 +184,7 @@ class Cluster:
     address: str | None = MISSING
     scheduler_file: str | None = MISSING
     timeout: float = MISSING
+    security: Security = MISSING
 
 
 @dataclass

@@ -25,7 +25,7 @@ from pipeline.figures.layout import (
     zoom_places,
 )
 from pipeline.figures.map_legend import (
-    DISPUTED_CELLS,
+    CONTRADICTORY_CELLS,
     FAILED_ROWS,
     LINES,
     MARKS,
@@ -164,12 +164,12 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
         axes.plot(*places.T, **MARKS[kind])
     columns, rows = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)
-    unstable = plane.unstable & ~plane.disputed & (not plane.dynamic)
+    unstable = plane.unstable & ~plane.contradictory & (not plane.dynamic)
     for kind, marked in (
         (FAILED_ROWS, failed),
         (OPEN_CELLS, plane.open == 1),
         (UNSTABLE_CELLS, unstable),
-        (DISPUTED_CELLS, plane.disputed),
+        (CONTRADICTORY_CELLS, plane.contradictory),
     ):
         if np.any(marked):
             axes.add_artist(PathPatch(_rectangles(marked, columns, rows), **kind))

@@ -15,7 +15,7 @@ from solver import ImpactState
 from solver.boundaries import SpecialPoint
 
 __all__ = [
-    "DISPUTED_CELLS",
+    "CONTRADICTORY_CELLS",
     "FAILED_ROWS",
     "LINES",
     "MARKS",
@@ -45,7 +45,7 @@ LINES = {
     ),
 }
 UNSTABLE_CELLS = {"facecolor": "none", "edgecolor": "0.1", "linewidth": 0.0, "hatch": "\\\\\\\\\\\\", "zorder": 1}
-DISPUTED_CELLS = {"facecolor": "none", "edgecolor": "0.35", "linewidth": 0.0, "hatch": "++++++", "zorder": 1}
+CONTRADICTORY_CELLS = {"facecolor": "none", "edgecolor": "0.35", "linewidth": 0.0, "hatch": "++++++", "zorder": 1}
 FAILED_ROWS = {"facecolor": "white", "edgecolor": "0.45", "linewidth": 0.0, "hatch": "//////", "zorder": 1}
 OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "....", "zorder": 1}
 _MODE = {
@@ -122,8 +122,8 @@ def legend_entries(plane: StoredPlane, codes: list[int], lines, marks, modes, sh
             entries.append(Entry(f"natural frequency, {name}", line=kind))
     if plane.unstable.any() and not plane.dynamic:
         entries.append(Entry("one dynamically unstable", area=UNSTABLE_CELLS))
-    if plane.disputed.any():
-        entries.append(Entry("disputed at this order", area=DISPUTED_CELLS))
+    if plane.contradictory.any():
+        entries.append(Entry("contradictory at this order", area=CONTRADICTORY_CELLS))
     if (plane.open == 1).any():
         entries += [Entry("not excluded: motions", area=OPEN_CELLS), Entry("above the ceiling of $λ_a$")]
     if (plane.status == FAILED).any():

@@ -9,12 +9,13 @@ the amplitude ceiling, a boundary that could not be followed) the nearer row is 
 
 import numpy as np
 
-from pipeline.analysis.boundaries.events import GRAZINGS_AND_FOLDS, MARGINS, half_backlash
+from pipeline.analysis.boundaries.events import MARGINS, half_backlash
 from pipeline.analysis.boundaries.group import StoredBoundaries, StoredCurve
 from pipeline.figures.stored import StoredPlane
 from pipeline.plan.plan import Plan
 from pipeline.store import COMPLETE
 from solver import Event, domain_code, impact_state
+from solver.boundaries import FOLDS_AND_GRAZINGS
 
 __all__ = ["region_codes"]
 
@@ -93,7 +94,7 @@ _NOTHING = (np.empty(0, np.int64), np.empty(0), np.empty(0, np.int64))
 
 def _upward(curve: StoredCurve, plan: Plan, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Where a curve crosses the lines at x: number of the line, p, and what is added to the set by going upwards."""
-    if len(curve.points) < 2 or curve.kind not in GRAZINGS_AND_FOLDS:
+    if len(curve.points) < 2 or curve.kind not in FOLDS_AND_GRAZINGS:
         return _NOTHING
     crossings = curve.arcs.crossings(3, x)
     shown = curve.arc_shows[crossings.arc]

@@ -39,8 +39,9 @@ class StoredPlane:
     domain, n_stable, open : (P, X) arrays
     dynamic : bool
         Whether `domain` and `n_stable` count the dynamically stable motions, instead of the statically stable ones.
-    unstable, disputed : (P, X) bool arrays
-        Where a statically stable motion is dynamically unstable, and where the methods dispute whether one is.
+    unstable, contradictory : (P, X) bool arrays
+        Where a statically stable motion is dynamically unstable (period doubling, Neimark-Sacker), and where static and
+        dynamic stability of one contradict each other.
     status : (P,) array
     points : dict
         Name -> (P, point) array of the branches; "position" is where on the sweep axis a point is.
@@ -62,7 +63,7 @@ class StoredPlane:
     open: np.ndarray
     dynamic: bool
     unstable: np.ndarray
-    disputed: np.ndarray
+    contradictory: np.ndarray
     status: np.ndarray
     points: dict[str, np.ndarray]
     n_points: np.ndarray
@@ -147,8 +148,8 @@ def read_stored(path: Path, dynamic: bool = False, physical: bool = False, layer
         n_stable=n_stable,
         open=plane["open"].values,
         dynamic=dynamic,
-        unstable=np.any(static & (kind > Instability.NONE) & (kind < Instability.DISPUTED), axis=2),
-        disputed=np.any(static & (kind == Instability.DISPUTED), axis=2),
+        unstable=np.any(static & (kind > Instability.NONE) & (kind < Instability.CONTRADICTORY), axis=2),
+        contradictory=np.any(static & (kind == Instability.CONTRADICTORY), axis=2),
         status=plane["status"].values,
         points=points,
         n_points=n_points,

@@ -75,7 +75,7 @@ def _entries(planes, panels) -> list:
         planes[0],
         **{
             name: np.concatenate([getattr(plane, name) for plane in planes])
-            for name in ("domain", "open", "unstable", "disputed", "status")
+            for name in ("domain", "open", "unstable", "contradictory", "status")
         },
     )
     lines = {kind for panel in panels for kind in panel.lines}

@@ -17,6 +17,7 @@ from solver import (
 )
 from solver.model.mesh_damping import MESH_DAMPING
 from solver.model.parameter_path import ParameterPath, place_on
+from solver.rows.seeds import Seeds
 
 __all__ = [
     "BALANCES",
@@ -69,8 +70,8 @@ def continuation_of(settings: dict) -> Continuation:
     return Continuation(corrector=CORRECTORS[name](tolerance=tolerance), **settings)
 
 
-def seeds_of(settings: dict, every_column: bool = False):
-    """Where branches start, as the solver settings describe; `every_column` asks for certainty in this row anyway."""
+def seeds_of(settings: dict) -> Seeds:
+    """Where branches start, as the solver settings describe."""
     if settings["certify"] not in CERTIFY:
         raise ParameterError("certify", settings["certify"], f"one of {', '.join(CERTIFY)}")
     if settings["certify"] == "none":
@@ -80,8 +81,8 @@ def seeds_of(settings: dict, every_column: bool = False):
 
         if settings["certify"] == "all":
             raise ParameterError("certify", "all", "none or columns for solver=hb: only first order can be proven")
-        return LiftedSeeds(settings["certify_columns"], every_column)
-    return ProvenSeeds(settings["certify_columns"], every_column or settings["certify"] == "all")
+        return LiftedSeeds(settings["certify_columns"])
+    return ProvenSeeds(settings["certify_columns"], every_column=settings["certify"] == "all")
 
 
 def model_at(plan: Plan, row: float, column: float) -> Model:
@@ -121,7 +122,7 @@ def point_of(plan: Plan, row: float, column: float) -> tuple[Model, float]:
     return model_at(plan, row, column), axes.get("omega", plan.omega)
 
 
-def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds) -> Row:
     """One row of the plane, with whatever balance; raises as `solver.sweep_row` does."""
     omega = value if plan.parameter.name == "omega" else plan.omega
     model = model_at(plan, value, plan.sweep.low)

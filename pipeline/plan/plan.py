@@ -13,7 +13,7 @@ __all__ = ["SCHEMA_VERSION", "Block", "Plan", "numbers_digest", "plan_of"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest. Only stores of this
 #: version are read.
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16

@@ -11,8 +11,7 @@ from pipeline.plan.numerics import continuation_of, frame_of
 from pipeline.plan.plan import Plan
 from pipeline.store import COMPLETE, read_plan
 from solver import Event, ParameterError
-from solver.boundaries import BoundaryCurve, boundary_curves
-from solver.boundaries.plane import KINDS
+from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve, boundary_curves
 from solver.regions.regions import Occurrence, RegionError, Regions, regions
 
 __all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds"]
@@ -114,7 +113,7 @@ def stored_curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
     if not np.any(complete):
         raise StoreError(f"{path} has no complete row: run stages=[sweep] first")
     events = root["branches/event"][:]
-    rows, points = np.nonzero(np.isin(events, KINDS) & complete[:, None])
+    rows, points = np.nonzero(np.isin(events, FOLDS_AND_GRAZINGS) & complete[:, None])
     columns = [root[f"branches/{name}"][:][rows, points] for name in ("mean", "cos", "sin", plan.sweep.name)]
     starts = zip(
         map(Event, events[rows, points].tolist()), np.column_stack([*columns, plan.parameter.values[rows]]), strict=True

@@ -5,13 +5,13 @@ so that the third one of the same row gives up on that row alone and the rest of
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from pipeline.errors import StoreError
+from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import Outcome, Receipt, sweep_blocks
-from pipeline.run.workforce import Task, WorkerLost, Workforce
+from pipeline.run.workforce import Task, Workforce
 from pipeline.store.tries import MOST_TRIES
 
 __all__ = ["Batches", "dispatch"]
@@ -24,7 +24,6 @@ def dispatch(
     path: Path,
     plan: Plan,
     blocks: Sequence[Block],
-    every_column: Mapping[Block, frozenset[int]],
     workforce: Workforce,
     note: Callable[[str], None] = lambda text: None,
 ) -> Iterator[tuple[Block, Receipt | Exception]]:
@@ -36,8 +35,6 @@ def dispatch(
         A store whose template is written.
     plan : Plan
     blocks : sequence of Block
-    every_column : mapping
-        Block -> rows of it in which every column is looked at; none where a block is missing.
     workforce : Workforce
     note : callable, optional
         Is given a sentence about every batch.
@@ -59,11 +56,10 @@ def dispatch(
         chosen, avoid = batches.take()
         if not chosen:
             return None
-        work = tuple((block, every_column.get(block, frozenset())) for block in chosen)
-        return Task((str(path), plan, work, limit), avoid)
+        return Task((str(path), plan, tuple(chosen), limit), avoid)
 
     for task, result in workforce.serve(sweep_blocks, take):
-        given = [block for block, _ in task.arguments[2]]
+        given = list(task.arguments[2])
         if isinstance(result, Outcome):
             note(result.sentence)
             for receipt in result.receipts:

@@ -10,10 +10,11 @@ from pipeline.config.compose import Settings
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan.layers import layer_of, of_layer
 from pipeline.plan.planning import plan
+from pipeline.run.cluster_settings import check_cluster
 from pipeline.run.job import Job, sweep_command
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
-from pipeline.run.workforce import Workforce, check_cluster
+from pipeline.run.workforce import Workforce
 from pipeline.stages import STAGES
 from pipeline.store.extraction import extract_layer
 from pipeline.store.lock import holding

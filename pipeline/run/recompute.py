@@ -56,11 +56,8 @@ def compare_row(path: str, plan: Plan, row: int) -> list[Difference]:
         If the row cannot be computed here.
     """
     stored = store.read_rows(Path(path), plan, Block(row, row + 1))
-    every_column = bool(stored["branches/n_gained"][0] >= 0)
     settings = plan.solver
-    found = stored_row(
-        *plan.row(row), balance_of(settings), continuation_of(settings), seeds_of(settings, every_column)
-    )
+    found = stored_row(*plan.row(row), balance_of(settings), continuation_of(settings), seeds_of(settings))
     computed = store.row_values(plan, found)
     pairs = ((name, values[0, ...], computed[name]) for name, values in stored.items())
     return [difference for pair in pairs if (difference := _difference(*pair)) is not None]

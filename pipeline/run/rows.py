@@ -3,7 +3,6 @@
 This is what runs on workers. A row that fails is recorded with its reason and the others go on.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -12,8 +11,11 @@ from pipeline import store
 from pipeline.errors import DamagedError
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Block, Plan
+from pipeline.run.admission import worker_address
+from pipeline.run.kernels import ready_for_rows
 from pipeline.store.tries import Tries
 from solver import Balance, Continuation, Row, RowError
+from solver.rows.seeds import Seeds
 
 __all__ = ["Outcome", "Receipt", "RowTrouble", "stored_row", "sweep_block", "sweep_blocks"]
 
@@ -70,7 +72,7 @@ class RowTrouble(RuntimeError):
     """A row raised something unforeseen; it is worth another try elsewhere."""
 
 
-def stored_row(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds) -> Row:
+def stored_row(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds) -> Row:
     """One row as it is stored; raises RowError as well where it does not fit into the store."""
     row = row_of(plan, value, balance, continuation, seeds)
     for name, size, room in (
@@ -83,9 +85,7 @@ def stored_row(plan: Plan, value: float, balance: Balance, continuation: Continu
     return row
 
 
-def sweep_block(
-    path: str, plan: Plan, block: Block, every_column: frozenset[int] = frozenset(), limit: float | None = None
-) -> Receipt:
+def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None) -> Receipt:
     """Compute one block of rows and write it; a row that fails for good is stored as failed, with the reason.
 
     Up-to-date rows are kept, if everything that is stored of the block can be verified.
@@ -96,8 +96,6 @@ def sweep_block(
         The store, its template already written.
     plan : Plan
     block : Block
-    every_column : set of int
-        Rows in which all solutions are enumerated at every column, whatever the settings say.
     limit : float, optional
         Seconds that a row may take; the process ends where one takes longer.
 
@@ -110,11 +108,13 @@ def sweep_block(
     RowTrouble
         If a row raises something unforeseen: nothing is written then, and the attempt is noted for the next one.
     """
+    ready_for_rows(plan.solver["balance"])
     begin = perf_counter()
     balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
+    seeds = seeds_of(plan.solver)
     rows: list[Row | str | None] = []
     try:
-        kept, lost = store.kept_rows(Path(path), plan, block, every_column), ""
+        kept, lost = store.kept_rows(Path(path), plan, block), ""
     except DamagedError as error:
         kept, lost = {}, error.what
     with Tries(Path(path), block.start, limit) as tries:
@@ -122,7 +122,6 @@ def sweep_block(
             if index in kept:
                 rows.append(None)
                 continue
-            seeds = seeds_of(plan.solver, index in every_column)
             verdict = tries.verdict(index)
             if verdict is not None:
                 rows.append(verdict)
@@ -147,25 +146,12 @@ def sweep_block(
     return Receipt(block, failures, points, perf_counter() - begin, lost)
 
 
-def sweep_blocks(path: str, plan: Plan, work: tuple[tuple[Block, frozenset[int]], ...], limit: float | None) -> Outcome:
+def sweep_blocks(path: str, plan: Plan, blocks: tuple[Block, ...], limit: float | None) -> Outcome:
     """Several blocks one after the other, as far as their rows can be computed; see `sweep_block`."""
     receipts = []
-    for block, every_column in work:
+    for block in blocks:
         try:
-            receipts.append(sweep_block(path, plan, block, every_column, limit))
+            receipts.append(sweep_block(path, plan, block, limit))
         except RowTrouble:
-            return Outcome(tuple(receipts), _worker(), trouble=True)
-    return Outcome(tuple(receipts), _worker())
-
-
-def _worker() -> str | None:
-    """The address of the worker that this runs on, None in a process of its own."""
-    # A process without dask is no worker, and dask takes half a second to import.
-    if "distributed" not in sys.modules:
-        return None
-    from distributed import get_worker
-
-    try:
-        return get_worker().address
-    except ValueError:
-        return None
+            return Outcome(tuple(receipts), worker_address(), trouble=True)
+    return Outcome(tuple(receipts), worker_address())

@@ -1,10 +1,8 @@
-"""The stage sweep: rows of the plane that are not in the store yet, then a second look where folds come or go."""
+"""The stage sweep: rows of the plane that are not in the store yet."""
 
 import shutil
 from collections.abc import Sequence
 from time import perf_counter
-
-import numpy as np
 
 from pipeline import store
 from pipeline.errors import ConfigurationError
@@ -21,6 +19,9 @@ from pipeline.store.removal import remove_known
 from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
+
+#: Failed rows, and rows with notes, that are listed in full.
+_LISTED = 10
 
 
 def _check_store(job: Job) -> None:
@@ -48,7 +49,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     begin = perf_counter()
     present = store.check(path, job.plan) if not settings.config.store.overwrite else False
     blocks = store.pending_blocks(path, job.plan) if present else job.plan.blocks
-    if not blocks and not _neighbours(job).size:
+    if not blocks:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
     where = workforce.start()
@@ -66,7 +67,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 
 
 def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: Reporter, waited: float = 0.0) -> int:
-    """Compute blocks of a store, look a second time where that is due, and say what came of it; an exit status.
+    """Compute blocks of a store and say what came of it; an exit status.
 
     Parameters
     ----------
@@ -80,19 +81,16 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     """
     path, rows, ready = job.store_path, sum(block.stop - block.start for block in blocks), perf_counter()
     forget_tries(path)
-    lost, points = _run_blocks(job, blocks, {}, workforce, reporter, RowProgress(reporter, rows))
+    lost, points = _run_blocks(job, blocks, workforce, reporter, RowProgress(reporter, rows))
     if not lost:
-        lost += _certify_neighbours(job, workforce, reporter)
         lost += [
             f"rows {block.start}-{block.stop - 1} are stored no longer: the same command computes them again"
             for block in store.pending_blocks(path, job.plan, (store.COMPLETE, store.FAILED))
         ]
     seconds = perf_counter() - ready
     failed = store.failures(path)
-    for row, reason in failed[:10]:
-        reporter.line(f"  {job.plan.row_text(row)} failed: {reason}")
-    if len(failed) > 10:
-        reporter.line(f"  and {len(failed) - 10} more; `message` in the store has every reason")
+    _list_rows(job, reporter, failed, "failed: ")
+    _list_rows(job, reporter, store.notes(path), "")
     for text in lost:
         reporter.error(text)
     # A chunk that went missing while the others were computed would be read as fill values.
@@ -101,39 +99,30 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
         f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
         f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"
     )
+    proven = store.proven_cells(path)
+    if proven is not None:
+        count, cells = proven
+        left = f", {cells - count:,} are not" if count < cells else ""
+        reporter.line(f"sweep: {count:,} of {cells:,} cells proven{left}")
     forget_tries(path)
     return 1 if failed or lost else 0
 
 
-def _neighbours(job: Job):
-    """Rows that a second look is due to; none where enumeration is off or looks everywhere anyway."""
-    return (
-        store.rows_to_certify(job.store_path, job.plan) if job.plan.solver["certify"] == "columns" else np.empty(0, int)
-    )
+def _list_rows(job: Job, reporter: Reporter, rows: Sequence[tuple[int, str]], verb: str) -> None:
+    """The first rows of a list with what is said of them."""
+    for row, text in rows[:_LISTED]:
+        reporter.line(f"  {job.plan.row_text(row)} {verb}{text}")
+    if len(rows) > _LISTED:
+        reporter.line(f"  and {len(rows) - _LISTED} more; `message` in the store has every reason")
 
 
-def _certify_neighbours(job: Job, workforce: Workforce, reporter: Reporter) -> list[str]:
-    """Look everywhere in rows beside which folds come or go, until no more such rows turn up; why blocks were lost."""
-    lost, before = [], store.certified_rows(job.store_path, job.plan).size
-    while not lost and (due := _neighbours(job)).size:
-        rows = np.union1d(due, store.certified_rows(job.store_path, job.plan))
-        chosen = {
-            block: frozenset(rows[(rows >= block.start) & (rows < block.stop)].tolist()) for block in job.plan.blocks
-        }
-        blocks = [block for block in job.plan.blocks if np.any((due >= block.start) & (due < block.stop))]
-        lost, _ = _run_blocks(job, blocks, chosen, workforce, reporter, RowProgress(None, 0))
-    count = store.certified_rows(job.store_path, job.plan).size - before
-    reporter.line(f"sweep: {count} rows next to births and deaths of folds enumerated at every column")
-    return lost
-
-
-def _run_blocks(job: Job, blocks, every_column: dict, workforce: Workforce, reporter: Reporter, progress: RowProgress):
+def _run_blocks(job: Job, blocks, workforce: Workforce, reporter: Reporter, progress: RowProgress):
     """Run the blocks, with a line per batch in the log; why blocks were lost, and the number of branch points."""
     from pipeline.run.dispatch import dispatch
 
     lost, points = [], 0
     with progress:
-        for block, result in dispatch(job.store_path, job.plan, blocks, every_column, workforce, reporter.note):
+        for block, result in dispatch(job.store_path, job.plan, blocks, workforce, reporter.note):
             count = block.stop - block.start
             if isinstance(result, BaseException):
                 lost.append(f"rows {block.start}-{block.stop - 1} were not stored: {type(result).__name__}: {result}")

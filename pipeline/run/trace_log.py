@@ -9,7 +9,7 @@ from pipeline import store
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
 from solver import EndReason, Event, Row, RowError
-from solver.continuation.trace_log import DiaryContinuation, Outcome, Trace
+from solver.continuation.trace_log import LoggedContinuation, Outcome, Trace
 
 __all__ = ["RowDiary", "row_diary", "write_sheets"]
 
@@ -24,8 +24,6 @@ class RowDiary:
     ----------
     plan : Plan
     index : int
-    every_column : bool
-        Whether solutions were enumerated at every column.
     stored : str
         State of this row in the store, in words.
     traces : tuple of Trace
@@ -36,7 +34,6 @@ class RowDiary:
 
     plan: Plan
     index: int
-    every_column: bool
     stored: str
     traces: tuple[Trace, ...]
     result: Row | str
@@ -63,27 +60,26 @@ def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
     Parameters
     ----------
     path : Path
-        The store, if there is one: it says whether the row was enumerated at every column.
+        The store, if there is one: it says what is known of the row.
     plan : Plan
     index : int
         The row's number.
     """
-    every_column, stored = False, "there is no store yet"
+    stored = "there is no store yet"
     if path.exists():
-        every_column = index in store.certified_rows(path, plan)
         words = {store.PENDING: "pending", store.COMPLETE: "complete", store.FAILED: "failed"}
         stored = f"{words[int(store.statuses(path).ravel()[index])]} in the store"
         stored += "".join(f": {text}" for row, text in store.failures(path) if row == index)
-    recording = DiaryContinuation(**vars(continuation_of(plan.solver)))
+    recording = LoggedContinuation(**vars(continuation_of(plan.solver)))
     plane, value = plan.row(index)
     try:
-        result = row_of(plane, value, balance_of(plan.solver), recording, seeds_of(plan.solver, every_column))
+        result = row_of(plane, value, balance_of(plan.solver), recording, seeds_of(plan.solver))
     except RowError as error:
         result = str(error)
     except Exception as error:
         # Whatever it is, the diary up to there is what was asked for.
         result = f"{type(error).__name__}: {error}"
-    return RowDiary(plan, index, every_column, stored, tuple(recording.traces), result)
+    return RowDiary(plan, index, stored, tuple(recording.traces), result)
 
 
 def write_sheets(diary: RowDiary, folder: Path) -> list[Path]:
@@ -108,8 +104,8 @@ def _unknowns(trace: Trace) -> list[str]:
 def _events(trace: Trace) -> list[str]:
     """What was located on every step: kinds and places."""
     curve, before, found = trace.curve, 1, []
-    for outcome, after in zip(trace.steps.outcome, trace.steps.points, strict=True):
-        here = range(before, after) if outcome == Outcome.ACCEPTED else ()
+    for accepted, after in zip(trace.steps.accepted, trace.steps.points, strict=True):
+        here = range(before, after) if accepted else ()
         found.append(
             " ".join(
                 f"{Event(int(curve.event[i])).name.lower()}@{curve.points[i, -1]:.10g}"
@@ -153,7 +149,7 @@ def _text(diary: RowDiary) -> str:
     lines = [
         f"{plan.row_text(diary.index)}: {axis.name} from {axis.low:g} to {axis.high:g}; {diary.stored}",
         f"balance {plan.solver['balance']}, order {plan.solver['order']}, corrector {plan.solver['corrector']}; "
-        f"seeds: certify={plan.solver['certify']}{', every column' if diary.every_column else ''}",
+        f"seeds: certify={plan.solver['certify']}",
     ]
     for number, trace in enumerate(diary.traces):
         lines += ["", *_trace_lines(number, trace)]
@@ -175,14 +171,14 @@ def _trace_lines(number: int, trace: Trace) -> list[str]:
         )
     for k, events in enumerate(_events(trace)):
         outcome = Outcome(int(steps.outcome[k]))
-        what = events if outcome is Outcome.ACCEPTED else f"refused: {outcome.sentence}"
+        what = events if steps.accepted[k] else f"refused: {outcome.sentence}"
         place = "".join(f" {value:13.8g}" for value in steps.places[k, :width])
         lines.append(
             f"{k:5d} {steps.length[k]:10.3e} {steps.iterations[k]:4d} {steps.turn[k]:9.2e} "
             f"{steps.places[k, -1]:14.9g}{place}  {what}".rstrip()
         )
     if not len(curve.points):
-        return [*lines, "  no tangent can be told at the seed: nothing was traced"]
+        return [*lines, f"  nothing was traced: {curve.ends[1].sentence}"]
     end = curve.ends[1]
     return [
         *lines,
@@ -199,4 +195,4 @@ def _outcome_lines(diary: RowDiary) -> list[str]:
         events = [Event(int(kind)).name.lower() for kind in curve.event if kind != Event.NONE]
         ends = " / ".join(EndReason(end).name.lower() for end in curve.ends)
         lines.append(f"branch {number}: {len(curve.points)} points, ends {ends}; {', '.join(events) or 'no events'}")
-    return lines
+    return [*lines, *diary.result.notes]

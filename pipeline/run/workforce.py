@@ -4,28 +4,20 @@ Tasks are independent and write their own results; only small receipts come back
 """
 
 import contextlib
-import importlib
-import importlib.util
 import logging
-import signal
-import threading
+import pickle
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from queue import SimpleQueue
 
 from pipeline.config.schema import Cluster
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, WorkerLost
+from pipeline.run.admission import Admission, Unequal, call_if_equal, introduce
+from pipeline.run.cluster_settings import address_of, security_of, setting_of
 
-__all__ = ["KINDS", "Task", "WorkerLost", "Workforce", "check_cluster"]
-
-KINDS = ("local", "none", "scheduler")
-
-#: One thread each for the libraries that would otherwise start one per core in every worker.
-_ONE_THREAD = {
-    f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS", "NUMBA", "NUMEXPR", "VECLIB_MAXIMUM")
-}
+__all__ = ["Task", "Workforce"]
 
 #: Tasks under way per thread: one is computed, one waits.
 _AHEAD = 2
@@ -33,10 +25,10 @@ _AHEAD = 2
 _MOST_LOST = 2
 #: Seconds between two counts of the workers.
 _COUNT_EVERY = 1.0
-
-
-class WorkerLost(RuntimeError):
-    """The process that ran a task ended before the task did."""
+#: Seconds before a worker that gives tasks back gets another one.
+_PAUSE = 0.1
+#: Seconds in which the workers of this machine load the solver, unless it is compiled; they are used in any case.
+_START_WITHIN = 60.0
 
 
 @dataclass(frozen=True)
@@ -47,68 +39,30 @@ class Task:
     avoid: str | None = None
 
 
-def check_cluster(config: Cluster) -> None:
-    """Raise ConfigurationError unless the cluster settings make sense; nothing is started."""
-    if config.kind not in KINDS:
-        raise ConfigurationError(f"cluster.kind = {config.kind!r} is not allowed: it must be one of {', '.join(KINDS)}")
-    if config.kind == "local" and not 1 <= config.workers <= 1024:
-        raise ConfigurationError(f"cluster.workers = {config.workers} is not allowed: it must be from 1 to 1024")
-    if config.kind == "scheduler" and bool(config.address) == bool(config.scheduler_file):
-        raise ConfigurationError(
-            f"cluster.address = {config.address!r} is not allowed with "
-            f"cluster.scheduler_file = {config.scheduler_file!r}: "
-            "one of them must say where the scheduler is, such as tcp://host:8786"
-        )
-    if config.kind == "scheduler" and config.scheduler_file and not Path(config.scheduler_file).is_file():
-        raise ConfigurationError(
-            f"cluster.scheduler_file = {config.scheduler_file!r} is not allowed: "
-            "it must be a file that dask scheduler wrote"
-        )
-    if not 0.0 < config.row_seconds <= 1e6:
-        raise ConfigurationError(f"cluster.row_seconds = {config.row_seconds} is not allowed: it must be from 0 to 1e6")
-    _check_memory(config.memory)
-    if config.dashboard and importlib.util.find_spec("bokeh") is None:
-        raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
-    if not 0.0 < config.timeout <= 3600.0:
-        raise ConfigurationError(
-            f"cluster.timeout = {config.timeout} is not allowed: it must be from 0 to 3600 seconds"
-        )
-
-
-def _check_memory(memory: str) -> None:
-    if memory == "auto":
-        return
-    from dask.utils import parse_bytes
-
-    try:
-        known = parse_bytes(memory) > 0
-    except ValueError:
-        known = False
-    if not known:
-        raise ConfigurationError(f"cluster.memory = {memory!r} is not allowed: it must be auto or a size such as 4GB")
-
-
 class Workforce:
     """Runs tasks; workers start when first needed and serve all planes of a run.
 
     Parameters
     ----------
     config : Cluster
-        Checked by `check_cluster`.
+        Checked by `pipeline.run.cluster_settings.check_cluster`.
+    say : callable, optional
+        Takes a line about workers that must not compute (`pipeline.run.admission`).
 
     Examples
     --------
-    >>> from pipeline.config.schema import Cluster
-    >>> with Workforce(Cluster("none", 1, "auto", 60.0, False, None, None, 10.0)) as workforce:
+    >>> from pipeline.config.compose import compose
+    >>> with Workforce(compose(["cluster=none"]).config.cluster) as workforce:
     ...     list(workforce.run(pow, [(2, 3), (3, 2)]))
     [((2, 3), 8), ((3, 2), 9)]
     """
 
-    def __init__(self, config: Cluster):
+    def __init__(self, config: Cluster, say: Callable[[str], None] = lambda text: None):
         self.config = config
-        self._client = None
-        self._cluster = None
-        self._size = None
+        self._say = say
+        self._connection = self._admission = None
+        self._open = contextlib.ExitStack()
+        self._seen: tuple[float, dict[str, int]] = -_COUNT_EVERY, {}
 
     def __enter__(self):
         return self
@@ -122,63 +76,46 @@ class Workforce:
         Raises
         ------
         ConfigurationError
-            If a scheduler does not answer in time.
+            If a scheduler does not answer in time, or none of its workers computes as this process does.
         """
         if self.config.kind == "none":
             return "tasks run in this process"
-        if self._client is None:
+        local = self.config.kind == "local"
+        if self._connection is None:
             _silence()
-            if self.config.kind == "local":
-                self._start_local()
-            else:
-                self._reach_scheduler()
-        dashboard = f", dashboard {self._client.dashboard_link}" if self.config.dashboard else ""
-        if self.config.kind == "local":
+            self._connection = self._start_local() if local else self._reach_scheduler()
+            self._open.callback(self._connection.close)
+            self._admission = Admission(self._say)
+            self._ask(_START_WITHIN if local else self.config.timeout, local)
+            if self._nobody():
+                raise ConfigurationError(f"{setting_of(self.config)} is not allowed: {self._admission.nobody()}")
+        address = self._connection.dashboard() if self.config.dashboard else None
+        dashboard = f", dashboard {address}" if address else ""
+        if local:
             return f"tasks run on {self.config.workers} worker processes{dashboard}"
-        address, threads = self._client.scheduler.address, self.size
-        if not threads:
-            return f"waiting for workers: the scheduler at {address} has none yet{dashboard}"
-        return f"tasks run on the scheduler at {address}, {threads} threads at present{dashboard}"
+        if not self._workers(now=True):
+            return f"waiting for workers: the scheduler at {self._connection.address} has none yet{dashboard}"
+        return f"tasks run on the scheduler at {self._connection.address}, {self.size} threads at present{dashboard}"
 
-    def _start_local(self) -> None:
-        import dask
-        from distributed import Client, LocalCluster
+    def _start_local(self):
+        from pipeline.run.connection import Connection
+        from pipeline.run.local_cluster import local_cluster
 
-        settings = {
-            "distributed.nanny.pre-spawn-environ": {
-                **dask.config.get("distributed.nanny.pre-spawn-environ", {}),
-                **_ONE_THREAD,
-            },
-            # Whoever gave a task decides whether it is done again after its worker was lost.
-            "distributed.scheduler.allowed-failures": 0,
-        }
-        with dask.config.set(settings), _deaf_to_interrupts():
-            self._cluster = LocalCluster(
-                n_workers=self.config.workers,
-                threads_per_worker=1,
-                processes=True,
-                memory_limit=self.config.memory,
-                # Any free port: a fixed one would be taken by the next run.
-                dashboard_address=":0",
-                scheduler_kwargs={"dashboard": self.config.dashboard},
-                silence_logs=logging.CRITICAL,
-            )
-        self._client = Client(self._cluster, set_as_default=False)
-        # Loading the kernels takes a worker a second, all of them at once here and not when the first rows are due.
-        self._client.run(importlib.import_module, "solver")
+        started = local_cluster(self.config.workers, self.config.memory, self.config.dashboard)
+        cluster = self._open.enter_context(started)
+        return Connection(cluster, cluster.security, self.config.timeout)
 
-    def _reach_scheduler(self) -> None:
-        from distributed import Client
+    def _reach_scheduler(self):
+        from pipeline.run.connection import Connection
 
-        file = self.config.scheduler_file
-        where = {"scheduler_file": file} if file else {"address": self.config.address}
-        key = "cluster.scheduler_file" if file else "cluster.address"
+        address = address_of(self.config)
+        security = security_of(self.config, address)
         try:
-            self._client = Client(**where, timeout=self.config.timeout, set_as_default=False)
-        except (OSError, ValueError, KeyError, TimeoutError) as error:
+            return Connection(address, security, self.config.timeout)
+        except (OSError, ValueError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise ConfigurationError(
-                f"{key} = {file or self.config.address!r} is not allowed: it must be that of a dask scheduler, "
+                f"{setting_of(self.config)} is not allowed: it must be that of a dask scheduler, "
                 f"and none answered there within {self.config.timeout:g} s ({reason})"
             ) from None
 
@@ -221,80 +158,114 @@ class Workforce:
         Raises
         ------
         OSError
-            If the scheduler goes away.
+            If the scheduler goes away or falls silent, or no worker is left that may compute.
         """
         if self.config.kind == "none":
             while (task := take()) is not None:
                 yield task, _attempt(function, task.arguments)
             return
-        from distributed import as_completed
-
         self.start()
-        running, finished = {}, as_completed(loop=self._client.loop)
+        connection, running, finished, again = self._connection, {}, SimpleQueue(), deque()
+
+        def next_task() -> Task | None:
+            return again.popleft() if again else take()
+
         try:
-            while self._refill(function, take, running, finished):
-                future = next(finished)
-                task = running.pop(future)
-                yield task, self._outcome(future)
-                future.release()
+            while True:
+                # A few at a time: until workers have enough to do.
+                while len(running) < _AHEAD * max(self.size, 1) and (task := next_task()) is not None:
+                    payload = pickle.dumps((function, task.arguments))
+                    digest, places = self._admission.digest, self._places(task)
+                    running[connection.submit(finished, call_if_equal, digest, payload, **places)] = task
+                if not running:
+                    return
+                # However long tasks take, the scheduler must answer, and a worker that joins gets its own.
+                if (done := connection.next(finished, _COUNT_EVERY)) is None:
+                    continue
+                task, result = running.pop(done[0]), done[1]
+                if self._is_refusal(result):
+                    again.append(task)
+                else:
+                    yield task, result
         finally:
-            with contextlib.suppress(Exception):  # a client whose scheduler has gone has nothing to cancel
-                self._client.cancel(list(running))
+            connection.cancel(running)
 
-    def _refill(self, function, take, running: dict, finished) -> bool:
-        """Submit tasks until workers have enough to do; whether anything is under way."""
-        try:
-            most = _AHEAD * max(self.size, 1)
-            while len(running) < most and (task := take()) is not None:
-                others = [address for address in self._addresses() if address != task.avoid] if task.avoid else []
-                where = {"workers": others, "allow_other_workers": True} if others else {}
-                future = self._client.submit(function, *task.arguments, pure=False, retries=0, **where)
-                running[future] = task
-                finished.add(future)
-        except OSError:
-            raise self._gone() from None
-        return bool(running)
+    def _places(self, task: Task) -> dict:
+        """Where a task may run, as `Client.submit` takes it: anywhere, unless there are workers to be avoided."""
+        if task.avoid is None and not self._admission.refused:
+            return {}
+        others = [worker for worker in self._admission.allowed(self._workers()) if worker != task.avoid]
+        # If those have all gone when the task's turn comes, any worker may have it: a refused one gives it back.
+        return {"workers": others, "allow_other_workers": True} if others else {}
 
-    def _gone(self) -> ConnectionError:
-        return ConnectionError(f"the scheduler at {self._client.scheduler.address} is gone")
+    def _is_refusal(self, result) -> bool:
+        """Whether a worker that must not compute has given a task back.
 
-    def _outcome(self, future) -> object:
-        """The result of a future, or what went wrong."""
-        from distributed import CancelledError, KilledWorker
+        Raises
+        ------
+        OSError
+            If there is no other worker.
+        """
+        admission = self._admission
+        if isinstance(result, Unequal):
+            if result.worker in admission.refused:
+                # It gets tasks because the others are away: not too many of them.
+                time.sleep(_PAUSE)
+            admission.learn(result.worker, result.facts)
+        elif isinstance(result, WorkerLost) or not isinstance(result, Exception) or not self._ask(self.config.timeout):
+            return False
+        if self._nobody():
+            raise OSError(admission.nobody())
+        return True
 
-        try:
-            error = future.exception()
-            result = future.result() if error is None else error
-        except (CancelledError, OSError):
-            # What a task raised is returned by `exception`: this is the connection.
-            raise self._gone() from None
-        if isinstance(result, CancelledError):
-            raise self._gone()
-        if isinstance(result, KilledWorker):
-            return WorkerLost(
-                "its worker was lost: the process was ended from outside, as happens when memory runs out"
-            )
-        return result
+    def _ask(self, seconds: float, load: bool = False) -> bool:
+        """Ask the workers that have not been asked yet for their facts; whether any of them is refused.
+
+        Parameters
+        ----------
+        seconds : float
+            To wait for their answers: one that is busy gives its own with its first task.
+        load : bool
+            Whether they should load the solver before they answer.
+        """
+        connection, admission, answers = self._connection, self._admission, SimpleQueue()
+        asked = {
+            connection.submit(answers, introduce, load, workers=[worker], allow_other_workers=False): worker
+            for worker in admission.unknown(self._workers(now=True))
+        }
+        before, deadline = len(admission.refused), time.monotonic() + seconds
+        while asked and (left := deadline - time.monotonic()) > 0.0:
+            self._workers()  # the scheduler must answer
+            if (done := connection.next(answers, min(left, _COUNT_EVERY))) is not None:
+                worker, answer = asked.pop(done[0]), done[1]
+                if not isinstance(answer, WorkerLost):
+                    admission.learn(worker, answer)
+        connection.cancel(asked)
+        return len(admission.refused) > before
+
+    def _nobody(self) -> bool:
+        """Whether there are workers, and none of them may compute."""
+        workers = self._workers(now=True)
+        return bool(workers) and not self._admission.allowed(workers)
 
     @property
     def size(self) -> int:
         """Number of threads that run tasks; workers of a foreign scheduler may come and go."""
         if self.config.kind == "none":
             return 1
-        now = time.monotonic()
-        if self._size is None or now - self._size[0] > _COUNT_EVERY:
-            self._size = now, sum(self._client.nthreads().values())
-        return self._size[1]
+        workers = self._workers()
+        return sum(workers[worker] for worker in self._admission.allowed(workers))
 
-    def _addresses(self) -> list[str]:
-        return list(self._client.nthreads())
+    def _workers(self, now: bool = False) -> dict[str, int]:
+        """Threads of the workers by address, as they are now or were a moment ago."""
+        if now or time.monotonic() - self._seen[0] > _COUNT_EVERY:
+            self._seen = time.monotonic(), self._connection.workers()
+        return self._seen[1]
 
     def close(self) -> None:
         """Stop the workers that this object started; a foreign scheduler goes on."""
-        for part in (self._client, self._cluster):
-            if part is not None:
-                part.close()
-        self._client = self._cluster = None
+        self._connection = None
+        self._open.close()
 
 
 def _silence() -> None:
@@ -304,19 +275,6 @@ def _silence() -> None:
     for name in ["distributed", *logging.root.manager.loggerDict]:
         if name.split(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL)
-
-
-@contextlib.contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes started inside ignore Ctrl-C, which a terminal sends to all: stopping is this process's business."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, handler)
 
 
 def _attempt(function: Callable, task: tuple):

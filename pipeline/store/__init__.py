@@ -4,12 +4,11 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 """
 
 from pipeline.store.attributes import axis_attributes, flags, label_flags
-from pipeline.store.blocks import RowValues, read_rows, row_values, write_block
-from pipeline.store.due import certified_rows, kept_rows, pending_blocks, rows_to_certify
+from pipeline.store.blocks import RowValues, kept_rows, pending_blocks, read_rows, row_values, write_block
 from pipeline.store.identity import check, read_layout, read_plan, refuse_foreign
 from pipeline.store.inspection import damage_error, find_damage
 from pipeline.store.repair import remove_left_overs, repair
-from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, statuses
+from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, notes, proven_cells, statuses
 from pipeline.store.template import consolidate, create
 
 __all__ = [
@@ -18,7 +17,6 @@ __all__ = [
     "PENDING",
     "RowValues",
     "axis_attributes",
-    "certified_rows",
     "check",
     "consolidate",
     "create",
@@ -28,7 +26,9 @@ __all__ = [
     "flags",
     "kept_rows",
     "label_flags",
+    "notes",
     "pending_blocks",
+    "proven_cells",
     "read_layout",
     "read_plan",
     "read_rows",
@@ -36,7 +36,6 @@ __all__ = [
     "remove_left_overs",
     "repair",
     "row_values",
-    "rows_to_certify",
     "statuses",
     "write_block",
 ]

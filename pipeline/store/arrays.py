@@ -82,8 +82,7 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             flag_meanings="closed open",
         ),
         **({"certified": certified} if plan.solver["certify"] == "all" else {}),
-        "branches/n_folds": spec(row, "int16", -1, "folds of the branches found without looking at the columns"),
-        "branches/n_gained": spec(row, "int16", -1, "branches that only the columns brought; -1: not looked at"),
+        "branches/n_folds": spec(row, "int16", -1, "folds of all branches"),
         "branches/n_points": spec(row, "int32", 0, "number of branch points"),
         f"branches/{column}": spec(point, "float64", nan, LONG_NAMES[column], UNITS.get(column, "1")),
         "branches/mean": spec(point, "float64", nan, "mean of the mesh displacement"),
@@ -113,7 +112,7 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             None,
             **flags(EndReason),
         ),
-        "message": spec(row, "str", "", "why the row failed, else empty", None),
+        "message": spec(row, "str", "", "why the row failed, or what could not be decided in it; else empty", None),
         "status": spec(
             row,
             "uint8",

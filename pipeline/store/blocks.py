@@ -18,7 +18,16 @@ from pipeline.store.removal import remove_file
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
 
-__all__ = ["RowValues", "is_stored", "read_rows", "read_states", "row_values", "write_block"]
+__all__ = [
+    "RowValues",
+    "is_stored",
+    "kept_rows",
+    "pending_blocks",
+    "read_rows",
+    "read_states",
+    "row_values",
+    "write_block",
+]
 
 #: Array name -> the entries of one row.
 RowValues = dict[str, np.ndarray]
@@ -36,7 +45,7 @@ def row_values(plan: Plan, row: Row | str | None) -> RowValues:
     elif row is not None:
         _fill_raster(values, row)
         _fill_branches(values, row, plan.sweep.name)
-        values["status"][...] = COMPLETE
+        values["message"][...], values["status"][...] = " ".join(row.notes)[:MOST_TEXT], COMPLETE
     return values
 
 
@@ -77,6 +86,32 @@ def read_rows(path: Path, plan: Plan, rows: Block, names: tuple[str, ...] | None
             else:
                 found.append(np.stack([empty[name]] * (within.stop - within.start)))
     return {name: np.concatenate(found) for name, found in parts.items()}
+
+
+def kept_rows(path: Path, plan: Plan, block: Block) -> dict[int, RowValues]:
+    """Complete rows of a block and what is stored of them.
+
+    Raises
+    ------
+    DamagedError
+        If anything that is stored of the block is missing or damaged.
+    """
+    if not is_stored(path, plan, block):
+        return {}
+    complete = np.flatnonzero(read_rows(path, plan, block, ("status",))["status"] == COMPLETE)
+    stored = read_rows(path, plan, block) if complete.size else {}
+    return {block.start + int(i): {name: values[i, ...] for name, values in stored.items()} for i in complete}
+
+
+def pending_blocks(path: Path, plan: Plan, done: tuple[int, ...] = (COMPLETE,)) -> list[Block]:
+    """Blocks with a row whose state is not `done`; each is computed again as a whole, as far as its rows are not kept.
+
+    Raises
+    ------
+    DamagedError
+        If a chunk of `status` is damaged.
+    """
+    return [block for block in plan.blocks if not np.all(np.isin(read_states(path, plan, block), done))]
 
 
 def is_stored(path: Path, plan: Plan, block: Block) -> bool:
@@ -165,5 +200,4 @@ def _fill_branches(values: RowValues, row: Row, axis: str) -> None:
         values["branches/event"][here] = curve.event
         values["branches/end_reason"][number] = curve.ends
         start = here.stop
-    values["branches/n_points"][...] = start
-    values["branches/n_folds"][...], values["branches/n_gained"][...] = row.n_folds, row.n_gained
+    values["branches/n_points"][...], values["branches/n_folds"][...] = start, row.n_folds

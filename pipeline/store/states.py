@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-__all__ = ["COMPLETE", "FAILED", "PENDING", "failures", "statuses"]
+__all__ = ["COMPLETE", "FAILED", "PENDING", "failures", "notes", "proven_cells", "statuses"]
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
 
@@ -13,6 +13,22 @@ PENDING, COMPLETE, FAILED = 0, 1, 2
 def statuses(path: Path) -> np.ndarray:
     """State of every row."""
     return zarr.open_group(path, mode="r")["status"][...].ravel()
+
+
+def proven_cells(path: Path) -> tuple[int, int] | None:
+    """Number of cells whose solutions are proven to be all, and of all cells; None where proofs are not asked for."""
+    root = zarr.open_group(path, mode="r")
+    if "certified" not in root:
+        return None
+    certified = root["certified"][...][root["status"][...] == COMPLETE]
+    return int(np.sum(certified == 1)), root["certified"].size
+
+
+def notes(path: Path) -> list[tuple[int, str]]:
+    """Complete rows in which something could not be decided, and what."""
+    root = zarr.open_group(path, mode="r")
+    messages, complete = root["message"][...].ravel(), root["status"][...].ravel() == COMPLETE
+    return [(int(row), str(messages[row])) for row in np.flatnonzero(complete) if messages[row]]
 
 
 def failures(path: Path) -> list[tuple[int, str]]:

@@ -1,7 +1,17 @@
-"""Boundaries of solution domains as curves: folds and grazings in the plane of two parameters."""
+"""Boundaries of solution domains as curves: folds, grazings and bifurcations in the plane of two parameters."""
 
 from solver.boundaries.coverage import missed_events
-from solver.boundaries.curve import BoundaryCurve, SpecialPoint
-from solver.boundaries.trace import boundary_curves, row_events
+from solver.boundaries.curve import BoundaryCurve
+from solver.boundaries.problem import BIFURCATIONS, FOLDS_AND_GRAZINGS
+from solver.boundaries.special_points import SpecialPoint
+from solver.boundaries.tracer import boundary_curves, row_events
 
-__all__ = ["BoundaryCurve", "SpecialPoint", "boundary_curves", "missed_events", "row_events"]
+__all__ = [
+    "BIFURCATIONS",
+    "FOLDS_AND_GRAZINGS",
+    "BoundaryCurve",
+    "SpecialPoint",
+    "boundary_curves",
+    "missed_events",
+    "row_events",
+]

@@ -17,33 +17,29 @@ the angle clamped there, and the unknown measures the distance instead, with the
 +-b - lambda_m = +-[lambda_a + s (|phi| - pi/2)]. Each of the nine combinations (below, crossed, above for each flank)
 is a smooth problem of its own, and the grazings are the walls between them.
 
-The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the packed
-vector `theta` = (model with both axes at 0 | what x adds | zone of the front flank | of the back flank | s | flank that
-is grazed | its angle | how p bends the model, `solver.model.parameter_path`), and `direction`, what p adds along a
-straight line.
+The unknowns are y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) with the axes x and p. Kernels see the vectors
+of `solver.boundaries.problem`; the balance reads the model's numbers among the parameters.
 """
 
 import math
 
 import numpy as np
-from numba import types
 
+from solver.boundaries.problem import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, parameters_at
 from solver.harmonic.describing_function import coefficients
+from solver.harmonic.layout import PAIRS, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.condensation import SIZE
-from solver.model.parameter_path import add_path
 
 __all__ = [
     "BACK",
     "COEFFICIENTS",
     "FRONT",
-    "GRAZED_ANGLE",
-    "GRAZED_FLANK",
-    "LENGTH_SCALE",
     "MONITORS",
-    "PACKED",
+    "UNKNOWNS",
+    "P",
     "X",
-    "ZONE",
     "angle_rows",
     "determinant",
     "plane_coefficients",
@@ -52,12 +48,6 @@ __all__ = [
 # Slots of y.
 FRONT, BACK, X, P = range(3, 7)
 UNKNOWNS = 6
-
-# Slots of the packed theta behind the model and the direction of x.
-ZONE = 2 * SIZE
-LENGTH_SCALE, GRAZED_FLANK, GRAZED_ANGLE = ZONE + 2, ZONE + 3, ZONE + 4
-# Where the path begins.
-PACKED = ZONE + 5
 
 #: Monitor values of a boundary: the amplitude, and on grazing curves det dE/du.
 MONITORS = 2
@@ -71,12 +61,11 @@ _RIGHT = 0.5 * math.pi
 @kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
 def plane_coefficients(theta, direction, y):
     """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both."""
-    model, along_x, along_p = np.empty(SIZE), theta[SIZE : 2 * SIZE], direction[:SIZE].copy()
-    for i in range(SIZE):
-        model[i] = theta[i] + y[X] * along_x[i] + y[P] * along_p[i]
-    add_path(theta, PACKED, y[P], model, along_p)
-    values, by_x, constants, constants_x = coefficients(model, along_x, 0.0)
-    _, by_p, _, constants_p = coefficients(model, along_p, 0.0)
+    here, along_x, along_p = parameters_at(theta, direction, y)
+    start = PAIRS + 2 * int(here[STIFFNESSES])
+    model = here[start : start + SIZE]
+    values, by_x, constants, constants_x = coefficients(model, along_x[start : start + SIZE], 0.0)
+    _, by_p, _, constants_p = coefficients(model, along_p[start : start + SIZE], 0.0)
     return (values, by_x, by_p), (constants, constants_x, constants_p)
 
 
@@ -104,7 +93,7 @@ def angle_rows(known, theta, y, residual, jacobian):
     ----------
     known : COEFFICIENTS
         From `plane_coefficients` at y.
-    theta : (PACKED,) array
+    theta : array
     y, residual, jacobian : arrays
     """
     (values, by_x, by_p), (constants, constants_x, constants_p) = known
@@ -112,8 +101,8 @@ def angle_rows(known, theta, y, residual, jacobian):
     mean, displacement = y[0], complex(y[1], -y[2])
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     unit = displacement / amplitude
-    front, front_sin, front_cos, front_on = _clamped(theta[ZONE], y[FRONT])
-    back, back_sin, back_cos, back_on = _clamped(theta[ZONE + 1], y[BACK])
+    front, front_sin, front_cos, front_on = _clamped(theta[FRONT_CONTACT], y[FRONT])
+    back, back_sin, back_cos, back_on = _clamped(theta[BACK_CONTACT], y[BACK])
     ahead, behind = b - mean, -b - mean
 
     f_0 = mean + (ahead * front + amplitude * front_cos - behind * back - amplitude * back_cos) / math.pi
@@ -153,7 +142,7 @@ def angle_rows(known, theta, y, residual, jacobian):
     for row in range(3, 5):
         flank = 1.0 if row == FRONT else -1.0
         sine, cosine = (front_sin, front_cos) if row == FRONT else (back_sin, back_cos)
-        zone, reach = theta[ZONE + row - 3], amplitude * sine
+        zone, reach = theta[FRONT_CONTACT if row == FRONT else BACK_CONTACT], amplitude * sine
         slope = amplitude * cosine
         if zone != 0.0:
             slope = theta[LENGTH_SCALE]
@@ -202,7 +191,7 @@ def determinant(known, theta, y, gradient, square):
     ----------
     known : COEFFICIENTS
         From `plane_coefficients` at y.
-    theta : (PACKED,) array
+    theta : array
     y : (7,) array
     gradient : (7,) array
         Filled with the derivatives by y.
@@ -213,8 +202,8 @@ def determinant(known, theta, y, gradient, square):
     displacement = complex(y[1], -y[2])
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     unit = displacement / amplitude
-    front, front_sin, front_cos, front_on = _clamped(theta[ZONE], y[FRONT])
-    back, back_sin, back_cos, back_on = _clamped(theta[ZONE + 1], y[BACK])
+    front, front_sin, front_cos, front_on = _clamped(theta[FRONT_CONTACT], y[FRONT])
+    back, back_sin, back_cos, back_on = _clamped(theta[BACK_CONTACT], y[BACK])
     n_0, g_0 = 1.0 - (front - back) / math.pi, (front_cos - back_cos) / math.pi
     q_m, q_a = 2.0 * g_0, 2.0 / math.pi * (front_sin * front_cos - back_sin * back_cos)
     gain = 1.0 - (front + front_sin * front_cos - back - back_sin * back_cos) / math.pi

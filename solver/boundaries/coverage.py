@@ -5,12 +5,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
+from solver.boundaries.problem import SAME
 from solver.continuation.continuation import Continuation, Event
 
 __all__ = ["missed_events"]
-
-# Two events of one row are the same one if they are this close in scaled unknowns.
-_SAME = 1e-6
 
 
 def missed_events(
@@ -42,11 +40,11 @@ def missed_events(
         known.setdefault((int(kind), float(point[4])), []).append(np.asarray(point[:4], dtype=float))
     missed = []
     for curve in curves:
-        if not curve.pieces:
+        if not curve.stretches:
             continue
-        scale = curve.pieces[0].problem.scale[list(curve.seen[:-1])]
+        scale = curve.scale[:-1]
         for point in curve.crossings(parameters, continuation)[1]:
             events = known.get((int(curve.kind), float(point[4])), [])
-            if not events or np.min(np.max(np.abs(np.array(events) - point[:4]) / scale, axis=1)) > _SAME:
+            if not events or np.min(np.max(np.abs(np.array(events) - point[:4]) / scale, axis=1)) > SAME:
                 missed.append((curve.kind, point))
     return sorted(missed, key=lambda event: (event[0], *event[1][[4, 3]]))

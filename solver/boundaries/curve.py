@@ -1,63 +1,18 @@
-"""A boundary in the plane of two parameters, and what is special about its points."""
+"""A boundary in the plane of two parameters."""
 
-import enum
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.boundaries.contact_angles import X
+from solver.boundaries.chain import Chain
 from solver.boundaries.incidence import distances
+from solver.boundaries.problem import BoundaryProblem, Stretch
 from solver.boundaries.refine import refined
-from solver.continuation.continuation import Continuation, Curve, EndReason, Event, Problem
+from solver.boundaries.special_points import SpecialPoint, end_of, joint, named_points
+from solver.continuation.continuation import Continuation, EndReason, Event
 from solver.continuation.on_curve import curve_crossings
 
-__all__ = ["BoundaryCurve", "Piece", "SpecialPoint", "SEEN"]
-
-#: Which components of y = (lambda_m, lambda_c, lambda_s, phi_f, phi_b, x, p) a boundary curve shows.
-SEEN = (0, 1, 2, X, X + 1)
-
-
-class SpecialPoint(enum.IntEnum):
-    """What is special about a point of a boundary."""
-
-    NONE = 0
-    BORDER = 1
-    CUSP = 2
-    FOLD_GRAZING = 3
-    ISOLA = 4
-    MERGER = 5
-    EXTREMUM = 6
-    DOUBLE_GRAZING = 7
-    RESONANCE = 8
-    CORNER = 9
-
-    @property
-    def sentence(self) -> str:
-        """What it means for the motions nearby."""
-        return _SENTENCES[self]
-
-
-_SENTENCES = {
-    SpecialPoint.NONE: "A regular point.",
-    SpecialPoint.BORDER: "The boundary leaves the plane here.",
-    SpecialPoint.CUSP: "Two folds meet and end: beyond it the jump is gone.",
-    SpecialPoint.FOLD_GRAZING: "The folding motion just touches a flank: the jump changes its contact state.",
-    SpecialPoint.ISOLA: "The fold curve turns round in the row parameter: an isolated branch shrinks to a point.",
-    SpecialPoint.MERGER: "The fold curve turns round in the row parameter: two branches touch and reconnect.",
-    SpecialPoint.EXTREMUM: "The grazing curve turns round in the row parameter: a contact state begins or ends.",
-    SpecialPoint.DOUBLE_GRAZING: "The motion just touches both flanks.",
-    SpecialPoint.RESONANCE: "The second frequency of a Neimark-Sacker boundary comes to 0, on a fold, or to half the "
-    "motion's, on a period doubling: it ends there.",
-    SpecialPoint.CORNER: "The bifurcating motion just touches a flank: the boundary has a corner.",
-}
-
-
-@dataclass(frozen=True)
-class Piece:
-    """The part of a boundary within one pair of zones of the contact angles, smooth to the end."""
-
-    problem: Problem
-    curve: Curve
+__all__ = ["BoundaryCurve", "assembled", "unfollowed"]
 
 
 @dataclass(frozen=True)
@@ -85,10 +40,10 @@ class BoundaryCurve:
     ends : tuple of EndReason
         Why it ends at its first and at its last point. RANGE_LEFT is the border of the plane, or a DOUBLE_GRAZING
         beyond which the motion has no contact (f_pm = 0: the balance does not determine the mean there).
-    pieces : tuple of Piece
+    stretches : tuple of Stretch
         What continuation computed, for those who need more points.
-    seen : tuple of int
-        Which components of the pieces' y are shown.
+    shown : tuple of int
+        Which components of their y are shown.
     """
 
     kind: Event
@@ -98,8 +53,8 @@ class BoundaryCurve:
     stable: np.ndarray
     special: np.ndarray
     ends: tuple[EndReason, EndReason]
-    pieces: tuple[Piece, ...] = field(repr=False, compare=False)
-    seen: tuple[int, ...] = SEEN
+    stretches: tuple[Stretch, ...] = field(repr=False, compare=False)
+    shown: tuple[int, ...] = field(repr=False)
 
     @property
     def x(self) -> np.ndarray:
@@ -132,6 +87,11 @@ class BoundaryCurve:
         return np.hypot(self.cos, self.sin)
 
     @property
+    def scale(self) -> np.ndarray:
+        """Typical size of the components shown, (5,)."""
+        return self.stretches[0].problem.scale[list(self.shown)]
+
+    @property
     def closed(self) -> bool:
         """Whether the last point is the first one again."""
         return self.ends[1] is EndReason.CLOSED
@@ -155,21 +115,21 @@ class BoundaryCurve:
         """
         values, continuation = np.asarray(values, dtype=float), continuation or Continuation()
         columns, points = [np.empty(0, np.int64)], [np.empty((0, 5))]
-        for piece in self.pieces:
-            column, unknowns, _ = curve_crossings(piece.problem, piece.curve, values, continuation)
+        for stretch in self.stretches:
+            column, unknowns, _ = curve_crossings(stretch.problem, stretch.curve, values, continuation)
             columns.append(column)
-            points.append(np.column_stack([unknowns[:, self.seen[:-1]], values[column]]))
+            points.append(np.column_stack([unknowns[:, self.shown[:-1]], values[column]]))
         return np.concatenate(columns), np.concatenate(points)
 
     def distances(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:
         """Distance of points (n, 5) from the boundary in scaled unknowns, (n,); see `solver.boundaries.incidence`."""
         continuation = continuation or Continuation()
-        if not self.pieces:
+        if not self.stretches:
             return np.full(len(points), np.inf)
-        targets = np.zeros((len(points), self.pieces[0].problem.unknowns + 1))
-        targets[:, self.seen] = points
-        pieces = [distances(piece.problem, piece.curve, targets, self.seen, continuation) for piece in self.pieces]
-        return np.min(pieces, axis=0)
+        targets = np.zeros((len(points), self.stretches[0].problem.unknowns + 1))
+        targets[:, self.shown] = points
+        found = [distances(one.problem, one.curve, targets, self.shown, continuation) for one in self.stretches]
+        return np.min(found, axis=0)
 
     def refined(
         self, x_step: float, p_step: float, window=None, continuation: Continuation | None = None
@@ -186,9 +146,9 @@ class BoundaryCurve:
             Whose corrector is used.
         """
         continuation = continuation or Continuation()
-        parts = [self.points[:1]] if not self.pieces else []
-        for piece in self.pieces:
-            places = piece.curve.points[:, self.seen[3:]]
+        parts = [self.points[:1]] if not self.stretches else []
+        for stretch in self.stretches:
+            places = stretch.curve.points[:, self.shown[3:]]
             moves = np.abs(np.diff(places, axis=0))
             number = np.maximum(np.ceil(np.max(moves / [x_step, p_step], axis=1)), 1.0)
             if window is not None:
@@ -198,5 +158,48 @@ class BoundaryCurve:
                 near = (highest[:, 0] >= window[0]) & (lowest[:, 0] <= window[1])
                 near &= (highest[:, 1] >= window[2]) & (lowest[:, 1] <= window[3])
                 number = np.where(near, number, 1.0)
-            parts.append(refined(piece.problem, piece.curve, number, continuation)[:, self.seen])
+            parts.append(refined(stretch.problem, stretch.curve, number, continuation)[:, self.shown])
         return np.concatenate(parts)
+
+
+def unfollowed(boundary: BoundaryProblem, kind: Event, point: np.ndarray) -> BoundaryCurve:
+    """A start (u, x, p) from which no boundary could be followed, as a curve of one point."""
+    nothing, shown, components = np.zeros(1, np.int8), boundary.shown(kind), boundary.components(kind)
+    points = point[[components.index(i) for i in shown]][None]
+    ends = (EndReason.STEP_TOO_SMALL,) * 2
+    return BoundaryCurve(kind, points, np.zeros((1, 5)), np.zeros(1), nothing, nothing, ends, (), shown)
+
+
+def assembled(boundary: BoundaryProblem, kind: Event, chain: Chain) -> BoundaryCurve:
+    """One curve of the stretches of a chain, with its special points named."""
+    shown, stretches, ends = boundary.shown(kind), chain.stretches, chain.ends
+    columns, travelled = list(shown), 0.0
+    points, slopes, lengths, special, stable = [], [], [], [], []
+    for stretch in stretches:
+        curve, problem = stretch.curve, stretch.problem
+        codes = named_points(boundary, kind, stretch)
+        points.append(curve.points[:, columns])
+        slopes.append((curve.tangents * problem.scale)[:, columns])
+        lengths.append(travelled + curve.arclength)
+        travelled = lengths[-1][-1]
+        special.append(codes)
+        signs = [0.0 if kind is Event.FOLD else boundary.static_determinant(kind, problem, y) for y in curve.points]
+        stable.append((np.array(signs) > 0.0) & (codes != SpecialPoint.FOLD_GRAZING))
+    # The last stretch of a closed curve is followed by its first one.
+    for number in range(0 if chain.closed and len(stretches) > 1 else 1, len(stretches)):
+        special[number - 1][-1], special[number][0] = joint(kind, stretches[number - 1], stretches[number])
+    codes, points = np.concatenate(special), np.concatenate(points)
+    for reason, place, y in zip(ends, (0, -1), chain.tips, strict=True):
+        if reason is EndReason.RANGE_LEFT:
+            codes[place] = end_of(boundary.plane, kind, y)
+    return BoundaryCurve(
+        kind,
+        points,
+        np.concatenate(slopes),
+        np.concatenate(lengths),
+        np.concatenate(stable).astype(np.int8),
+        codes,
+        ends,
+        stretches,
+        shown,
+    )

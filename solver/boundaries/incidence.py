@@ -3,14 +3,17 @@
 import math
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Continuation, Curve, Problem
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
+from solver.continuation.hermite import cubic, cubic_value
+from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import copy_into
 
 __all__ = ["distances"]
 
-_I, _F = types.int64, types.float64
+_F = types.float64
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _F, ARRAY, _F, ARRAY), inline=True)
@@ -30,8 +33,8 @@ def _foot(left, right, leave, arrive, scale, arc, factors, level, seed):
         for j in range(size):
             start, end = left[j], right[j]
             out, into = arc * leave[j] * scale[j], arc * arrive[j] * scale[j]
-            a, b = 2.0 * (start - end) + out + into, 3.0 * (end - start) - 2.0 * out - into
-            seed[j] = ((a * x + b) * x + out) * x + start
+            a, b = cubic(start, end, out, into)
+            seed[j] = cubic_value(a, b, out, start, x)
             total += factors[j] * seed[j]
         if low == high:
             break
@@ -41,16 +44,10 @@ def _foot(left, right, leave, arrive, scale, arc, factors, level, seed):
             high = x
 
 
-@kernel(
-    types.void(
-        CORRECTOR, _F, _I, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, MATRIX, types.boolean[::1], ARRAY
-    )
-)
-def _distances(
-    corrector, tolerance, limit, balance, theta, direction, scale, points, tangents, arclength, targets, seen, nearest
-):
-    n = scale.shape[0] - 1
-    work = np.empty((3 * n + 6, n + 1))
+@kernel(types.void(SETUP, STRAND, MATRIX, types.boolean[::1], ARRAY))
+def _distances(setup, strand, targets, seen, nearest):
+    n, scale = setup.unknowns, setup.scale
+    points, tangents, arclength = strand.points, strand.tangents, strand.arclength
     factors, normal, seed, found = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     last = points.shape[0] - 1
     far = np.empty(last + 1)
@@ -83,10 +80,23 @@ def _distances(
                 length += normal[j] * normal[j]
             if length == 0.0:
                 continue
-            normal /= math.sqrt(length)
+            length = math.sqrt(length)
+            for j in range(n + 1):
+                normal[j] /= length
             _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
-            found[:] = seed
-            if corrector(balance, theta, direction, scale, found, normal, tolerance, limit, work) < 0:
+            copy_into(found, seed)
+            iterations = setup.corrector(
+                setup.balance,
+                setup.theta,
+                setup.direction,
+                scale,
+                found,
+                normal,
+                setup.tolerance,
+                setup.limit,
+                setup.work,
+            )
+            if iterations < 0:
                 continue
             moved, distance = 0.0, 0.0
             for j in range(n + 1):
@@ -121,20 +131,7 @@ def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continu
     mask[list(seen)] = True
     nearest = np.full(len(targets), np.inf)
     if len(targets):
-        corrector = continuation.corrector
-        _distances(
-            corrector.kernel,
-            corrector.tolerance,
-            corrector.max_iterations,
-            problem.balance,
-            problem.theta,
-            problem.direction,
-            problem.scale,
-            curve.points,
-            curve.tangents,
-            curve.arclength,
-            np.ascontiguousarray(targets, dtype=float),
-            mask,
-            nearest,
-        )
+        strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
+        setup = problem.setup(continuation.corrector)
+        _distances(setup, strand, np.ascontiguousarray(targets, dtype=float), mask, nearest)
     return nearest

@@ -1,66 +1,38 @@
 """More points of a traced curve, solved and not interpolated: a boundary stays exact at any magnification."""
 
 import numpy as np
-from numba import types
 
 from solver.continuation.continuation import Continuation, Curve, Problem
-from solver.continuation.curve_point import Setup, land_between, point_size
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
+from solver.continuation.curve_point import point_size, state_at
+from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.kernels import types
+from solver.kernels.compile import MATRIX, kernel
+from solver.kernels.linear import copy_into
 
 __all__ = ["refined"]
 
-_I, _F = types.int64, types.float64
+_I = types.int64
 
 
-@kernel(
-    _I(CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, MATRIX, MATRIX, ARRAY, types.int64[::1], MATRIX)
-)
-def _refined(
-    corrector,
-    tolerance,
-    limit,
-    balance,
-    monitor,
-    theta,
-    direction,
-    scale,
-    monitors,
-    points,
-    tangents,
-    arclength,
-    parts,
-    result,
-):
+@kernel(_I(SETUP, STRAND, types.int64[::1], MATRIX))
+def _refined(setup, strand, parts, result):
     """Fill `result` with the points and parts[i] - 1 more after point i; -1 - i if one of those cannot be found."""
-    n = scale.shape[0] - 1
-    setup = Setup(
-        corrector,
-        tolerance,
-        limit,
-        balance,
-        monitor,
-        theta,
-        direction,
-        scale,
-        n,
-        monitors,
-        np.empty((3 * n + 6, n + 1)),
-        np.empty((monitors, n + 1)),
-    )
+    n, points, tangents, arclength = setup.unknowns, strand.points, strand.tangents, strand.arclength
     size = point_size(setup)
     left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
     count = 0
     for i in range(points.shape[0] - 1):
-        result[count, :] = points[i]
+        copy_into(result[count], points[i])
         count += 1
-        left[: n + 1], right[: n + 1] = points[i], points[i + 1]
-        left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2] = tangents[i], tangents[i + 1]
+        for j in range(n + 1):
+            left[j], right[j] = points[i, j], points[i + 1, j]
+            left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
         for k in range(1, parts[i]):
-            if land_between(setup, left, right, arclength[i + 1] - arclength[i], k / parts[i], found) < 0:
+            if state_at(setup, left, right, arclength[i + 1] - arclength[i], k / parts[i], found) < 0:
                 return -1 - i
-            result[count, :] = found[: n + 1]
+            copy_into(result[count], found)
             count += 1
-    result[count, :] = points[-1]
+    copy_into(result[count], points[-1])
     return count + 1
 
 
@@ -87,20 +59,9 @@ def refined(problem: Problem, curve: Curve, parts: np.ndarray, continuation: Con
         If the corrector fails between two points of the curve.
     """
     result = np.empty((1 + int(np.sum(parts)), problem.unknowns + 1))
-    corrector = continuation.corrector
     count = _refined(
-        corrector.kernel,
-        corrector.tolerance,
-        corrector.max_iterations,
-        problem.balance,
-        problem.monitor,
-        problem.theta,
-        problem.direction,
-        problem.scale,
-        problem.monitors,
-        curve.points,
-        curve.tangents,
-        curve.arclength,
+        problem.setup(continuation.corrector),
+        Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event),
         np.ascontiguousarray(parts, dtype=np.int64),
         result,
     )

@@ -8,8 +8,8 @@ its mean and fundamental follow in closed form from the two angles at which x cr
 import math
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import kernel
 
 __all__ = ["dead_zone", "describing_functions"]

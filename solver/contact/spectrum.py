@@ -11,11 +11,11 @@ import cmath
 import math
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 
-__all__ = ["COMPLEX", "contact_arcs", "contact_spectrum", "displacement", "extremes", "most_arcs"]
+__all__ = ["COMPLEX", "contact_arcs", "contact_spectrum", "displacement", "extrema", "extremes", "most_arcs"]
 
 _I, _F, _C = types.int64, types.float64, types.complex128
 COMPLEX = types.complex128[::1]
@@ -177,16 +177,28 @@ def contact_spectrum(count, angles, zones, contact, ahead, behind):
             continue
         target = ahead if zone == 1 else behind
         begin, end = angles[i], angles[i + 1] if i + 1 < count else angles[0] + _TURN
-        target[0] += (end - begin) / _TURN
-        turn_begin, turn_end = cmath.exp(-1j * begin), cmath.exp(-1j * end)
-        at_begin, at_end = 1.0 + 0j, 1.0 + 0j
+        # chi_m = exp(-i m c) sin(m h)/(pi m) with the arc's centre c and half width h: no cancellation in short arcs.
+        half = 0.5 * (end - begin)
+        turn, open_by = cmath.exp(-1j * (begin + half)), cmath.exp(1j * half)
+        at, width = 1.0 + 0j, 1.0 + 0j
+        target[0] += 2.0 * half / _TURN
         for m in range(1, size):
-            at_begin, at_end = at_begin * turn_begin, at_end * turn_end
-            # Division by i m: (a - b)/(i m) = (Im(a - b) - i Re(a - b))/m.
-            difference = at_begin - at_end
-            target[m] += complex(difference.imag, -difference.real) / (_TURN * m)
+            at, width = at * turn, width * open_by
+            target[m] += at * (2.0 * width.imag / (_TURN * m))
     for m in range(size):
         contact[m] = ahead[m] + behind[m]
+
+
+@kernel(_I(ARRAY, ARRAY, ARRAY, types.int64[::1]), inner=True)
+def extrema(u, slope, angles, zones):
+    """Local extrema of lambda: their number, angles, and zones: 1 at a minimum, where the slope becomes positive.
+
+    `slope` (2 H + 1,) is filled with d lambda/d theta; angles and zones have room for `most_arcs(H)`.
+    """
+    slope[0] = 0.0
+    for k in range(1, u.shape[0] // 2 + 1):
+        slope[2 * k - 1], slope[2 * k] = k * u[2 * k], -k * u[2 * k - 1]
+    return contact_arcs(slope, 0.0, math.inf, angles, zones)
 
 
 @kernel(types.UniTuple(_F, 4)(ARRAY), inner=True)
@@ -194,11 +206,8 @@ def extremes(u):
     """Lowest and highest lambda over a period and where they are taken: (low, its angle, high, its angle)."""
     size = u.shape[0]
     slope = np.empty(size)
-    slope[0] = 0.0
-    for k in range(1, size // 2 + 1):
-        slope[2 * k - 1], slope[2 * k] = k * u[2 * k], -k * u[2 * k - 1]
     angles, zones = np.empty(2 * size + 8), np.empty(2 * size + 8, np.int64)
-    count = contact_arcs(slope, 0.0, math.inf, angles, zones)
+    count = extrema(u, slope, angles, zones)
     low, low_at, high, high_at = u[0], 0.0, u[0], 0.0
     for i in range(count):
         value = displacement(u, angles[i])[0]

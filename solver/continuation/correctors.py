@@ -7,13 +7,12 @@ frozen object that names its compiled kernel; continuation calls the kernel and 
 import math
 from dataclasses import dataclass
 
-from numba import types
-
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError
 
-__all__ = ["Broyden", "Newton", "bordered", "workspace_rows"]
+__all__ = ["Broyden", "Newton", "advance", "bordered", "workspace_rows"]
 
 _F = types.float64
 _SIGNATURE = types.int64(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
@@ -37,7 +36,7 @@ def bordered(balance, theta, direction, scale, y, border, jacobian, residual, ma
 
 
 @kernel(types.float64(ARRAY, ARRAY, ARRAY), inline=True)
-def _advance(y, scale, step):
+def advance(y, scale, step):
     """Add a scaled step to y; its length, or nan if it is not finite."""
     length = 0.0
     for j in range(y.shape[0]):
@@ -73,7 +72,7 @@ def _newton(balance, theta, direction, scale, y, normal, tolerance, max_iteratio
         determinant = eliminate(matrix, step)
         if determinant == 0.0:
             return -1
-        length = _advance(y, scale, step)
+        length = advance(y, scale, step)
         if math.isnan(length):
             return -1
         if _settled(length, previous, tolerance):
@@ -100,7 +99,7 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
         determinant = eliminate(matrix, step)
         if determinant == 0.0:
             return -1
-        length = _advance(y, scale, step)
+        length = advance(y, scale, step)
         if math.isnan(length):
             return -1
         if _settled(length, last, tolerance):

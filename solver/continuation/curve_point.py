@@ -1,4 +1,4 @@
-"""Points of a solution curve between two known ones: landing on it, and locating where a function of it vanishes.
+"""Points of a solution curve: correcting onto it, between two known points, and where a function along it vanishes.
 
 A `point` is one array that holds everything known about a place on the curve (n unknowns, m monitor values):
 
@@ -9,31 +9,51 @@ it gives the sign of det dE/du.
 """
 
 import math
-from collections import namedtuple
 
 import numpy as np
-from numba import types
 
 from solver.continuation.correctors import bordered
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, MONITOR, kernel
+from solver.continuation.hermite import cubic, cubic_slope, cubic_value
+from solver.continuation.setup import SETUP
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, kernel
 from solver.kernels.linear import dot, eliminate_rows
 
-__all__ = ["SETUP", "Setup", "land", "land_between", "locate", "observe_from", "orient", "point_size"]
+__all__ = [
+    "angle_between",
+    "correct_onto_curve",
+    "locate",
+    "observe_from",
+    "orient",
+    "point_size",
+    "scaled_distance",
+    "snap_to_level",
+    "state_at",
+]
 
 _I, _F = types.int64, types.float64
-
-#: What a curve is and how points of it are corrected. unknowns = n, monitors = m; work has `workspace_rows(n)` rows,
-#: gradient is (m, n + 1).
-Setup = namedtuple(
-    "Setup", "corrector tolerance limit balance monitor theta direction scale unknowns monitors work gradient"
-)
-SETUP = types.NamedTuple((CORRECTOR, _F, _I, BALANCE, MONITOR, ARRAY, ARRAY, ARRAY, _I, _I, MATRIX, MATRIX), Setup)
 
 
 @kernel(_I(SETUP), inline=True)
 def point_size(setup):
     """Length of a point array."""
     return 2 * (setup.unknowns + 1) + 2 * setup.monitors + 1
+
+
+@kernel(_F(ARRAY, ARRAY, ARRAY), inline=True)
+def scaled_distance(left, right, scale):
+    """Distance of two points' y in scaled unknowns."""
+    total = 0.0
+    for j in range(scale.shape[0]):
+        total += ((left[j] - right[j]) / scale[j]) ** 2
+    return math.sqrt(total)
+
+
+@kernel(_F(SETUP, ARRAY, ARRAY), inline=True)
+def angle_between(setup, left, right):
+    """Angle between the tangents of two points."""
+    n = setup.unknowns
+    return math.acos(min(max(dot(left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2]), -1.0), 1.0))
 
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY), inner=True)
@@ -80,8 +100,11 @@ def observe_from(setup, point):
 
 
 @kernel(_I(SETUP, ARRAY, ARRAY), inner=True)
-def land(setup, point, normal):
-    """Correct the predicted y of `point` on the hyperplane across `normal` and fill in the rest; iterations, or -1."""
+def correct_onto_curve(setup, point, normal):
+    """Correct the predicted y of `point` on the hyperplane across `normal`; fill in tangent and determinant.
+
+    The monitor's part of the point is left to `observe_from`. Returns the corrector's iterations, or -1.
+    """
     iterations = setup.corrector(
         setup.balance,
         setup.theta,
@@ -95,26 +118,30 @@ def land(setup, point, normal):
     )
     if iterations < 0 or not orient(setup, point, normal):
         return -1
-    observe_from(setup, point)
     return iterations
 
 
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def land_between(setup, left, right, arc, x, point):
-    """Land at fraction x of the way from `left` to `right`, guided by the cubic through both ends and tangents."""
+def state_at(setup, left, right, arc, x, point):
+    """The point at fraction x of the way from `left` to `right`, guided by the cubic through both ends and tangents."""
     n = setup.unknowns
     normal = np.empty(n + 1)
     for j in range(n + 1):
         start, end = left[j] / setup.scale[j], right[j] / setup.scale[j]
         leave, arrive = arc * left[n + 1 + j], arc * right[n + 1 + j]
-        a, b = 2.0 * (start - end) + leave + arrive, 3.0 * (end - start) - 2.0 * leave - arrive
-        point[j] = setup.scale[j] * (((a * x + b) * x + leave) * x + start)
-        normal[j] = (3.0 * a * x + 2.0 * b) * x + leave
-    normal /= math.sqrt(dot(normal, normal))
-    return land(setup, point, normal)
+        a, b = cubic(start, end, leave, arrive)
+        point[j] = setup.scale[j] * cubic_value(a, b, leave, start, x)
+        normal[j] = cubic_slope(a, b, leave, x)
+    size = math.sqrt(dot(normal, normal))
+    for j in range(n + 1):
+        normal[j] /= size
+    iterations = correct_onto_curve(setup, point, normal)
+    if iterations >= 0:
+        observe_from(setup, point)
+    return iterations
 
 
-@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F, ARRAY, _F, ARRAY), inner=True)
+@kernel(_F(SETUP, ARRAY, ARRAY, _F, _I, ARRAY, _F, ARRAY), inner=True)
 def locate(setup, left, right, arc, slot, factors, level, found):
     """Find where a linear function of the point array equals `level` between two points of the curve.
 
@@ -125,7 +152,7 @@ def locate(setup, left, right, arc, slot, factors, level, found):
         Between which the function crosses the level.
     arc : float
         Length of curve between them.
-    slot : float
+    slot : int
         Index into the point array whose entry is the function, or -1 for the projection on `factors`.
     factors : (n + 1,) array
         With slot -1 the function is factors . y.
@@ -139,9 +166,9 @@ def locate(setup, left, right, arc, slot, factors, level, found):
     float
         The fraction of the arc at which it was found; -1 if the corrector failed or the function jumps.
     """
-    n, index = setup.unknowns, int(slot)
-    if index >= 0:
-        g_low, g_high = left[index] - level, right[index] - level
+    n = setup.unknowns
+    if slot >= 0:
+        g_low, g_high = left[slot] - level, right[slot] - level
     else:
         g_low, g_high = dot(factors, left[: n + 1]) - level, dot(factors, right[: n + 1]) - level
     low, high, side = 0.0, 1.0, 0
@@ -152,10 +179,11 @@ def locate(setup, left, right, arc, slot, factors, level, found):
         x = (low * g_high - high * g_low) / (g_high - g_low)
         margin = 1e-3 * (high - low)
         x = min(max(x, low + margin), high - margin)
-        if land_between(setup, left, right, arc, x, found) < 0:
+        if state_at(setup, left, right, arc, x, found) < 0:
             return -1.0
-        g = (found[index] if index >= 0 else dot(factors, found[: n + 1])) - level
-        if abs(g) <= 1e-14 * reference or (high - low) * arc <= 1e-13:
+        g = (found[slot] if slot >= 0 else dot(factors, found[: n + 1])) - level
+        # Steps round a corner may be shorter than what rounding leaves of a place on them.
+        if abs(g) <= 1e-14 * reference or ((high - low) * arc <= 1e-13 and high - low <= 1e-4):
             break
         if g * g_high < 0.0:
             low, g_low = x, g
@@ -168,3 +196,25 @@ def locate(setup, left, right, arc, slot, factors, level, found):
                 g_low *= 0.5
             side = 1
     return x if abs(g) <= 1e-3 * reference else -1.0
+
+
+@kernel(types.void(SETUP, ARRAY, _I, _F), inner=True)
+def snap_to_level(setup, point, slot, level):
+    """Move a point that lies within rounding of y[slot] = level onto it, unless the curve is tangent to that plane."""
+    n = setup.unknowns
+    normal, snapped = np.zeros(n + 1), point.copy()
+    normal[slot] = 1.0
+    snapped[slot] = level
+    if correct_onto_curve(setup, snapped, normal) > 0:
+        moved, sense = 0.0, 0.0
+        for j in range(n + 1):
+            moved = max(moved, abs((snapped[j] - point[j]) / setup.scale[j]))
+            sense += snapped[n + 1 + j] * point[n + 1 + j]
+        if moved < 1e-6:
+            sign = 1.0 if sense >= 0.0 else -1.0
+            for j in range(n + 1):
+                point[j] = snapped[j]
+                point[n + 1 + j] = sign * snapped[n + 1 + j]
+            point[-1] = sign * snapped[-1]
+            observe_from(setup, point)
+    point[slot] = level

@@ -6,45 +6,62 @@ a fold), it is located along the curve instead.
 """
 
 import numpy as np
-from numba import types
 
-from solver.continuation.arclength import pin, scaled_distance
-from solver.continuation.continuation import Continuation, Curve, Event, Problem
-from solver.continuation.curve_point import SETUP, Setup, land, locate, point_size
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.continuation.continuation import Continuation
+from solver.continuation.curve_point import correct_onto_curve, locate, point_size, scaled_distance, snap_to_level
+from solver.continuation.hermite import cubic, cubic_value
+from solver.continuation.problem import Problem
+from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.continuation.solution_curve import Curve, Event
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+from solver.kernels.linear import copy_into
 
-__all__ = ["curve_crossings"]
+__all__ = ["curve_crossings", "meet"]
 
 _I, _F = types.int64, types.float64
 _FOLD = int(Event.FOLD)
 
 
+@kernel(_I(ARRAY, _F), inner=True)
+def _first_from(grid, value):
+    """Index of the first entry of an increasing grid that is not below a value."""
+    low, high = 0, grid.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if grid[middle] < value:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
 @kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def _meet(setup, left, right, arc, level, found):
+def meet(setup, left, right, arc, level, found):
     """Fill `found` with the point between two points at p = level; False if it cannot be found."""
-    n = setup.unknowns
-    start, end, leave, arrive = left[n], right[n], arc * left[2 * n + 1], arc * right[2 * n + 1]
-    leave, arrive = leave * setup.scale[n], arrive * setup.scale[n]
-    a, b = 2.0 * (start - end) + leave + arrive, 3.0 * (end - start) - 2.0 * leave - arrive
+    n, scale = setup.unknowns, setup.scale
+    start, end = left[n], right[n]
+    leave, arrive = arc * left[2 * n + 1] * scale[n], arc * right[2 * n + 1] * scale[n]
+    a, b = cubic(start, end, leave, arrive)
     low, high = 0.0, 1.0
     for _ in range(40):
         x = 0.5 * (low + high)
-        if (((a * x + b) * x + leave) * x + start < level) == (start < end):
+        if (cubic_value(a, b, leave, start, x) < level) == (start < end):
             low = x
         else:
             high = x
+    seed, normal = np.empty(n + 1), np.zeros(n + 1)
     for j in range(n):
-        leave, arrive = arc * left[n + 1 + j] * setup.scale[j], arc * right[n + 1 + j] * setup.scale[j]
-        a, b = 2.0 * (left[j] - right[j]) + leave + arrive, 3.0 * (right[j] - left[j]) - 2.0 * leave - arrive
-        found[j] = ((a * low + b) * low + leave) * low + left[j]
-    found[n] = level
-    seed, normal = found.copy(), np.zeros(n + 1)
-    normal[n] = 1.0
+        leave, arrive = arc * left[n + 1 + j] * scale[j], arc * right[n + 1 + j] * scale[j]
+        a, b = cubic(left[j], right[j], leave, arrive)
+        seed[j] = cubic_value(a, b, leave, left[j], low)
+    seed[n], normal[n] = level, 1.0
+    copy_into(found[: n + 1], seed)
     sense = 1.0 if end > start else -1.0
     regular = left if abs(left[2 * n + 1]) > abs(right[2 * n + 1]) else right
     if (
-        land(setup, found, normal) > 0
-        and scaled_distance(found, seed, setup.scale) <= 0.1 * arc
+        correct_onto_curve(setup, found, normal) > 0
+        and scaled_distance(found, seed, scale) <= 0.1 * arc
         # Both sides of a fold meet this p; the determinant tells which one this is.
         and found[-1] * found[2 * n + 1] * regular[-1] * sense > 0.0
     ):
@@ -52,70 +69,14 @@ def _meet(setup, left, right, arc, level, found):
         return True
     if locate(setup, left, right, arc, n, normal, level, found) < 0.0:
         return False
-    pin(setup, found, n, level)
+    snap_to_level(setup, found, n, level)
     return True
 
 
-@kernel(
-    _I(
-        CORRECTOR,
-        _F,
-        _I,
-        BALANCE,
-        MONITOR,
-        ARRAY,
-        ARRAY,
-        ARRAY,
-        _I,
-        MATRIX,
-        MATRIX,
-        ARRAY,
-        FLAGS,
-        FLAGS,
-        types.boolean,
-        ARRAY,
-        types.int64[::1],
-        MATRIX,
-        FLAGS,
-    )
-)
-def _crossings(
-    corrector,
-    tolerance,
-    limit,
-    balance,
-    monitor,
-    theta,
-    direction,
-    scale,
-    monitors,
-    points,
-    tangents,
-    arclength,
-    stable,
-    events,
-    closed,
-    grid,
-    columns,
-    unknowns,
-    stabilities,
-):
+@kernel(_I(SETUP, STRAND, types.boolean, ARRAY, types.int64[::1], MATRIX, FLAGS))
+def _crossings(setup, strand, closed, grid, columns, unknowns, stabilities):
     """Fill columns, unknowns and stabilities; their number, -1 - i if column i failed, or the capacity if too small."""
-    n = scale.shape[0] - 1
-    setup = Setup(
-        corrector,
-        tolerance,
-        limit,
-        balance,
-        monitor,
-        theta,
-        direction,
-        scale,
-        n,
-        monitors,
-        np.empty((3 * n + 6, n + 1)),
-        np.empty((monitors, n + 1)),
-    )
+    n, points, tangents = setup.unknowns, strand.points, strand.tangents
     size = point_size(setup)
     left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
     count, capacity = 0, columns.shape[0]
@@ -125,7 +86,7 @@ def _crossings(
         # closed.
         if i < 0 and closed:
             continue
-        low, high = np.searchsorted(grid, min(before, after)), np.searchsorted(grid, max(before, after))
+        low, high = _first_from(grid, min(before, after)), _first_from(grid, max(before, after))
         while high < grid.shape[0] and grid[high] <= max(before, after):
             high += 1
         filled = False
@@ -135,21 +96,22 @@ def _crossings(
             if count == capacity:
                 return capacity + 1
             if grid[k] == after:
-                unknowns[count, :] = points[i + 1, :n]
-                columns[count], stabilities[count] = k, stable[i + 1]
+                copy_into(unknowns[count], points[i + 1])
+                columns[count], stabilities[count] = k, strand.stable[i + 1]
                 count += 1
                 continue
             if not filled:
-                left[: n + 1], right[: n + 1] = points[i], points[i + 1]
-                left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2] = tangents[i], tangents[i + 1]
+                for j in range(n + 1):
+                    left[j], right[j] = points[i, j], points[i + 1, j]
+                    left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
                 # The sign of the determinant is that of stability times the sense in which p moves.
                 sense = 1.0 if after > before else -1.0
-                piece = stable[i] if events[i] != _FOLD else stable[i + 1]
+                piece = strand.stable[i] if strand.event[i] != _FOLD else strand.stable[i + 1]
                 left[-1] = right[-1] = sense if piece == 1 else -sense
                 filled = True
-            if not _meet(setup, left, right, arclength[i + 1] - arclength[i], grid[k], found):
+            if not meet(setup, left, right, strand.arclength[i + 1] - strand.arclength[i], grid[k], found):
                 return -1 - k
-            unknowns[count, :] = found[:n]
+            copy_into(unknowns[count], found)
             columns[count], stabilities[count] = k, piece
             count += 1
     return count
@@ -181,31 +143,13 @@ def curve_crossings(problem: Problem, curve: Curve, grid: np.ndarray, continuati
         If the corrector cannot reach a grid value that the curve passes.
     """
     n, grid = problem.unknowns, np.array(grid, dtype=float)
+    setup = problem.setup(continuation.corrector)
+    strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
     capacity = 4 * grid.size + 16
     while True:
         columns, unknowns = np.empty(capacity, np.int64), np.empty((capacity, n))
         stable = np.empty(capacity, np.int8)
-        count = _crossings(
-            continuation.corrector.kernel,
-            continuation.corrector.tolerance,
-            continuation.corrector.max_iterations,
-            problem.balance,
-            problem.monitor,
-            problem.theta,
-            problem.direction,
-            problem.scale,
-            problem.monitors,
-            curve.points,
-            curve.tangents,
-            curve.arclength,
-            curve.stable,
-            curve.event,
-            curve.closed,
-            grid,
-            columns,
-            unknowns,
-            stable,
-        )
+        count = _crossings(setup, strand, curve.closed, grid, columns, unknowns, stable)
         if count < 0:
             raise ArithmeticError(f"the curve passes {grid[-1 - count]!r}, but the corrector does not converge there")
         if count <= capacity:

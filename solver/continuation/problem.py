@@ -5,6 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
+from solver.continuation.correctors import Broyden, Newton, workspace_rows
+from solver.continuation.setup import Setup, no_contacts
+
 __all__ = ["Balance", "Problem"]
 
 
@@ -23,6 +26,9 @@ class Problem:
         Typical size of each unknown and of p.
     monitors : int
         Number of monitor values, >= 1.
+    contacts : compiled kernel
+        With the signature `solver.continuation.setup.CONTACTS`: where a stiff contact may begin or end, so that the
+        curve has a corner there. None unless given.
     """
 
     balance: object
@@ -31,11 +37,75 @@ class Problem:
     direction: np.ndarray
     scale: np.ndarray
     monitors: int
+    contacts: object = no_contacts
 
     @property
     def unknowns(self) -> int:
         """Number n of unknowns u."""
         return self.scale.size - 1
+
+    def setup(self, corrector: Newton | Broyden) -> Setup:
+        """What kernels are told about this problem and the corrector that is to solve it."""
+        n, m = self.unknowns, self.monitors
+        return Setup(
+            corrector.kernel,
+            corrector.tolerance,
+            corrector.max_iterations,
+            self.balance,
+            self.monitor,
+            self.contacts,
+            self.theta,
+            self.direction,
+            self.scale,
+            n,
+            m,
+            np.empty((workspace_rows(n), n + 1)),
+            np.empty((m, n + 1)),
+        )
+
+    def evaluated(self, y) -> tuple[np.ndarray, np.ndarray]:
+        """Residual (n,) and Jacobian (n, n + 1) at y = (u, p)."""
+        n = self.unknowns
+        residual, jacobian = np.empty(n), np.empty((n, n + 1))
+        self.balance(self.theta, self.direction, np.array(y, dtype=float), residual, jacobian)
+        return residual, jacobian
+
+    def corrected(
+        self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
+    ) -> np.ndarray | None:
+        """The solution that a corrector reaches from a guess, on a hyperplane through it.
+
+        Parameters
+        ----------
+        y : (n + 1,) array_like
+            The guess (u, p).
+        corrector : Newton or Broyden
+        normal : (n + 1,) array_like, optional
+            Across the hyperplane, in scaled unknowns; that of constant p unless given.
+        max_iterations : int, optional
+            The corrector's own number unless given.
+
+        Returns
+        -------
+        (n + 1,) array or None
+            None if the corrector does not converge. Without `normal` p is that of the guess to the bit.
+        """
+        n, found = self.unknowns, np.array(y, dtype=float)
+        p = found[n]
+        iterations = corrector.kernel(
+            self.balance,
+            self.theta,
+            self.direction,
+            self.scale,
+            found,
+            np.eye(n + 1)[n] if normal is None else np.array(normal, dtype=float),
+            corrector.tolerance,
+            max_iterations or corrector.max_iterations,
+            np.empty((workspace_rows(n), n + 1)),
+        )
+        if normal is None:
+            found[n] = p
+        return found if iterations > 0 and np.all(np.isfinite(found)) else None
 
 
 class Balance(Protocol):

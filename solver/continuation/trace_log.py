@@ -1,46 +1,18 @@
-"""The diary of continuation: what became of every step that the kernel tried, accepted or refused.
+"""The log of continuation: what became of every step that the kernel tried, accepted or refused.
 
-The kernel that traces notes it while it traces; without a diary there is nothing to write to, and nothing else differs.
+The kernel that traces writes it while it traces; without a log there is nothing to write to, and nothing else differs.
 """
 
-import enum
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from solver.continuation import arclength
-from solver.continuation.continuation import Continuation, Curve
+from solver.continuation.continuation import Continuation
 from solver.continuation.problem import Problem
+from solver.continuation.solution_curve import Curve, Outcome
 
-__all__ = ["DiaryContinuation", "Outcome", "Steps", "Trace"]
-
-
-class Outcome(enum.IntEnum):
-    """What became of a step."""
-
-    ACCEPTED = arclength.ACCEPTED
-    NOT_CORRECTED = arclength.NOT_CORRECTED
-    TURNED = arclength.TURNED
-    STRAYED = arclength.STRAYED
-    FLIPPED = arclength.FLIPPED
-    HIDES_A_PAIR = arclength.HIDES_A_PAIR
-    NOT_LOCATED = arclength.NOT_LOCATED
-
-    @property
-    def sentence(self) -> str:
-        """What it means."""
-        return _OUTCOME_SENTENCES[self]
-
-
-_OUTCOME_SENTENCES = {
-    Outcome.ACCEPTED: "The step was taken.",
-    Outcome.NOT_CORRECTED: "The corrector did not converge.",
-    Outcome.TURNED: "The tangent turned by more than largest_angle.",
-    Outcome.STRAYED: "The corrected point lies further from the predicted one than largest_distance allows.",
-    Outcome.FLIPPED: "The bordered determinant changed sign: the point may lie on another branch.",
-    Outcome.HIDES_A_PAIR: "The cubic through both ends folds or grazes twice inside: a pair of events may hide.",
-    Outcome.NOT_LOCATED: "An event or the end of the branch in this step was not located.",
-}
+__all__ = ["LoggedContinuation", "Outcome", "Steps", "Trace"]
 
 
 @dataclass(frozen=True)
@@ -50,14 +22,14 @@ class Steps:
     Parameters
     ----------
     outcome : (m,) int array
-        `Outcome` of every step.
+        `Outcome` of every step; `accepted` where it gave points of the curve.
     length : (m,) array
         Step length in scaled unknowns, as tried.
     iterations : (m,) int array
         Of the corrector; -1 where it did not converge.
     stray, turn : (m,) arrays
         Distance of the corrected from the predicted point in scaled unknowns, and angle between the tangents (rad); nan
-        where the corrector did not converge.
+        where the corrector did not converge. Points round a corner are placed otherwise: iterations 0, stray nan.
     points : (m,) int array
         How many points the curve had after the step; where there was no room for its last ones, all that there are.
     places : (m, n + 1) array
@@ -72,6 +44,11 @@ class Steps:
     points: np.ndarray
     places: np.ndarray
 
+    @property
+    def accepted(self) -> np.ndarray:
+        """Which steps gave points of the curve, (m,) bool."""
+        return np.isin(self.outcome, (Outcome.ACCEPTED, Outcome.ROUND_A_CORNER))
+
 
 @dataclass(frozen=True)
 class Trace:
@@ -85,8 +62,8 @@ class Trace:
 
 
 @dataclass(frozen=True)
-class DiaryContinuation(Continuation):
-    """A continuation that keeps a diary of everything it traces; the curves are the same to the bit.
+class LoggedContinuation(Continuation):
+    """A continuation that logs everything it traces; the curves are the same to the bit.
 
     Parameters
     ----------
@@ -99,11 +76,11 @@ class DiaryContinuation(Continuation):
     >>> gear = Model(b=1.0, alpha=0.2, f_e=0.2, f_pm=0.5, kappa=0.5, xi_mesh=0.05, xi_translation=0.0125,
     ...     xi_support=0.01, k_support=1.0, pitch_cone_angle=45.0, pressure_angle=20.0, translation_coupling=0.3173,
     ...     rotation_coupling=0.7719, variation_translation=1.0, variation_rotation=0.0)
-    >>> diary = DiaryContinuation()
-    >>> row = sweep_row(gear, "omega", [0.05, 2.0], continuation=diary)
-    >>> (trace,) = diary.traces
-    >>> accepted = trace.steps.outcome == Outcome.ACCEPTED
-    >>> int(trace.steps.points[-1]) == len(trace.curve.points), int((~accepted).sum()) == trace.curve.refused
+    >>> log = LoggedContinuation()
+    >>> row = sweep_row(gear, "omega", [0.05, 2.0], continuation=log)
+    >>> (trace,) = log.traces
+    >>> refused = ~trace.steps.accepted
+    >>> int(trace.steps.points[-1]) == len(trace.curve.points), int(refused.sum()) == trace.curve.refused
     (True, True)
     """
 
@@ -113,28 +90,22 @@ class DiaryContinuation(Continuation):
         """As `Continuation.trace`."""
         room = self.max_points
         while True:
-            diary = np.full((room, arclength.PLACE + problem.unknowns + 1), np.nan)
-            curve = self._trace(problem, start, low, high, heading, diary)
-            if np.isnan(diary[-1, arclength.OUTCOME]):
+            log = np.full((room, arclength.PLACE + problem.unknowns + 1), np.nan)
+            curve = self._trace(problem, start, low, high, heading, log)
+            if np.isnan(log[-1, arclength.OUTCOME]):
                 break
             # More steps than expected were refused; the kernel does the same again.
             room *= 2
-        diary = diary[~np.isnan(diary[:, arclength.OUTCOME])]
-        self.traces.append(
-            Trace(
-                problem,
-                np.array(start, dtype=float),
-                np.array(heading, dtype=float),
-                curve,
-                Steps(
-                    diary[:, arclength.OUTCOME].astype(int),
-                    diary[:, arclength.STEP],
-                    diary[:, arclength.ITERATIONS].astype(int),
-                    diary[:, arclength.STRAY],
-                    diary[:, arclength.TURN],
-                    np.minimum(diary[:, arclength.POINTS].astype(int), len(curve.points)),
-                    diary[:, arclength.PLACE :],
-                ),
-            )
+        log = log[~np.isnan(log[:, arclength.OUTCOME])]
+        steps = Steps(
+            log[:, arclength.OUTCOME].astype(int),
+            log[:, arclength.STEP],
+            log[:, arclength.ITERATIONS].astype(int),
+            log[:, arclength.STRAY],
+            log[:, arclength.TURN],
+            np.minimum(log[:, arclength.POINTS].astype(int), len(curve.points)),
+            log[:, arclength.PLACE :],
         )
+        start, heading = np.array(start, dtype=float), np.array(heading, dtype=float)
+        self.traces.append(Trace(problem, start, heading, curve, steps))
         return curve

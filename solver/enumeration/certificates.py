@@ -1,12 +1,12 @@
 """From the roots of the reduced balance to boxes of motions that are proven to hold exactly one solution each."""
 
 import numpy as np
-from numba import types
 
-from solver.enumeration.interval import exact
-from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, numerators_at, reduce_balance
+from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+from solver.kernels.linear import copy_into
 
 __all__ = [
     "AMPLITUDE",
@@ -113,7 +113,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     n_roots, n_boxes, flags, visits = search(reduced, roots, boxes, stack)
     count, n_open, above, degree = 0, 0, _EMPTY, 0
     for i in range(n_roots):
-        roots[i, 0], roots[i, 1], roots[i, 2], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1])
+        roots[i, 0], roots[i, 1], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1], roots[i, 2])
     for i in range(n_roots):
         left, right, sign = roots[i, 0], roots[i, 1], roots[i, 2]
         _describe(reduced, left, right, roots[i, 3], found[count])
@@ -127,12 +127,12 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
             elif j != i:
                 found[count, GAIN_BOUNDS + 1] = min(found[count, GAIN_BOUNDS + 1], low)
         q = determinant_over(reduced, left, right)
-        if sign == 0.0 or not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
+        if not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
             # A root whose motion may be infinite, or whose box is so coarse that it may reach to another solution.
             if found[count, AMPLITUDE] > ceiling:
                 above = _OPEN
             else:
-                undecided[n_open, :] = found[count]
+                copy_into(undecided[n_open], found[count])
                 n_open += 1
             continue
         stable = (sign < 0.0) == (q[0] > 0.0)
@@ -159,7 +159,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     if n_open > 0:
         proof = _NOT_DECIDED
     # The signs of det J over all solutions add up to that of the linear system.
-    q = numerators_at(reduced, exact(1.0))[1]
+    q = determinant_over(reduced, 1.0, 1.0)
     if decided and proof == _PROVEN and ((q[0] > 0.0 and degree != 1) or (q[1] < 0.0 and degree != -1)):
         proof = _CONTRADICTORY
     if flags & CONTRADICTION:
@@ -167,13 +167,12 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     return count, n_open, proof, above, visits
 
 
-@kernel(
-    types.void(
-        ARRAY, ARRAY, ARRAY, _F, types.float64[:, :, ::1], MATRIX, types.int8[:, ::1], types.int64[::1], FLAGS, FLAGS
-    )
-)
-def enumerate_points(theta, direction, grid, ceiling, unknowns, radius, stable, counts, proof, above):
-    """All solutions at many axis values.
+_CUBE, _CODES, _COUNTS = types.float64[:, :, ::1], types.int8[:, ::1], types.int64[::1]
+
+
+@kernel(types.Tuple((_CUBE, MATRIX, _CODES, _COUNTS, FLAGS, FLAGS))(ARRAY, ARRAY, ARRAY, _F))
+def enumerate_points(theta, direction, grid, ceiling):
+    """All solutions at many axis values, S at most at one.
 
     Parameters
     ----------
@@ -182,28 +181,50 @@ def enumerate_points(theta, direction, grid, ceiling, unknowns, radius, stable, 
         Axis values.
     ceiling : float
         Amplitude ceiling.
-    unknowns : (X, S, 3) array
-        Filled with (lambda_m, lambda_c, lambda_s), ascending amplitude; nan beyond their number.
+
+    Returns
+    -------
+    motions : (X, S, 3) array
+        (lambda_m, lambda_c, lambda_s), ascending amplitude; nan beyond their number.
     radius : (X, S) array
-        Filled with what bounds the error of each unknown.
+        What bounds the error of each unknown.
     stable : (X, S) int8 array
-        Filled with 1, 0, or -1 beyond the number of solutions.
+        1, 0, or -1 beyond the number of solutions.
     counts : (X,) int array
-        Filled with the numbers of solutions, also those beyond S.
     proof, above : (X,) int8 arrays
-        Filled with `Proof` and `Above`.
+        `Proof` and `Above`.
     """
+    size, most = grid.shape[0], 1
     found, undecided, work = workspace()
-    unknowns[:], radius[:], stable[:] = np.nan, np.nan, -1
-    for i in range(grid.shape[0]):
+    # All solutions one after the other; there is mostly one at a value.
+    boxes = np.empty((2 * size + MOST, _COLUMNS))
+    counts, proof, above = np.empty(size, np.int64), np.empty(size, np.int8), np.empty(size, np.int8)
+    total = 0
+    for i in range(size):
         counts[i], _open, proof[i], above[i], _visits = enumerate_point(
             theta, direction, grid[i], ceiling, found, undecided, work
         )
-        for k in range(min(counts[i], unknowns.shape[1])):
+        if total + counts[i] > boxes.shape[0]:
+            longer = np.empty((2 * boxes.shape[0] + MOST, _COLUMNS))
+            longer[:total] = boxes[:total]
+            boxes = longer
+        for k in range(counts[i]):
+            for j in range(_COLUMNS):
+                boxes[total + k, j] = found[k, j]
+        total += counts[i]
+        most = max(most, counts[i])
+    motions, radius = np.full((size, most, 3), np.nan), np.full((size, most), np.nan)
+    stable = np.full((size, most), np.int8(-1))
+    total = 0
+    for i in range(size):
+        for k in range(counts[i]):
+            box = boxes[total]
             radius[i, k] = 0.0
             for j in range(3):
-                low, high = found[k, MEAN + 2 * j], found[k, MEAN + 2 * j + 1]
-                unknowns[i, k, j] = 0.5 * (low + high)
+                low, high = box[MEAN + 2 * j], box[MEAN + 2 * j + 1]
+                motions[i, k, j] = 0.5 * (low + high)
                 # Twice the half width covers the rounding of the middle.
                 radius[i, k] = max(radius[i, k], high - low)
-            stable[i, k] = 1 if found[k, STABLE] == 1.0 else 0
+            stable[i, k] = 1 if box[STABLE] == 1.0 else 0
+            total += 1
+    return motions, radius, stable, counts, proof, above

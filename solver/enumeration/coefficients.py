@@ -8,7 +8,6 @@ are.
 import math
 
 import numpy as np
-from numba import types
 
 from solver.enumeration.interval import (
     COMPLEX,
@@ -26,6 +25,7 @@ from solver.enumeration.interval import (
     square,
     subtract,
 )
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.condensation import (
     ALPHA,

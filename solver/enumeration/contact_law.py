@@ -20,23 +20,22 @@ touched.
 
 Rounding: acos and sin of the C library err by less than one unit in the last place, so that phi and N are off by less
 than 16 u (theta_+ + theta_-)/pi + 1e-22 with u = 2^-53; a test measures that. The inverse is not trusted to any
-iteration: its result is moved outwards and then checked against phi with that margin.
+iteration: its result is moved outwards and then checked against phi with that margin. How far it is moved is free, so
+that bounds over wide rectangles need not be solved for to the last digit (`slack`).
 """
 
 import math
 
-from numba import types
-
 from solver.enumeration.interval import INTERVAL
+from solver.kernels import types
 from solver.kernels.compile import kernel
 
-__all__ = ["LAW", "contact_law", "gain_over"]
+__all__ = ["contact_law", "gain_over", "gain_slopes", "near_cosine"]
 
 _F = types.float64
 _U = 2.0**-53
-
-#: What `gain_over` returns: intervals of N, dN/dphi, dN/dbeta and of the near flank's cosine beta - nu.
-LAW = types.UniTuple(INTERVAL, 4)
+# Corners of a rectangle this small serve each other as starting values.
+_THIN = 0.01
 
 
 @kernel(types.UniTuple(_F, 2)(_F), inline=True)
@@ -66,7 +65,7 @@ def contact_law(cosine, beta):
 
 @kernel(_F(_F, _F), inner=True)
 def _first_guess(phi, beta):
-    """Starting value of `_solve` for 0 < phi < 1."""
+    """Starting value of `near_cosine` for 0 < phi < 1."""
     if beta < 1.0:
         # Where the far flank is about to be touched, cos theta_- = 1, the near flank alone carries the force.
         touching = 2.0 * beta - 1.0
@@ -78,10 +77,25 @@ def _first_guess(phi, beta):
     return 1.0 + y * (-2.22492368 + y * (0.09332219 + y * (0.30355034 + y * (-0.39091187 + y * 0.21838701))))
 
 
-@kernel(_F(_F, _F, _F), inner=True)
-def _solve(phi, beta, guess):
-    """The near flank's cosine at (phi, beta) with 0 < phi < 1 by Newton's method; not proven. `guess` may be nan."""
-    top = min(beta, 1.0)
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F), inner=True)
+def near_cosine(phi, beta, guess, slack):
+    """The near flank's cosine at (phi, beta) with 0 < phi < 1 by Newton's method; not proven.
+
+    Parameters
+    ----------
+    phi, beta : float
+    guess : float
+        Where to start; nan if nothing is known.
+    slack : float
+        About the error that is allowed, as a share of the second value returned.
+
+    Returns
+    -------
+    cosine, room : float
+        room is (theta_+ + theta_-)^2, at most 1.
+    """
+    # What is left after a step is about its square.
+    top, tolerance, room = min(beta, 1.0), max(math.sqrt(slack), 1e-8), 1.0
     for attempt in range(2):
         cosine = guess if attempt == 0 else _first_guess(phi, beta)
         if not (-1.0 <= cosine <= top):
@@ -94,21 +108,21 @@ def _solve(phi, beta, guess):
                 break
             step = (force - phi) * math.pi / angles
             moved = min(max(cosine + step, -1.0), top)
-            step, cosine = abs(moved - cosine), moved
-            if step < 1e-8 * min(angles * angles, 1.0):
-                return cosine
-    return cosine
+            step, cosine, room = abs(moved - cosine), moved, min(angles * angles, 1.0)
+            if step < tolerance * room:
+                return cosine, room
+    return cosine, room
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F), inner=True)
-def _largest(phi, beta, guess):
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F), inner=True)
+def _largest(phi, beta, guess, slack):
     """A proven lower bound on the near flank's cosine and an upper one on N at (phi, beta)."""
     if phi >= 1.0:
         return -1.0, 1.0
-    start = min(beta, 1.0)
+    start, room = min(beta, 1.0), 1.0
     if phi > 0.0:
-        start = _solve(phi, beta, guess)
-    margin = 64.0 * _U
+        start, room = near_cosine(phi, beta, guess, slack)
+    margin = max(slack * room, 64.0 * _U)
     for _ in range(30):
         cosine = start - margin
         if cosine <= -1.0:
@@ -121,8 +135,8 @@ def _largest(phi, beta, guess):
     return -1.0, 1.0
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F), inner=True)
-def _smallest(phi, beta, guess):
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F), inner=True)
+def _smallest(phi, beta, guess, slack):
     """A proven upper bound on the near flank's cosine and a lower one on N at (phi, beta)."""
     if phi >= 1.0:
         return -1.0, 1.0
@@ -130,8 +144,8 @@ def _smallest(phi, beta, guess):
     top = min(beta, 1.0)
     cosine = top
     if phi > 0.0:
-        start = _solve(phi, beta, guess)
-        margin = 64.0 * _U
+        start, room = near_cosine(phi, beta, guess, slack)
+        margin = max(slack * room, 64.0 * _U)
         for _ in range(30):
             cosine = start + margin
             if cosine >= top:
@@ -153,8 +167,14 @@ def _sine_over(low, high):
     return max(min(left, right) - 4.0 * _U, 0.0), min(top + 4.0 * _U, 1.0)
 
 
-@kernel(LAW(INTERVAL, INTERVAL, _F), inner=True)
-def gain_over(phi, beta, guess):
+@kernel(types.UniTuple(_F, 4)(INTERVAL, INTERVAL), inline=True)
+def _clipped(phi, beta):
+    """The ends of a rectangle; beyond phi = 1 and beta = 1 nothing changes, and the clip keeps infinities away."""
+    return min(max(phi[0], 0.0), 2.0), min(phi[1], 2.0), min(max(beta[0], 0.0), 2.0), min(beta[1], 2.0)
+
+
+@kernel(types.UniTuple(INTERVAL, 2)(INTERVAL, INTERVAL, _F, _F), inner=True)
+def gain_over(phi, beta, guess, slack):
     """Bounds over a rectangle of mean force and gap.
 
     Parameters
@@ -163,40 +183,57 @@ def gain_over(phi, beta, guess):
         0 <= phi, 0 <= beta; either may end at infinity.
     guess : float
         The near flank's cosine somewhere in the rectangle, to start from; nan if nothing is known.
+    slack : float
+        How far the bounds on the cosine may lie outside, about; 0 for the tightest.
 
     Returns
     -------
     gain : interval
         N.
-    by_force, by_gap : interval
-        dN/dphi and dN/dbeta, generalised derivatives included where N has a kink.
     cosine : interval
         beta - nu, valid where phi < 1.
     """
-    # Beyond phi = 1 and beta = 1 nothing changes; the clip keeps infinities away.
-    phi_low, phi_high = min(max(phi[0], 0.0), 2.0), min(phi[1], 2.0)
-    beta_low, beta_high = min(max(beta[0], 0.0), 2.0), min(beta[1], 2.0)
+    phi_low, phi_high, beta_low, beta_high = _clipped(phi, beta)
     if not (phi_low <= phi_high and beta_low <= beta_high):
-        return (0.0, 1.0), (0.0, 2.0), (-4.0 / 3.0, 0.0), (-1.0, 1.0)
-    cosine_low, gain_high = _largest(phi_high, beta_low, guess)
-    cosine_high, gain_low = _smallest(phi_low, beta_high, guess)
+        return (0.0, 1.0), (-1.0, 1.0)
+    cosine_low, gain_high = _largest(phi_high, beta_low, guess, slack)
+    if phi_high < 1.0 and phi_high - phi_low + beta_high - beta_low < _THIN:
+        guess = cosine_low
+    cosine_high, gain_low = _smallest(phi_low, beta_high, guess, slack)
+    return (gain_low, gain_high), (cosine_low, cosine_high)
 
-    near_low, near_high = _arc(cosine_high)[0], _arc(cosine_low)[0]
+
+@kernel(types.UniTuple(INTERVAL, 2)(INTERVAL, INTERVAL, INTERVAL, _F), inner=True)
+def gain_slopes(phi, beta, cosine, slack):
+    """dN/dphi and dN/dbeta over a rectangle, generalised derivatives included where N has a kink.
+
+    Parameters
+    ----------
+    phi, beta : interval
+    cosine : interval
+        From `gain_over` of the same rectangle.
+    slack : float
+
+    Returns
+    -------
+    by_force, by_gap : interval
+    """
+    phi_low, phi_high, beta_low, beta_high = _clipped(phi, beta)
+    by_force, by_gap = (0.0, 2.0), (-4.0 / 3.0, 0.0)
+    if not (phi_low <= phi_high and beta_low <= beta_high):
+        return by_force, by_gap
+    near_low, near_high = _arc(cosine[1])[0], _arc(cosine[0])[0]
     far_low, far_high = 0.0, 0.0
-    if beta_low < 1.0 and phi_low < 1.0:
+    if beta_low < 1.0 and phi_low < 1.0 and 2.0 * beta_low - cosine[1] < 1.0 + 8.0 * _U:
         # Far flank: cos theta_- = 2 beta - (beta - nu) at its own two corners.
-        corner = _smallest(phi_low, beta_low, guess)[0]
+        corner = _smallest(phi_low, beta_low, cosine[1], slack)[0]
         far_high = _arc(2.0 * beta_low - corner - 4.0 * _U)[0]
         if far_high > 0.0 and phi_high < 1.0:
-            corner = _largest(phi_high, beta_high, guess)[0]
+            corner = _largest(phi_high, beta_high, cosine[0], slack)[0]
             far_low = _arc(2.0 * beta_high - corner + 4.0 * _U)[0]
     near_low, near_high = near_low * (1.0 - 4.0 * _U), near_high * (1.0 + 4.0 * _U)
     far_low, far_high = far_low * (1.0 - 4.0 * _U), far_high * (1.0 + 4.0 * _U)
 
-    by_force, by_gap = (0.0, 2.0), (-4.0 / 3.0, 0.0)
-    near_sine = _sine_over(near_low, min(near_high, math.pi))
-    if near_high > math.pi:
-        near_sine = 0.0, near_sine[1]
     if far_high == 0.0:
         # 2 sin(theta)/theta falls with theta.
         by_gap = 0.0, 0.0
@@ -208,16 +245,19 @@ def gain_over(phi, beta, guess):
             lowest = max(2.0 * math.sin(min(near_high, math.pi)) / near_high - 16.0 * _U, 0.0)
         by_force = lowest, highest
     elif near_low + far_low > 0.0:
+        near_sine = _sine_over(near_low, min(near_high, math.pi))
+        if near_high > math.pi:
+            near_sine = 0.0, near_sine[1]
         far_sine = _sine_over(far_low, min(far_high, math.pi))
         least, most = near_low + far_low, near_high + far_high
-        slack = 32.0 * _U
+        margin = 32.0 * _U
         by_force = (
-            max(2.0 * (near_sine[0] - far_sine[1]) / most - slack, 0.0),
-            min(2.0 * max(near_sine[1] - far_sine[0], 0.0) / least * (1.0 + slack), 2.0),
+            max(2.0 * (near_sine[0] - far_sine[1]) / most - margin, 0.0),
+            min(2.0 * max(near_sine[1] - far_sine[0], 0.0) / least * (1.0 + margin), 2.0),
         )
         # The two terms in the numerator weigh each sine by the other flank's share of the contact.
         share_low, share_high = near_low / (near_low + far_high), near_high / (near_high + far_low)
         lowest = (1.0 - share_high) * near_sine[0] + share_low * far_sine[0]
         highest = (1.0 - share_low) * near_sine[1] + share_high * far_sine[1]
-        by_gap = (max(-4.0 / math.pi * highest - slack, -4.0 / 3.0), min(-4.0 / math.pi * lowest + slack, 0.0))
-    return (gain_low, gain_high), by_force, by_gap, (cosine_low, cosine_high)
+        by_gap = (max(-4.0 / math.pi * highest - margin, -4.0 / 3.0), min(-4.0 / math.pi * lowest + margin, 0.0))
+    return by_force, by_gap

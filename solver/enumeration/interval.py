@@ -10,8 +10,7 @@ for its opposite. Operands are taken to be finite; `solver.enumeration.reduction
 
 import math
 
-from numba import types
-
+from solver.kernels import types
 from solver.kernels.compile import kernel
 
 __all__ = [
@@ -31,12 +30,14 @@ __all__ = [
     "divide",
     "exact",
     "hull",
+    "intersect",
     "length",
     "multiply",
     "sine",
     "square",
     "subtract",
     "symmetric",
+    "times",
 ]
 
 INTERVAL = types.UniTuple(types.float64, 2)
@@ -95,6 +96,18 @@ def multiply(x, y):
     """x y."""
     a, b, c, d = x[0] * y[0], x[0] * y[1], x[1] * y[0], x[1] * y[1]
     return below(min(min(a, b), min(c, d))), above(max(max(a, b), max(c, d)))
+
+
+@kernel(INTERVAL(_F, INTERVAL), inline=True)
+def times(t, x):
+    """t x for an exact t >= 0."""
+    return below(t * x[0]), above(t * x[1])
+
+
+@kernel(INTERVAL(INTERVAL, INTERVAL), inline=True)
+def intersect(x, y):
+    """What lies in both of two intervals that are known to meet."""
+    return max(x[0], y[0]), min(x[1], y[1])
 
 
 @kernel(INTERVAL(INTERVAL, INTERVAL), inline=True)

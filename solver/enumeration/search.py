@@ -15,10 +15,9 @@ returned as undecided.
 
 import math
 
-from numba import types
-
-from solver.enumeration.interval import above, below, divide, exact, subtract
-from solver.enumeration.reduction import GAP, LOAD, gain_at, numerators_at, slope_over
+from solver.enumeration.interval import above, absolute, below, divide, exact, subtract
+from solver.enumeration.reduction import GAP, LOAD, approximate_gain, gain_at, numerators_at, slope_over, turning_point
+from solver.kernels import types
 from solver.kernels.compile import MATRIX, kernel
 
 __all__ = ["CONTRADICTION", "FREE_MOTION", "narrow", "search"]
@@ -30,6 +29,8 @@ FREE_MOTION, CONTRADICTION = 1, 2
 
 _VISITS = 20_000
 _NARROWEST = 1e-15
+# Cuts keep this share of an interval away from its ends; half the width of the first interval around a root.
+_EDGE, _AROUND = 0.02, 1e-6
 # Sign of h at an end: proven, exactly zero (only at t = 0), or not known (only at t = 0).
 _ZERO, _UNKNOWN = 0.0, 2.0
 
@@ -52,14 +53,17 @@ def _root_free(left, cut, right, h_low, h_high, slope_low, slope_high):
 @kernel(types.Tuple((_F, _F, _F, _F))(MATRIX, _F, _F, _F), inner=True)
 def _certain_cut(reduced, left, right, guess):
     """A place inside where the sign of h is certain: place (nan if none), bounds of h, near flank's cosine."""
+    turn = (turning_point(reduced, left, right) - left) / (right - left)
+    # Too close to an end it would cut off next to nothing.
+    first = turn if _EDGE < turn < 1.0 - _EDGE else 0.5
     for k in range(5):
-        fraction = 0.5 if k == 0 else (0.4375 if k == 1 else (0.5625 if k == 2 else (0.3 if k == 3 else 0.7)))
+        fraction = first if k == 0 else (0.4375 if k == 1 else (0.5625 if k == 2 else (0.3 if k == 3 else 0.7)))
         cut = left + fraction * (right - left)
         if not left < cut < right:
             break
-        h, law = gain_at(reduced, cut, guess)
+        h, cosine = gain_at(reduced, cut, guess)
         if h[0] > 0.0 or h[1] < 0.0:
-            return cut, h[0], h[1], 0.5 * (law[3][0] + law[3][1])
+            return cut, h[0], h[1], 0.5 * (cosine[0] + cosine[1])
     return math.nan, 0.0, 0.0, math.nan
 
 
@@ -91,8 +95,9 @@ def search(reduced, roots, undecided, stack):
     ----------
     reduced : (ROWS, 2) array
         From `solver.enumeration.reduction.reduce_balance`.
-    roots : (R, 2) array
-        Filled with intervals of gains that hold exactly one root each, ascending; one more than fits is undecided.
+    roots : (R, 3) array
+        Filled with intervals of gains that hold exactly one root each, ascending, and the sign that the slope of h has
+        on them; one more than fits is undecided.
     undecided : (U, 2) array
         Filled with the intervals outside which every root is in `roots`.
     stack : (S, 5) array
@@ -107,14 +112,14 @@ def search(reduced, roots, undecided, stack):
     start_sign = 1.0
     if reduced[GAP, 0] == 0.0:
         # Without backlash N is 1 throughout.
-        roots[0, 0], roots[0, 1] = 0.0, 1.0
+        roots[0, 0], roots[0, 1], roots[0, 2] = 0.0, 1.0, -1.0
         return 1, 0, 0, 0
-    at_zero, _law = gain_at(reduced, 0.0, math.nan)
+    at_zero, _cosine = gain_at(reduced, 0.0, math.nan)
     # Without mean load n(0) is exactly 0.
     if reduced[LOAD, 0] == 0.0 and not at_zero[0] > 0.0:
-        _n, q, length = numerators_at(reduced, exact(0.0))
+        _n, q, length = numerators_at(reduced, 0.0)
         start_sign = _UNKNOWN
-        if reduced[GAP, 0] * q[0] > above(length[1]):
+        if reduced[GAP, 0] * absolute(q)[0] > above(length[1]):
             start_sign, flags = _ZERO, FREE_MOTION
 
     _push(stack, 0, 0.0, 1.0, start_sign, -1.0, math.nan)
@@ -124,13 +129,12 @@ def search(reduced, roots, undecided, stack):
         left, right, sign_left, sign_right = stack[size, 0], stack[size, 1], stack[size, 2], stack[size, 3]
         guess = stack[size, 4]
         visits += 1
-        center = 0.5 * (left + right)
-        phi, gain, slope, regular = slope_over(reduced, left, center, right, guess)
+        phi, gain, slope, regular = slope_over(reduced, left, right, guess)
         if phi[0] >= 1.0:
             if sign_left != sign_right and right != 1.0:
                 flags |= CONTRADICTION
             elif right == 1.0 and found < roots.shape[0]:
-                roots[found, 0], roots[found, 1] = left, right
+                roots[found, 0], roots[found, 1], roots[found, 2] = left, right, -1.0
                 found += 1
             elif right == 1.0:
                 open_boxes = _append(undecided, open_boxes, left, right)
@@ -156,7 +160,7 @@ def search(reduced, roots, undecided, stack):
                 if found == roots.shape[0]:
                     open_boxes = _append(undecided, open_boxes, left, right)
                     continue
-                roots[found, 0], roots[found, 1] = left, right
+                roots[found, 0], roots[found, 1], roots[found, 2] = left, right, sign_right
                 found += 1
             continue
 
@@ -183,40 +187,85 @@ def search(reduced, roots, undecided, stack):
     return found, open_boxes, flags, visits
 
 
-@kernel(types.UniTuple(_F, 4)(MATRIX, _F, _F), inner=True)
-def narrow(reduced, left, right):
-    """Narrow an interval with one root and a slope of one sign, by interval Newton steps, as far as rounding allows.
+@kernel(types.UniTuple(_F, 2)(MATRIX, _F, _F, _F), inner=True)
+def _approximate_root(reduced, left, right, sign):
+    """The root in an interval on which h runs through 0 with a slope of that sign, and the near flank's cosine there.
+
+    The Illinois variant of regula falsi, without proof; the middle where h is 0 to rounding at both ends.
+    """
+    h_left, near = approximate_gain(reduced, left, math.nan)
+    h_right, near = approximate_gain(reduced, right, near)
+    low, high, t, side = left, right, 0.5 * (left + right), 0
+    for _ in range(40):
+        if not (h_left * sign < 0.0 and h_right * sign > 0.0):
+            break
+        t = min(max((low * h_right - high * h_left) / (h_right - h_left), low), high)
+        h, near = approximate_gain(reduced, t, near)
+        if abs(h) < 1e-15 or high - low < 1e-15:
+            break
+        if h * sign < 0.0:
+            low, h_left = t, h
+            h_right *= 0.5 if side < 0 else 1.0
+            side = -1
+        else:
+            high, h_right = t, h
+            h_left *= 0.5 if side > 0 else 1.0
+            side = 1
+    return t, near
+
+
+@kernel(types.Tuple((_F, _F, _F, types.boolean))(MATRIX, _F, _F, _F, _F), inner=True)
+def _newton_step(reduced, left, middle, right, guess):
+    """N from an interval and a place in it, the near flank's cosine there, and whether N lies inside the interval.
+
+    Where the slope has no certain sign N is the interval itself.
+    """
+    _phi, _gain, slope, regular = slope_over(reduced, left, right, guess)
+    if not (regular and (slope[0] > 0.0 or slope[1] < 0.0)):
+        return left, right, guess, False
+    h, cosine = gain_at(reduced, middle, guess)
+    step = subtract(exact(middle), divide(h, slope))
+    return step[0], step[1], 0.5 * (cosine[0] + cosine[1]), left < step[0] and step[1] < right
+
+
+@kernel(types.UniTuple(_F, 3)(MATRIX, _F, _F, _F), inner=True)
+def narrow(reduced, left, right, sign):
+    """Narrow an interval with one root by interval Newton steps, as far as rounding allows.
+
+    N = m - h(m)/h'(X) holds every root that X holds (Moore), and one if it lies inside X. The first X is tiny and laid
+    around an approximate root: if N lies inside it, it is the root. If not, X is the whole interval.
+
+    Parameters
+    ----------
+    reduced : (ROWS, 2) array
+    left, right : float
+        From `search`.
+    sign : float
+        Sign of the slope of h over the interval, from there.
 
     Returns
     -------
     left, right : float
-    sign : float
-        Sign of the slope of h; 0 if it is not certain, which does not happen for intervals from `search`.
     near : float
         The near flank's cosine at the root.
     """
     if right == 1.0:
-        n, _q, length = numerators_at(reduced, exact(1.0))
+        n, _q, length = numerators_at(reduced, 1.0)
         if reduced[GAP, 0] == 0.0 or max(n[0], -n[1]) >= length[1]:
-            return 1.0, 1.0, -1.0, math.nan
-    slope, near, sign = (0.0, 0.0), math.nan, 0.0
+            return 1.0, 1.0, math.nan
+    root, near = _approximate_root(reduced, left, right, sign)
+    low, high = max(root - _AROUND, left), min(root + _AROUND, right)
+    low, high, near, inside = _newton_step(reduced, low, root, high, near)
+    if inside:
+        return low, high, near
     for _ in range(80):
-        center = min(max(0.5 * (left + right), left), right)
-        _phi, _gain, slope_here, regular = slope_over(reduced, left, center, right, near)
-        if regular and (slope_here[0] > 0.0 or slope_here[1] < 0.0):
-            slope = slope_here
-            sign = 1.0 if slope[0] > 0.0 else -1.0
-        if sign == 0.0:
-            break
-        h, law = gain_at(reduced, center, near)
-        near = 0.5 * (law[3][0] + law[3][1])
-        step = subtract(exact(center), divide(h, slope))
         before = right - left
+        low, high, near, _inside = _newton_step(reduced, left, min(max(0.5 * (left + right), left), right), right, near)
         # An empty intersection is a contradiction that rounding cannot cause; the comparisons keep the interval then.
-        if step[0] > left and step[0] <= right:
-            left = step[0]
-        if step[1] < right and step[1] >= left:
-            right = step[1]
+        if low > left and low <= right:
+            left = low
+        if high < right and high >= left:
+            right = high
         if not right - left < 0.75 * before:
             break
-    return left, right, sign, near
+    return left, right, near

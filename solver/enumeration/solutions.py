@@ -7,6 +7,7 @@ ceiling; `amplitude_max` only says which solutions are wanted, and what lies abo
 are enclosed (`solver.enumeration.coefficients`): the proof holds for the model as given.
 """
 
+import dataclasses
 import enum
 from dataclasses import dataclass
 
@@ -16,18 +17,17 @@ from solver.enumeration.certificates import (
     AMPLITUDE,
     GAIN_BOUNDS,
     MEAN,
-    MOST,
     ROOT,
     STABLE,
     enumerate_point,
     enumerate_points,
     workspace,
 )
-from solver.model.checks import ParameterError
+from solver.model.checks import finite_array, finite_number, frequency
 from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
 
-__all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row"]
+__all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row", "enumerate_values"]
 
 
 class Proof(enum.IntEnum):
@@ -128,18 +128,18 @@ class RowSolutions:
 
     Parameters
     ----------
-    mean, cos, sin : (X, S) arrays
+    motions : (X, S, 3) array
+        lambda_m, lambda_c, lambda_s.
     radius : (X, S) array
         Bound of the error of each of the three.
     stable : (X, S) int8 array
+        1 where det J > 0, else 0; proven.
     n_solutions : (X,) int array
     proof, above : (X,) int8 arrays
         `Proof` and `Above`.
     """
 
-    mean: np.ndarray
-    cos: np.ndarray
-    sin: np.ndarray
+    motions: np.ndarray
     radius: np.ndarray
     stable: np.ndarray
     n_solutions: np.ndarray
@@ -147,9 +147,28 @@ class RowSolutions:
     above: np.ndarray
 
     @property
+    def mean(self) -> np.ndarray:
+        """lambda_m, (X, S)."""
+        return self.motions[:, :, 0]
+
+    @property
+    def cos(self) -> np.ndarray:
+        """lambda_c, (X, S)."""
+        return self.motions[:, :, 1]
+
+    @property
+    def sin(self) -> np.ndarray:
+        """lambda_s, (X, S)."""
+        return self.motions[:, :, 2]
+
+    @property
     def amplitude(self) -> np.ndarray:
         """lambda_a, (X, S)."""
         return np.hypot(self.cos, self.sin)
+
+    def take(self, places: np.ndarray) -> "RowSolutions":
+        """Those at some of the values, by their indices."""
+        return RowSolutions(*(getattr(self, part.name)[places] for part in dataclasses.fields(self)))
 
 
 def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -> Solutions:
@@ -174,19 +193,17 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     ArithmeticError
         If two proofs contradict each other, which would be a defect of the program.
     """
-    _check(amplitude_max, omega)
+    omega, ceiling = frequency(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
     theta, direction = axis_vectors(model, "omega")
     found, undecided, work = workspace()
-    count, n_open, proof, above, visits = enumerate_point(
-        theta, direction, float(omega), float(amplitude_max), found, undecided, work
-    )
+    count, n_open, proof, above, visits = enumerate_point(theta, direction, omega, ceiling, found, undecided, work)
     proof = Proof(proof)
     if proof is Proof.CONTRADICTION:
         raise ArithmeticError(f"{proof.sentence} It happened at omega = {omega!r} for {model!r}.")
     boxes = found[:count, MEAN:AMPLITUDE].reshape(count, 3, 2).copy()
     motions = undecided[:n_open][:, [ROOT, ROOT + 1, MEAN, MEAN + 1, AMPLITUDE, AMPLITUDE + 1]]
     return Solutions(
-        float(omega),
+        omega,
         *np.mean(boxes, axis=2).T,
         found[:count, STABLE].astype(np.int8),
         boxes,
@@ -218,27 +235,16 @@ def enumerate_row(
     RowSolutions
         Points at which proofs contradict each other carry `Proof.CONTRADICTION`; nothing is raised for them.
     """
-    grid = np.array(grid, dtype=float)
-    _check(amplitude_max, *(grid if axis == "omega" else [omega]))
-    theta, direction = axis_vectors(model, axis, omega)
-    counts, proof, above = np.empty(grid.size, np.int64), np.empty(grid.size, np.int8), np.empty(grid.size, np.int8)
-    unknowns = np.empty((grid.size, MOST, 3))
-    radius, stable = np.empty((grid.size, MOST)), np.empty((grid.size, MOST), np.int8)
-    enumerate_points(theta, direction, grid, float(amplitude_max), unknowns, radius, stable, counts, proof, above)
-    most = max(int(counts.max(initial=0)), 1)
-    return RowSolutions(
-        *np.ascontiguousarray(np.moveaxis(unknowns[:, :most], 2, 0)),
-        radius[:, :most].copy(),
-        stable[:, :most].copy(),
-        counts,
-        proof,
-        above,
-    )
+    grid = finite_array("grid", grid, (None,))
+    if axis == "omega":
+        for value in grid:
+            frequency(float(value))
+    else:
+        omega = frequency(omega)
+    ceiling = finite_number("amplitude_max", amplitude_max, above=0.0)
+    return enumerate_values(*axis_vectors(model, axis, omega), grid, ceiling)
 
 
-def _check(amplitude_max, *frequencies):
-    for omega in frequencies:
-        if omega is None or not 0.0 < omega < np.inf:
-            raise ParameterError("omega", omega, "a finite number above 0")
-    if not 0.0 < amplitude_max < np.inf:
-        raise ParameterError("amplitude_max", amplitude_max, "a finite number above 0")
+def enumerate_values(theta: np.ndarray, direction: np.ndarray, grid: np.ndarray, ceiling: float) -> RowSolutions:
+    """`enumerate_row` of `solver.model.condensation.axis_vectors`, for callers that have these; nothing is checked."""
+    return RowSolutions(*enumerate_points(theta, direction, grid, float(ceiling)))

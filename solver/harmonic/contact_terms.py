@@ -1,11 +1,11 @@
 """The contact spectra of a motion of a system, and what the periodic stiffness makes of a spectrum."""
 
 import numpy as np
-from numba import types
 
 from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
 from solver.harmonic.impedance import stiffness_phasor
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 
 __all__ = ["coefficient", "contact_of", "modulated"]

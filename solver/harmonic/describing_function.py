@@ -17,10 +17,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
 from solver.contact.dead_zone import describing_functions
 from solver.continuation.problem import Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.condensation import (
@@ -193,7 +193,8 @@ def linear_solution(theta, direction, p, unknowns):
     balance(base, along, y, residual, jacobian)
     square = jacobian[:, :3].copy()
     determinant = eliminate(square, residual)
-    unknowns[:] = -residual
+    for i in range(3):
+        unknowns[i] = -residual[i]
     return determinant
 
 

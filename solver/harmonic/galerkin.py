@@ -16,20 +16,21 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
-from solver.contact.spectrum import extremes
+from solver.contact.spectrum import displacement, extrema, extremes
 from solver.continuation.problem import Problem
+from solver.continuation.setup import CONTACT_ROW
 from solver.harmonic.contact_terms import coefficient, contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance
 from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES, packed
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 
-__all__ = ["Galerkin", "balance", "linear_solution", "monitor"]
+__all__ = ["Galerkin", "balance", "contacts", "linear_solution", "monitor"]
 
 _F = types.float64
 _COMPLEX = np.complex128
@@ -130,6 +131,31 @@ def monitor(theta, direction, y, values, gradient):
             gradient[i, 2 * k - 1], gradient[i, 2 * k] = z.real, z.imag
 
 
+@kernel(types.int64(ARRAY, ARRAY, ARRAY, MATRIX))
+def contacts(theta, direction, y, rows):
+    """Every local extremum of lambda against each flank that there is; see `solver.continuation.setup.CONTACTS`."""
+    n = y.shape[0] - 1
+    slope, angles, zones = np.empty(n), np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
+    count, found = extrema(y[:n], slope, angles, zones), 0
+    for i in range(count):
+        value = displacement(y[:n], angles[i])[0]
+        turn = complex(math.cos(angles[i]), math.sin(angles[i]))
+        for slot, flank in ((FRONT, 1.0), (BACK, -1.0)):
+            if not math.isfinite(theta[slot]) or found == rows.shape[0]:
+                continue
+            row = rows[found]
+            # Where the slope becomes positive lambda is smallest.
+            row[0], row[1], row[2] = angles[i], flank, -1.0 if zones[i] == 1 else 1.0
+            row[3] = value - flank * (theta[slot] + y[n] * direction[slot])
+            row[CONTACT_ROW], row[CONTACT_ROW + n] = 1.0, -flank * direction[slot]
+            z = 1.0 + 0j
+            for k in range(1, n // 2 + 1):
+                z *= turn
+                row[CONTACT_ROW + 2 * k - 1], row[CONTACT_ROW + 2 * k] = z.real, z.imag
+            found += 1
+    return found
+
+
 @kernel(_F(ARRAY, ARRAY, _F, ARRAY))
 def linear_solution(theta, direction, p, unknowns):
     """Solution of the balance without backlash (f = lambda), and the sign of its Jacobian's determinant.
@@ -147,7 +173,8 @@ def linear_solution(theta, direction, p, unknowns):
     square = jacobian[:, :n].copy()
     right = residual.copy()
     determinant = eliminate(square, right)
-    unknowns[:] = -right
+    for i in range(n):
+        unknowns[i] = -right[i]
     unknowns[0] += 1.0
     return np.sign(determinant)
 
@@ -232,7 +259,7 @@ class Galerkin:
     @staticmethod
     def balance_problem(theta: np.ndarray, direction: np.ndarray, scale: np.ndarray) -> Problem:
         """The balance as a curve for vectors of `solver.harmonic.layout.packed`."""
-        return Problem(balance, monitor, theta, direction, scale, monitors=5)
+        return Problem(balance, monitor, theta, direction, scale, monitors=5, contacts=contacts)
 
     def lifted(self, motions: np.ndarray) -> np.ndarray:
         """First-order motions (..., 3) as starting values (..., n) of this balance."""

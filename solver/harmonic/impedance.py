@@ -6,16 +6,17 @@ f,
     D Lambda + A f + B q = G
 
 Gear pair (docs/physics.md, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the
-mesh row. Other systems, closed by a contact of stiffness 1 so that a free rigid motion does no harm, Z = K + s C + s^2
-M + h w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A.
+mesh row. Other systems, Z_0 = K + s C + s^2 M, closed by the contact so that a free rigid motion does no harm, Z = Z_0
++ h w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A. That is det Z_0/det Z (matrix determinant lemma) and
+is computed as such, because A of a stiff contact is 1 but for its last digits.
 """
 
 import cmath
 
 import numpy as np
-from numba import types
 
 from solver.harmonic.layout import DEGREES, GEAR, KIND, LOADS, OMEGA, PAIRS, PERIOD, SIGN, STIFFNESSES
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.kernels.linear import eliminate_rows
 from solver.model.condensation import (
@@ -104,7 +105,8 @@ def _system_impedance(theta, direction, p, s, d_s, l):
     inertial = fixed + 2 * n * (loads + 1)
     forward, backward, change = np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX)
     # Right-hand sides h, h_v, F and (for the derivative alone) dF; across solves the transposed system for w.
-    rights, across = np.zeros((4, n), _COMPLEX), np.empty((1, n), _COMPLEX)
+    rights, across, none = np.zeros((4, n), _COMPLEX), np.empty((1, n), _COMPLEX), np.empty((0, n), _COMPLEX)
+    free = np.empty((n, n), _COMPLEX)
     omega, d_omega = l * (theta[OMEGA] + p * direction[OMEGA]), l * direction[OMEGA]
     for i in range(n):
         rights[0, i], rights[1, i], across[0, i] = force[i], varying[i], contact[i]
@@ -120,10 +122,11 @@ def _system_impedance(theta, direction, p, s, d_s, l):
             rights[3, i] = d_steady + omega * omega * d_growing + 2.0 * omega * d_omega * growing
         for j in range(n):
             at = i * n + j
-            closed = stiffness[at] + s * damping[at] + s * s * mass[at] + force[i] * contact[j]
+            free[i, j] = stiffness[at] + s * damping[at] + s * s * mass[at]
+            closed = free[i, j] + force[i] * contact[j]
             forward[i, j], backward[j, i] = closed, closed
             change[i, j] = (damping[at] + 2.0 * s * mass[at]) * d_s
-    eliminate_rows(forward, rights)
+    D = eliminate_rows(free, none) / eliminate_rows(forward, rights)
     eliminate_rows(backward, across)
     A, B, G, d_A, d_B, d_G = 0j, 0j, 0j, 0j, 0j, 0j
     for i in range(n):
@@ -136,11 +139,8 @@ def _system_impedance(theta, direction, p, s, d_s, l):
             d_A -= weight * rights[0, j]
             d_B -= weight * rights[1, j]
             d_G -= weight * rights[2, j]
-    factor = theta[SIGN] if l == 0 else 1.0
-    return (
-        (factor * (1.0 - A), factor * A, factor * B, factor * G),
-        (-factor * d_A, factor * d_A, factor * d_B, factor * d_G),
-    )
+    factor = theta[SIGN] if l == 0 else abs(theta[SIGN])
+    return ((factor * D, factor * A, factor * B, factor * G), (-factor * d_A, factor * d_A, factor * d_B, factor * d_G))
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inline=True)

@@ -12,7 +12,7 @@ import numpy as np
 from solver.model.checks import ParameterError
 from solver.model.condensation import ALPHA, ALPHA_PHASE, F_E, F_E_PHASE, B, axis_vectors
 from solver.model.condensation import OMEGA as MODEL_OMEGA
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, reduced
 from solver.model.gear_model import Model
 
 __all__ = [
@@ -86,6 +86,7 @@ def _gear(model: Model, axis: str, omega: float | None):
 def _system(system: ContactSystem, axis: str, omega: float | None):
     if axis not in SYSTEM_AXES:
         raise ParameterError("axis", axis, f"one of {', '.join(SYSTEM_AXES)}")
+    system = reduced(system)
     pairs = np.array(system.stiffness_harmonics or ((0.0, 0.0),), dtype=float)
     size = max(len(system.load), len(system.inertial_load))
     loads = [np.zeros((size, system.degrees), dtype=complex) for _ in range(2)]
@@ -97,6 +98,9 @@ def _system(system: ContactSystem, axis: str, omega: float | None):
         raise ParameterError(
             "stiffness", system.stiffness, "such that closing the contact makes the system statically stable"
         )
+    # A contact that is stiffer than what carries it makes the equations small; a power of 2 changes nothing else.
+    stiffer = abs(system.contact @ np.linalg.pinv(system.stiffness) @ system.force)
+    sign *= 2.0 ** max(0.0, np.round(np.log2(max(stiffer, 1.0))))
     head = np.zeros(PAIRS)
     head[[KIND, STIFFNESSES, LOADS, DEGREES, SIGN]] = SYSTEM, len(pairs), size - 1, system.degrees, sign
     head[OMEGA], head[FRONT], head[BACK] = omega or 0.0, system.front_gap, system.back_gap

@@ -3,11 +3,12 @@
 LAPACK through numba costs about 1 us per 4 x 4 solve, three times what the whole balance costs; this one is 0.1 us.
 """
 
-from numba import types
-
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
-__all__ = ["dot", "eliminate", "eliminate_rows"]
+__all__ = ["copy_into", "dot", "eliminate", "eliminate_rows"]
+
+COMPLEX_MATRIX = types.complex128[:, ::1]
 
 
 @kernel(types.float64(ARRAY, ARRAY), inline=True)
@@ -19,7 +20,14 @@ def dot(left, right):
     return total
 
 
-@kernel(types.float64(MATRIX, MATRIX), inner=True)
+@kernel(types.void(ARRAY, ARRAY), inline=True)
+def copy_into(target, source):
+    """Copy as much of `source` as `target` holds; a slice assignment takes numba seconds to compile."""
+    for i in range(target.shape[0]):
+        target[i] = source[i]
+
+
+@kernel(types.float64(MATRIX, MATRIX), types.complex128(COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)
 def eliminate_rows(matrix, rights):
     """Solve matrix @ x = right in place for several right-hand sides, by elimination with partial pivoting.
 

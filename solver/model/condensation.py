@@ -8,8 +8,8 @@ are theta + p * direction, so that every scalar of the gear, the frequency inclu
 import math
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import ParameterError
 from solver.model.gear_model import GEOMETRIC, SCALAR_PARAMETERS, Model

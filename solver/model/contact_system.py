@@ -10,6 +10,7 @@ only along d and merge into one coordinate each, exactly (docs/physics.md, secti
 coordinates remain of seven.
 """
 
+import dataclasses
 import math
 from dataclasses import dataclass, field
 
@@ -18,7 +19,7 @@ import numpy as np
 from solver.model.checks import ParameterError
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
-__all__ = ["ContactSystem", "gear_system"]
+__all__ = ["ContactSystem", "gear_system", "reduced"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,16 +137,56 @@ class ContactSystem:
         return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
 
 
+def reduced(system: ContactSystem) -> ContactSystem:
+    """The system without coordinates that the contact force does not reach and that are not seen at lambda.
+
+    They are no part of the motion: their equations have no solution but their own (docs/physics.md, section 9). The
+    system itself where there are none; else it is written with M = I.
+    """
+    parts = [system.stiffness, system.damping, system.force[:, None], system.varying_force[:, None]]
+    inverse = np.linalg.solve(system.mass, np.hstack([*parts, system.load.T, system.inertial_load.T]))
+    n = system.degrees
+    stiffness, damping, force, varying = inverse[:, :n], inverse[:, n : 2 * n], inverse[:, 2 * n], inverse[:, 2 * n + 1]
+    coupled = (stiffness != 0.0) | (damping != 0.0)
+    reached, seen = (force != 0.0) | (varying != 0.0), system.contact != 0.0
+    for _ in range(n):
+        reached = reached | np.any(coupled & reached[None, :], axis=1)
+        seen = seen | np.any(coupled & seen[:, None], axis=0)
+    kept = reached | seen
+    if np.all(kept):
+        return system
+    both, load = np.ix_(kept, kept), inverse[:, 2 * n + 2 :].T
+    return dataclasses.replace(
+        system,
+        mass=np.eye(int(np.sum(kept))),
+        damping=damping[both].real,
+        stiffness=stiffness[both].real,
+        contact=system.contact[kept],
+        force=force[kept].real,
+        varying_force=varying[kept].real,
+        load=load[: len(system.load), kept],
+        inertial_load=load[len(system.load) :, kept],
+    )
+
+
+# A support has no part in the contact direction where its share of d . d is rounding.
+_NO_COUPLING = 1e-30
+
+
 def gear_system(model: Model) -> ContactSystem:
     """The bevel pair, supports of equal (xi_j, k_j) merged; coordinates are one u = sum d_j x_j per kind, then lambda.
 
     u'' + 2 xi u' + k u = -sum_j d_j^2 [kappa_g k_t f + 2 xi_hg lambda'] over the supports j of that kind, and all u''
-    together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own.
+    together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own;
+    nor are supports without a share in d, of which there is no coordinate: with sigma = 0 lambda alone is left.
     """
     squares = model.direction**2
+    # What the contact does not reach is no part of the motion; cos 90 degrees is 6e-17.
+    reached = squares > _NO_COUPLING
     kappa, xi_mesh = np.repeat(model.kappa, 3), np.repeat(model.xi_translation, 3)
-    kinds = list(dict.fromkeys(zip(model.xi_support, model.k_support, strict=True)))
-    member = np.array([kinds.index(pair) for pair in zip(model.xi_support, model.k_support, strict=True)])
+    pairs = list(zip(model.xi_support, model.k_support, strict=True))
+    kinds = list(dict.fromkeys(pair for pair, part in zip(pairs, reached, strict=True) if part))
+    member = np.array([kinds.index(pair) if part else -1 for pair, part in zip(pairs, reached, strict=True)])
     groups = len(kinds)
     n, c = groups + 1, model.rotation
     mass, damping, stiffness = np.eye(n), np.zeros((n, n)), np.zeros((n, n))

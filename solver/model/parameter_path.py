@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 from numpy.polynomial import chebyshev
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import ParameterError
 from solver.model.gear_model import Model

@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
-from solver.boundaries.plane import Plane
+from solver.boundaries.problem import Plane
 from solver.contact.impact import domain_code, domain_label, impact_state
 from solver.enumeration.solutions import Proof, enumerate_row
 from solver.model.parameter_path import place_on
@@ -123,7 +123,7 @@ class Labeller:
 
 def _enumerated(plane: Plane, value: float, x: np.ndarray, amplitude_max: float):
     """Every solution at places of one row."""
-    model, omega = place_on(plane.p_axis, value, plane.model, plane.omega)
+    model, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
     return enumerate_row(model, plane.x_axis, x, omega=omega, amplitude_max=amplitude_max)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
-from solver.boundaries.plane import Plane
+from solver.boundaries.problem import Plane
 from solver.contact.impact import domain_label
 from solver.continuation.continuation import EndReason, Event
 from solver.model.checks import ParameterError

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.boundaries.curve import BoundaryCurve, SpecialPoint
+from solver.boundaries.curve import BoundaryCurve
+from solver.boundaries.special_points import SpecialPoint
 
 __all__ = ["Arc", "LEFT", "RIGHT", "RegionError", "RowCrossings", "Slab", "slabs"]
 

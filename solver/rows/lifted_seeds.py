@@ -15,7 +15,9 @@ import numpy as np
 from solver.continuation.continuation import Curve, EndReason, Event
 from solver.harmonic.galerkin import Galerkin
 from solver.model.checks import ParameterError
-from solver.rows.seeds import RowError, RowSpan, grown_solution, missing_degree, proven_solutions, runs
+from solver.rows.crossings import Crossings, crossings
+from solver.rows.seeds import Branches, grown_solution, missing_degree, proven_solutions
+from solver.rows.span import RowSpan, ends_notes, runs
 
 __all__ = ["LiftedSeeds", "equal_motions"]
 
@@ -35,45 +37,37 @@ class LiftedSeeds:
     ----------
     columns : int
         Number of evenly spaced values, both ends included.
-    every_column : bool
-        Whether the row's grid values are looked at as well.
     """
 
     columns: int = 197
-    every_column: bool = False
 
     def __post_init__(self):
         if not 2 <= self.columns <= 10**6:
             raise ParameterError("certify_columns", self.columns, "from 2 to 1000000")
 
-    def branches(self, span: RowSpan, grid: np.ndarray) -> tuple[tuple[Curve, ...], int]:
-        """All branches found, and how many of them needed no grid value; as `ProvenSeeds.branches`."""
-        spaced = np.linspace(span.low, span.high, self.columns)
-        probes = np.union1d(spaced, grid) if self.every_column else spaced
-        first = np.searchsorted(probes, spaced)
-        order = [first[0], first[-1], *first[1:-1], *np.setdiff1d(np.arange(probes.size), first)]
+    def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
+        """All branches found."""
+        probes = np.linspace(span.low, span.high, self.columns)
+        order = [0, self.columns - 1, *range(1, self.columns - 1)]
         if span.balance.period > 1:
             # Where subharmonics vanish the curve is singular: no use in creeping up to it.
             settings = dataclasses.replace(span.continuation, smallest_step=max(span.continuation.smallest_step, 1e-5))
             span = dataclasses.replace(span, continuation=settings)
         found = _Found(span, probes)
-        lifted = span.balance.lifted(proven_solutions(span, probes))
-        early = 0
+        lifted = span.balance.lifted(proven_solutions(span, probes).motions)
         for rank, column in enumerate(order):
             for start in lifted[column]:
                 if not np.isnan(start[0]):
                     found.add(column, start)
-            if rank < self.columns and rank % _EVERY == 0:
+            if rank % _EVERY == 0:
                 for start in _guesses(span, found.motions(column)):
                     found.add(column, start)
-            if rank == self.columns - 1:
-                early = len(found.curves)
         for first_missing, last_missing in runs(found.missing()):
             column = (first_missing + last_missing) // 2
             start = grown_solution(span, float(probes[column]))
             if start is not None:
                 found.add(column, start[:-1])
-        return tuple(found.curves), early if self.every_column else len(found.curves)
+        return Branches(tuple(found.curves), notes=found.notes)
 
 
 def _guesses(span: RowSpan, known: list[np.ndarray]) -> Iterator[np.ndarray]:
@@ -103,7 +97,8 @@ class _Found:
     def __init__(self, span: RowSpan, probes: np.ndarray):
         self.span, self.probes = span, probes
         self.curves: list[Curve] = []
-        self._parts: list[tuple] = []
+        self._met: list[Crossings] = []
+        self._lost: list[str] = []
         self._at: list[list[np.ndarray]] = [[] for _ in probes]
 
     def motions(self, column: int) -> list[np.ndarray]:
@@ -112,7 +107,7 @@ class _Found:
 
     def missing(self) -> np.ndarray:
         """Where the degree does not add up, (probes,) bool."""
-        return missing_degree(self.span, self.probes, self._parts)
+        return missing_degree(self.span, self.probes, self._met)
 
     def _known(self, column: int, motion: np.ndarray) -> bool:
         scale, period = self.span.problem.scale[:-1], self.span.balance.period
@@ -124,16 +119,23 @@ class _Found:
         if y is not None and not self._known(column, y[:-1]):
             self._follow(y)
             if not self._known(column, y[:-1]):
-                raise RowError(
-                    f"continuation leaves the solution found at {self.span.axis} = {y[-1]:.9g} with mean {y[0]:.6g}"
-                )
+                # Known from now on, so that it is not followed again.
+                self._at[column].append(y[:-1])
+                self._lost.append(f"Continuation leaves the solution found at {self.span.place(y)}.")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What could not be traced, in sentences."""
+        return (*ends_notes(self.span, self.curves), *self._lost)
 
     def _follow(self, y: np.ndarray) -> None:
-        curve = self.span.whole(_one_phase(self.span, self.span.traced(y)))
+        curve = _one_phase(self.span, self.span.traced(y))
+        if len(curve.points) < 2:
+            return
         self.curves.append(curve)
-        columns, unknowns, stable = self.span.crossings(curve, self.probes)
-        self._parts.append((columns, unknowns, stable))
-        for at, motion in zip(columns.tolist(), unknowns, strict=True):
+        met = crossings(self.span, curve, self.probes)
+        self._met.append(met)
+        for at, motion in zip(met.column.tolist(), met.unknowns, strict=True):
             self._at[at].append(motion)
         for place in np.flatnonzero(curve.event == Event.BRANCH_POINT):
             self._switch(curve, int(place))
@@ -142,24 +144,12 @@ class _Found:
         """Follow the branch that crosses a curve at one of its points, if it is a new one."""
         span, problem, y = self.span, self.span.problem, curve.points[place]
         n = problem.unknowns
-        jacobian = np.empty((n, n + 1))
-        problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
+        _, jacobian = problem.evaluated(y)
         null = np.linalg.svd(jacobian[:, :n] * problem.scale[:n])[2][-1]
         normal = np.append(null, 0.0)
-        start = y + _OFF * normal * problem.scale
-        corrector = span.continuation.corrector
-        count = corrector.kernel(
-            problem.balance,
-            problem.theta,
-            problem.direction,
-            problem.scale,
-            start,
-            normal,
-            corrector.tolerance,
-            20,
-            np.empty((3 * n + 6, n + 1)),
-        )
-        if count < 0 or not span.low <= start[n] <= span.high:
+        off = y + _OFF * normal * problem.scale
+        start = problem.corrected(off, span.continuation.corrector, normal, max_iterations=20)
+        if start is None or not span.low <= start[n] <= span.high:
             return
         if all(_far(start, other, problem.scale, span.balance.period) for other in self.curves):
             self._follow(start)
@@ -213,13 +203,4 @@ def _one_phase(span: RowSpan, curve: Curve) -> Curve:
         EndReason.JOINED if place != whole or (end is EndReason.STEP_TOO_SMALL and size[place] < _VANISHING) else end
         for place, whole, end in zip((first, last), (0, len(size) - 1), curve.ends, strict=True)
     )
-    here = slice(first, last + 1)
-    return Curve(
-        curve.points[here],
-        curve.tangents[here],
-        curve.arclength[here] - curve.arclength[first],
-        curve.stable[here],
-        curve.event[here],
-        ends,
-        curve.refused,
-    )
+    return curve.between(first, last, ends)

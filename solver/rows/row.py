@@ -1,28 +1,29 @@
 """One row of a plane: its branches, the solutions at the row's grid values, and whether these are proven to be all."""
 
-import dataclasses
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.contact.impact import domain_code, impact_state
 from solver.continuation.continuation import Continuation, Curve, EndReason, Event
-from solver.continuation.on_curve import curve_crossings
 from solver.continuation.problem import Balance
-from solver.enumeration.solutions import Above, Proof, RowSolutions, enumerate_row
+from solver.enumeration.solutions import Above, Proof
 from solver.harmonic.describing_function import DescribingFunction
-from solver.model.checks import ParameterError
-from solver.model.condensation import axis_vectors
+from solver.harmonic.layout import packed
+from solver.model.checks import ascending_grid, frequency, one_of
+from solver.model.condensation import AXES
 from solver.model.gear_model import Model
-from solver.rows.seeds import ProvenSeeds, RowError, RowSpan, missing_degree
+from solver.rows.crossings import crossings
+from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, proven_solutions
+from solver.rows.span import BROKEN, RowSpan
 from solver.stability import assess
-from solver.stability.bifurcations import with_bifurcations
+from solver.stability.bifurcations import KnownMotions, locate_bifurcations
+from solver.stability.multipliers import TESTS
 
 __all__ = ["Row", "sweep_row"]
-
-# Continuation and enumeration know a solution to about 1e-12 of its scale, except next to a fold.
-_AGREE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -49,13 +50,12 @@ class Row:
         Largest modulus of the multipliers; nan beyond the number of solutions.
     open : (X,) int8 array
         1 where solutions above the amplitude ceiling exist or are not excluded, and on both sides of a place where a
-        branch left through it.
+        branch left through it. Where nothing is proven also where the solutions do not add up to the degree of the
+        balance, between such places unless enumeration excludes it, and beside those where a branch breaks off.
     certified : (X,) int8 array
         1 where the solutions are proven to be all of them, 0 where that is undecided, -1 where it was not asked.
-    early : int
-        How many of the curves were found without looking at the grid values.
-    everywhere : bool
-        Whether seeds were sought at the grid values as well.
+    notes : tuple of str
+        What could not be decided or traced, in sentences.
     """
 
     balance: Balance
@@ -70,18 +70,12 @@ class Row:
     multiplier: np.ndarray
     open: np.ndarray
     certified: np.ndarray
-    early: int
-    everywhere: bool
+    notes: tuple[str, ...]
 
     @property
     def n_folds(self) -> int:
-        """Folds on the curves that were found without looking at the grid values."""
-        return sum(int(np.sum(curve.event == Event.FOLD)) for curve in self.curves[: self.early])
-
-    @property
-    def n_gained(self) -> int:
-        """Curves that only the grid values brought; -1 where they were not looked at."""
-        return len(self.curves) - self.early if self.everywhere else -1
+        """Folds on all curves."""
+        return sum(int(np.sum(curve.event == Event.FOLD)) for curve in self.curves)
 
     @property
     def mean(self) -> np.ndarray:
@@ -146,7 +140,7 @@ def sweep_row(
     *,
     omega: float | None = None,
     continuation: Continuation | None = None,
-    seeds=None,
+    seeds: Seeds | None = None,
     balance: Balance | None = None,
 ) -> Row:
     """Continue all branches over one axis and solve at the grid values.
@@ -162,150 +156,176 @@ def sweep_row(
         The frequency, > 0; needed unless it is the axis.
     continuation : Continuation, optional
     seeds : ProvenSeeds, LinearSeeds or solver.rows.lifted_seeds.LiftedSeeds, optional
-        How branches are found; `ProvenSeeds` unless given. With `ProvenSeeds(every_column=True)` the solutions at every
-        grid value are compared with their enumeration. `LiftedSeeds` are for the Galerkin balance.
+        How branches are found; `ProvenSeeds` unless given, which prove the solutions at every grid value.
+        `LiftedSeeds` are for the Galerkin balance.
     balance : Balance, optional
         The describing function of first order unless given.
 
     Returns
     -------
     Row
+        What could not be decided or traced is marked at its grid values and said in the notes.
 
     Raises
     ------
     ParameterError
-        If the grid or the frequency is not allowed.
+        If the grid, the frequency or the axis is not allowed.
     RowError
-        If a branch ends for want of step size or room, a grid value cannot be solved, or continuation does not find
-        what enumeration proves to exist.
+        If at a grid value the balance leaves the mean open, so that there is a continuum of solutions.
     """
-    grid = np.array(grid, dtype=float)
-    continuation = continuation or Continuation()
-    if grid.ndim != 1 or grid.size < 2 or not np.all(np.isfinite(grid)) or not np.all(np.diff(grid) > 0.0):
-        raise ParameterError("grid", f"array of shape {grid.shape}", "at least two finite ascending values")
-    frequency = grid[0] if axis == "omega" else omega
-    if frequency is None or not 0.0 < frequency < np.inf:
-        raise ParameterError("omega", frequency, "a finite number above 0")
-    axis_vectors(model, axis, omega)
+    grid = ascending_grid("grid", grid, 2)
+    one_of("axis", axis, AXES)
+    omega = frequency(float(grid[0])) if axis == "omega" else frequency(omega)
     if axis != "omega":
         for value in (grid[0], grid[-1]):
             model.replace(**{axis: float(value)})
-    balance = balance or DescribingFunction()
-    span = RowSpan(balance, model, axis, float(grid[0]), float(grid[-1]), omega, continuation)
-    seeds = seeds or ProvenSeeds()
-    curves, early = seeds.branches(span, grid)
-    curves = tuple(_with_bifurcations(span, curve) for curve in curves)
-    b = grid if axis == "b" else np.full(grid.size, model.b)
-    row = _assemble(span, grid, b, curves, early, seeds.every_column)
-    if not isinstance(seeds, ProvenSeeds):
-        return row
-    # Enumeration knows what lies above the ceiling; it is asked where branches left, or everywhere.
-    asked = np.full(grid.size, seeds.every_column) | (row.open == 1)
-    solutions = enumerate_row(model, axis, grid[asked], omega=omega, amplitude_max=continuation.amplitude_max)
-    row.open[asked] = solutions.above != Above.EMPTY
-    row.open[_beside(grid, _exits(curves))] = 1
-    return _certify(row, solutions, float(span.problem.scale[0])) if seeds.every_column else row
+    span = RowSpan(
+        balance or DescribingFunction(),
+        model,
+        axis,
+        float(grid[0]),
+        float(grid[-1]),
+        None if axis == "omega" else omega,
+        continuation or Continuation(),
+    )
+    found = (seeds or ProvenSeeds()).branches(span, grid)
+    return _described(span, grid, found, _raster(span, grid, found))
 
 
-def _with_bifurcations(span: RowSpan, curve: Curve) -> Curve:
-    """The curve with the points at which dynamic stability changes."""
-    try:
-        return with_bifurcations(span.balance, span.problem, curve, span.continuation)
-    except ArithmeticError as error:
-        raise RowError(str(error)) from error
+class _Raster(NamedTuple):
+    """Solutions at X grid values, one after the other; whether more lie above the ceiling, and what is proven."""
+
+    column: np.ndarray
+    unknowns: np.ndarray
+    stable: np.ndarray
+    open: np.ndarray
+    certified: np.ndarray
+    notes: tuple[str, ...]
 
 
-def _assemble(span: RowSpan, grid, b, curves, early: int, everywhere: bool) -> Row:
-    """Solve at the grid values and sort the solutions of each by amplitude."""
-    try:
-        parts = [curve_crossings(span.problem, curve, grid, span.continuation) for curve in curves]
-    except ArithmeticError as error:
-        raise RowError(str(error)) from error
-    missing = missing_degree(span, grid, parts)
-    n = span.problem.unknowns
-    column = np.concatenate([part[0] for part in parts]) if parts else np.empty(0, np.int64)
-    unknowns = np.concatenate([part[1] for part in parts]) if parts else np.empty((0, n))
-    stable = np.concatenate([part[2] for part in parts]) if parts else np.empty(0, np.int8)
-    amplitude = np.linalg.norm(unknowns[:, list(span.balance.fundamental)], axis=1)
-    order = np.lexsort((unknowns[:, 0], amplitude, column))
-    column, unknowns, stable = column[order], unknowns[order], stable[order]
+def _raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
+    return _traced_raster(span, grid, found) if found.solutions is None else _proven_raster(span, grid, found)
+
+
+def _proven_raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
+    """The solutions that enumeration proves, and where it is undecided those that branches pass besides.
+
+    What enumeration and continuation do not agree on is not certified.
+    """
+    solutions, notes = found.solutions, []
+    column, place = np.nonzero(solutions.stable >= 0)
+    columns, unknowns, stable = [column], [solutions.motions[column, place]], [solutions.stable[column, place]]
+    undecided, contradicted = solutions.proof == Proof.UNDECIDED, solutions.proof == Proof.CONTRADICTION
+    untraced, unknown = np.any((solutions.stable >= 0) & ~found.on_curve, axis=1), np.zeros(grid.size, bool)
+    for stray in found.strays:
+        decided = ~undecided[stray.column]
+        unknown[stray.column[decided]] = True
+        columns.append(stray.column[~decided])
+        unknowns.append(stray.unknowns[~decided])
+        stable.append(stray.stable[~decided])
+    for flags, sentence in (
+        (undecided, Proof.UNDECIDED.sentence),
+        (contradicted, Proof.CONTRADICTION.sentence),
+        (untraced, "No branch was traced through a proven solution."),
+        (unknown, "A branch passes where enumeration proves that there is no solution."),
+    ):
+        notes += _note(span, grid, flags, sentence)
+    is_open = (solutions.above != Above.EMPTY) | _between(grid, found.curves, EndReason.AMPLITUDE_CEILING, False)
+    certified = (solutions.proof == Proof.PROVEN) & ~untraced & ~unknown
+    parts = (np.concatenate(part) for part in (columns, unknowns, stable))
+    return _Raster(*parts, is_open, certified.astype(np.int8), tuple(notes))
+
+
+def _traced_raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
+    """The solutions that the branches pass; open where these do not add up, and beside places where one breaks off."""
+    met = [crossings(span, curve, grid) for curve in found.curves]
+    column = np.concatenate([np.empty(0, np.int64), *(part.column for part in met)])
+    unknowns = np.concatenate([np.empty((0, span.problem.unknowns)), *(part.unknowns for part in met)])
+    stable = np.concatenate([np.empty(0, np.int8), *(part.stable for part in met)])
+    unreached = np.zeros(grid.size, bool)
+    for part in met:
+        unreached[part.unreached] = True
+    notes = _note(span, grid, unreached, "A branch passes, but its solution could not be computed.")
+    between = _between(grid, found.curves, EndReason.AMPLITUDE_CEILING, True)
+    if found.by_enumeration and np.any(between):
+        between[between] = proven_solutions(span, grid[between]).above != Above.EMPTY
+    is_open = missing_degree(span, grid, met) | between
+    is_open |= _between(grid, found.curves, EndReason.AMPLITUDE_CEILING, False)
+    for reason in BROKEN:
+        is_open |= _between(grid, found.curves, reason, False)
+    return _Raster(column, unknowns, stable, is_open | unreached, np.full(grid.size, -1, np.int8), tuple(notes))
+
+
+def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster) -> Row:
+    """The row, its solutions sorted by amplitude, with their states and their stability."""
+    b = grid if span.axis == "b" else np.full(grid.size, span.model.b)
+    amplitude = np.linalg.norm(raster.unknowns[:, list(span.balance.fundamental)], axis=1)
+    order = np.lexsort((raster.unknowns[:, 0], amplitude, raster.column))
+    column, unknowns, stable = raster.column[order], raster.unknowns[order], raster.stable[order]
     counts = np.bincount(column, minlength=grid.size)
     place = np.arange(column.size) - np.repeat(np.cumsum(counts) - counts, counts)
     shape = (grid.size, max(int(counts.max(initial=0)), 1))
-    motions = np.full((*shape, n), np.nan)
-    motions[column, place] = unknowns
-    stabilities = np.full(shape, -1, dtype=np.int8)
-    stabilities[column, place] = stable
-    impact = impact_state(*span.balance.extremes(motions), b[:, None])
-    stability = assess(
-        span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
-    )
-    instability, multiplier = np.full(shape, -1, dtype=np.int8), np.full(shape, np.nan)
-    instability[column, place], multiplier[column, place] = stability.kind, stability.modulus
+
+    def arranged(values, empty):
+        result = np.full((*shape, *values.shape[1:]), empty, values.dtype)
+        result[column, place] = values
+        return result
+
+    motions = arranged(unknowns, np.nan)
+    kind, modulus, tests = np.empty(0, np.int8), np.empty(0), np.empty((0, TESTS))
+    if column.size:
+        stability = assess(
+            span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
+        )
+        kind, modulus, tests = stability.kind.astype(np.int8), stability.modulus, stability.tests
+    parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
+    known = KnownMotions(grid[column], unknowns, tests)
+    located = [locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in found.curves]
     return Row(
         span.balance,
         span.axis,
         grid,
         b,
-        tuple(curves),
+        tuple(curve for curve, _ in located),
         motions,
-        stabilities,
-        impact,
-        instability,
-        multiplier,
-        _open(grid, curves, missing).astype(np.int8),
-        np.full(grid.size, -1, dtype=np.int8),
-        early,
-        everywhere,
+        arranged(stable, -1),
+        impact_state(*span.balance.extremes(motions), b[:, None]),
+        arranged(kind, -1),
+        arranged(modulus, np.nan),
+        raster.open.astype(np.int8),
+        raster.certified,
+        (*found.notes, *raster.notes, *(note for _, notes in located for note in notes)),
     )
 
 
-def _certify(row: Row, solutions: RowSolutions, scale: float) -> Row:
-    """Compare every column with its enumeration.
-
-    Raises
-    ------
-    RowError
-        If a proven solution is not among the continued ones, or the other way round where the count is proven.
-    """
-    proven = solutions.proof == Proof.PROVEN
-    theirs = np.stack([solutions.mean, solutions.cos, solutions.sin], axis=2)
-    gap = np.max(np.abs(theirs[:, :, None] - row.motions[:, None]), axis=3) / scale
-    near = np.nan_to_num(gap, nan=np.inf) <= _AGREE
-    unmatched = np.any(~np.any(near, axis=2) & ~np.isnan(solutions.mean), axis=1)
-    wrong = unmatched | (proven & (solutions.n_solutions != row.n_solutions))
-    wrong |= proven & (np.sum(solutions.stable == 1, axis=1) != row.n_stable)
-    if np.any(solutions.proof == Proof.CONTRADICTION):
-        raise RowError(Proof.CONTRADICTION.sentence)
-    if np.any(wrong):
-        column = int(np.flatnonzero(wrong)[0])
-        raise RowError(
-            f"enumeration and continuation disagree at {np.sum(wrong)} columns, first at {row.axis} = "
-            f"{row.grid[column]:.9g}: {solutions.n_solutions[column]} solutions against {row.n_solutions[column]}"
-        )
-    return dataclasses.replace(row, certified=proven.astype(np.int8))
+def _note(span: RowSpan, grid: np.ndarray, flags: np.ndarray, sentence: str) -> list[str]:
+    """A sentence with the grid values that it holds for; none where there are none."""
+    values = grid[flags]
+    if not values.size:
+        return []
+    more = f" and {values.size - 1} more" if values.size > 1 else ""
+    return [f"At {span.axis} = {values[0]:.9g}{more}: {sentence}"]
 
 
-def _exits(curves) -> np.ndarray:
-    """Axis values at which branches left through the amplitude ceiling, ascending."""
-    ends = (
+def _ends(curves: tuple[Curve, ...], reason: EndReason) -> Iterator[float]:
+    """Axis values at which curves end for one reason."""
+    return (
         curve.points[place, -1]
         for curve in curves
         for end, place in zip(curve.ends, (0, -1), strict=True)
-        if end is EndReason.AMPLITUDE_CEILING
+        if end is reason and len(curve.points)
     )
-    return np.sort(np.fromiter(ends, dtype=float))
 
 
-def _beside(grid: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Indices of the grid values on both sides of every place."""
-    right = np.searchsorted(grid, places)
-    return np.concatenate([right - 1, right]).clip(0, grid.size - 1)
+def _between(grid: np.ndarray, curves: tuple[Curve, ...], reason: EndReason, all_between: bool) -> np.ndarray:
+    """The grid values on both sides of every place at which a curve ends for one reason, (X,) bool.
 
-
-def _open(grid: np.ndarray, curves, missing: np.ndarray) -> np.ndarray:
-    """Grid values at which solutions above the ceiling exist, or lie between places where branches left through it."""
-    flags, beside = missing.copy(), _beside(grid, _exits(curves))
-    if beside.size:
+    With `all_between` also those between the first and the last of these.
+    """
+    flags = np.zeros(grid.size, bool)
+    right = np.searchsorted(grid, np.fromiter(_ends(curves, reason), dtype=float))
+    beside = np.concatenate([right - 1, right]).clip(0, grid.size - 1)
+    flags[beside] = True
+    if all_between and beside.size:
         flags[beside.min() : beside.max() + 1] = True
     return flags

@@ -1,37 +1,258 @@
-"""Stability of the motions of a row by both methods: what sweeps call."""
+"""Dynamic stability of many motions: monodromy matrices, multipliers, and what they say.
+
+Deviations from a motion that never switches contact depend on the linear system and the frequency alone: what several
+motions of one call share so is computed once.
+"""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from solver.continuation.problem import Balance
+from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
+from solver.harmonic.layout import PERIOD, SYSTEM_AXES, packed
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.checks import ParameterError
+from solver.model.condensation import AXES
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.stability.floquet import contact_shares, multipliers
-from solver.stability.hill import Truncation, centred_exponents
-from solver.stability.hill_roots import condensed_exponents
-from solver.stability.instability import Stability, combine
-from solver.stability.system_row import SystemRow, system_row
+from solver.stability.instability import named
+from solver.stability.monodromy import carry_through, fill_monodromies, find_switches, fitted_room, new_room
+from solver.stability.multipliers import LARGEST, TESTS, eigenvalues, spectral_tests, where_multipliers_lie
 
-__all__ = ["assess", "both_multipliers", "forget", "hill_multipliers", "truncation_of"]
+__all__ = ["TOLERANCE", "Stability", "assess", "classify", "monodromies", "motion_multipliers", "multipliers"]
 
-# Motions in contact all the time are linear: their multipliers depend on the linear system and the frequency alone,
-# which the rows of a plane share. Keyed by exactly that; emptied when full, which no plane of 400 columns reaches soon.
-_linear: dict[tuple, np.ndarray] = {}
-_LINEAR_ROOM = 20_000
+_I, _F = types.int64, types.float64
+_CUBE = types.float64[:, :, ::1]
 
-
-def forget() -> None:
-    """Drop what is remembered of linear motions; only measurements of time need it."""
-    _linear.clear()
+#: Moduli this close to 1 are undecided.
+TOLERANCE = 1e-6
 
 
-def truncation_of(balance: Balance | None) -> Truncation:
-    """How Hill's matrix must be truncated to match a balance; None is the describing function of first order."""
-    if balance is None:
-        return Truncation()
-    return Truncation(balance.harmonics, balance.period, balance.truncated)
+@dataclass(frozen=True)
+class Stability:
+    """Stability of k motions.
+
+    Parameters
+    ----------
+    kind : (k,) int8 array
+        `Instability`.
+    modulus : (k,) array
+        Largest modulus of the multipliers, whatever the kind; nan where they cannot be computed.
+    tests : (k, TESTS) array
+        `solver.stability.multipliers.spectral_tests` of every motion.
+    """
+
+    kind: np.ndarray
+    modulus: np.ndarray
+    tests: np.ndarray
+
+    @property
+    def margin(self) -> np.ndarray:
+        """1 - modulus, (k,): what a perturbation loses over a period, negative where it grows."""
+        return 1.0 - self.modulus
+
+
+@kernel(ARRAY(SWITCHED_SYSTEM), inner=True)
+def _linear_system(system):
+    """All that deviations depend on from a motion that never switches contact, as one array."""
+    parts = (system.matrices, system.vectors, system.variation)
+    size = 1
+    for part in parts:
+        size += part.size
+    numbers = np.empty(size)
+    numbers[0], at = system.numbers[FREQUENCY], 1
+    for part in parts:
+        for i in range(part.shape[0]):
+            for j in range(part.shape[1]):
+                numbers[at] = part[i, j]
+                at += 1
+    return numbers
+
+
+@kernel(types.boolean(ARRAY, ARRAY), inline=True)
+def _equal(left, right):
+    if left.shape[0] != right.shape[0]:
+        return False
+    for i in range(left.shape[0]):  # noqa: SIM110 (kernels have no generators)
+        if left[i] != right[i]:
+            return False
+    return True
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, MATRIX, _F, FLAGS, MATRIX))
+def _assess(theta, direction, values, motions, tolerance, bits, tests):
+    """Fill bits (k,) and tests (k, TESTS) of motions (k, 2 H + 1) at axis values (k,)."""
+    if values.shape[0] == 0:
+        return
+    room = new_room(theta, direction, values[0], motions.shape[1])
+    # Of the last motions that stayed free, and in contact: the linear system, bits and tests.
+    free, closed = np.zeros(0), np.zeros(0)
+    known_bits, known_tests = np.zeros(2, np.int8), np.empty((2, TESTS))
+    for k in range(values.shape[0]):
+        room = fitted_room(theta, direction, values[k], room)
+        count = find_switches(motions[k], room)
+        zone = 1 if room.zones[0] != 0 else 0
+        if count == 0:
+            linear = _linear_system(room.system)
+            if _equal(linear, closed if zone == 1 else free):
+                bits[k] = known_bits[zone]
+                for i in range(TESTS):
+                    tests[k, i] = known_tests[zone, i]
+                continue
+            if zone == 1:
+                closed = linear
+            else:
+                free = linear
+        carry_through(count, theta[PERIOD], room)
+        real, imaginary = room.multipliers[0], room.multipliers[1]
+        eigenvalues(room.matrix, real, imaginary)
+        bits[k] = where_multipliers_lie(real, imaginary, tolerance)
+        spectral_tests(real, imaginary, tests[k])
+        if count == 0:
+            known_bits[zone] = bits[k]
+            for i in range(TESTS):
+                known_tests[zone, i] = tests[k, i]
+
+
+@kernel(types.void(_CUBE, MATRIX, MATRIX))
+def _eigenvalues(matrices, real, imaginary):
+    for k in range(matrices.shape[0]):
+        eigenvalues(matrices[k], real[k], imaginary[k])
+
+
+@kernel(types.void(MATRIX, MATRIX, _F, FLAGS))
+def _where(real, imaginary, tolerance, bits):
+    for k in range(real.shape[0]):
+        bits[k] = where_multipliers_lie(real[k], imaginary[k], tolerance)
+
+
+def classify(multipliers, static=None, tolerance: float = TOLERANCE) -> np.ndarray:
+    """`Instability` of motions from their multipliers.
+
+    Parameters
+    ----------
+    multipliers : (k, m) complex array_like
+    static : (k,) array_like, optional
+        As for `solver.stability.instability.named`.
+    tolerance : float
+        Half width of the band about modulus 1 in which nothing is decided.
+
+    Returns
+    -------
+    (k,) int8 array
+
+    Examples
+    --------
+    >>> from solver.stability.instability import Instability
+    >>> [Instability(kind).name for kind in classify([[0.5, -1.1], [1.0, 0.3], [0.6 + 0.9j, 0.6 - 0.9j]])]
+    ['PERIOD_DOUBLING', 'UNDECIDED', 'NEIMARK_SACKER']
+    >>> [Instability(kind).name for kind in classify([[1.2, 0.8]] * 2, static=[0, 1])]
+    ['FOLD', 'CONTRADICTORY']
+    """
+    multipliers = np.asarray(multipliers, dtype=complex)
+    bits = np.empty(len(multipliers), np.int8)
+    _where(np.ascontiguousarray(multipliers.real), np.ascontiguousarray(multipliers.imag), tolerance, bits)
+    return named(bits, static)
+
+
+def _checked(system, axis: str, values, motions, omega, order: int, period: int):
+    """Packed parameters, axis values (k,) and motions (k, 2 H + 1) as kernels take them."""
+    values = np.array(values, dtype=float)
+    if values.ndim != 1 or not np.all(np.isfinite(values)):
+        raise ParameterError("values", f"array of shape {values.shape}", "a vector of finite numbers")
+    axes = AXES if isinstance(system, Model) else SYSTEM_AXES
+    if axis not in axes:
+        raise ParameterError("axis", axis, f"one of {', '.join(axes)}")
+    frequencies = values if axis == "omega" else np.full(values.size, math.nan if omega is None else omega)
+    if not np.all((frequencies > 0.0) & (frequencies < np.inf)):
+        raise ParameterError("omega", omega, "a finite number above 0")
+    if isinstance(system, Model) and axis != "omega" and values.size:
+        for value in (values.min(), values.max()):
+            system.replace(**{axis: float(value)})
+    motions = np.ascontiguousarray(motions, dtype=float)
+    if motions.ndim != 2 or len(motions) != values.size or motions.shape[1] % 2 == 0:
+        raise ParameterError("motions", f"array of shape {motions.shape}", f"({values.size}, an odd number)")
+    if not np.all(np.isfinite(motions)):
+        raise ParameterError("motions", "an array with numbers that are not finite", "finite")
+    return *packed(system, axis, omega, order, period), values, motions
+
+
+def monodromies(
+    system: Model | ContactSystem, axis: str, values, motions, *, omega: float | None = None, period: int = 1
+) -> np.ndarray:
+    """Monodromy matrices of k motions over the period nu 2 pi/Omega from tau = 0, on the states (y, y').
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+        A gear pair is taken with equal supports merged and without what the contact does not reach
+        (`solver.model.contact_system.gear_system`): the multipliers left out are those of the supports' motion across
+        the contact direction, exp[(-xi_j +- sqrt(xi_j^2 - k_j)) nu 2 pi/Omega].
+    axis : str
+        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+    values : (k,) array_like
+    motions : (k, 2 H + 1) array_like
+        (Lambda_0, c_1, s_1, ...) of harmonics of Omega/nu.
+    omega : float, optional
+        The frequency, > 0; needed unless it is the axis.
+    period : int
+        nu.
+
+    Returns
+    -------
+    (k, 2 n, 2 n) array
+        nan where it cannot be computed.
+
+    Raises
+    ------
+    ParameterError
+        If the axis, a value of it, the frequency or the motions are not allowed, or n is not the same for all values.
+    """
+    theta, direction, values, motions = _checked(system, axis, values, motions, omega, 1, period)
+    if values.size == 0:
+        return np.empty((0, 0, 0))
+    one = np.empty((1, 0, 0))
+    states = 2 * (fill_monodromies(theta, direction, values[:1], motions[:1], one))
+    found = np.empty((values.size, states, states))
+    if fill_monodromies(theta, direction, values, motions, found):
+        raise ParameterError("values", values.tolist(), "such that all have the same number of coordinates")
+    return found
+
+
+def multipliers(
+    system: Model | ContactSystem, axis: str, values, motions, *, omega: float | None = None, period: int = 1
+) -> np.ndarray:
+    """Floquet multipliers, the eigenvalues of `monodromies`: complex (k, 2 n), conjugates side by side."""
+    matrices = monodromies(system, axis, values, motions, omega=omega, period=period)
+    real, imaginary = np.empty(matrices.shape[:2]), np.empty(matrices.shape[:2])
+    _eigenvalues(matrices, real, imaginary)
+    return real + 1j * imaginary
+
+
+def motion_multipliers(system: Model | ContactSystem, omega, motions, period: int = 1) -> np.ndarray:
+    """Floquet multipliers of motions of one system.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    omega : float or (k,) array
+        Frequency of the forcing.
+    motions : (2 H + 1,) or (k, 2 H + 1) array
+    period : int
+        nu.
+
+    Returns
+    -------
+    (2 n,) or (k, 2 n) complex array
+        As from `multipliers`.
+    """
+    many = np.atleast_2d(np.asarray(motions, dtype=float))
+    frequencies = np.broadcast_to(np.asarray(omega, dtype=float), len(many))
+    found = multipliers(system, "omega", frequencies, many, period=period)
+    return found[0] if np.ndim(motions) == 1 else found
 
 
 def assess(
@@ -43,13 +264,14 @@ def assess(
     omega: float | None = None,
     balance: Balance | None = None,
     static=None,
-    tolerance: float = 1e-6,
+    tolerance: float = TOLERANCE,
 ) -> Stability:
-    """Stability of k motions at values of one axis, by Hill's method and by Floquet's.
+    """Stability of k motions at values of one axis.
 
     Parameters
     ----------
     system : Model or ContactSystem
+        As for `monodromies`.
     axis : str
         "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
     values : (k,) array_like
@@ -60,82 +282,25 @@ def assess(
     balance : Balance, optional
         Whose solutions the motions are; the describing function of first order unless given.
     static : (k,) array_like, optional
-        Static stability of the motions, positive where det J > 0: a motion without it is not called stable.
+        Static stability of the motions, positive where det J > 0.
     tolerance : float
         Moduli this close to 1 are undecided.
 
     Returns
     -------
     Stability
+        Where several motions at one place never switch contact, or the axis is one that deviations from these do not
+        feel (load, backlash), their multipliers are computed once.
 
     Raises
     ------
     ParameterError
         If the axis, a value of it, the frequency or the shape of the motions is not allowed.
     """
-    row = system_row(system, axis, values, omega)
-    truncation = truncation_of(balance)
-    motions = np.ascontiguousarray(motions, dtype=float)
-    if motions.shape != (row.omega.size, 2 * truncation.harmonics + 1) or not np.all(np.isfinite(motions)):
-        allowed = f"finite numbers of shape ({row.omega.size}, {2 * truncation.harmonics + 1})"
-        raise ParameterError("motions", f"array of shape {motions.shape}", allowed)
-    return combine(*both_multipliers(row, motions, truncation), static, tolerance)
-
-
-def both_multipliers(row: SystemRow, motions: np.ndarray, truncation: Truncation) -> tuple[np.ndarray, np.ndarray]:
-    """Multipliers of k motions over the period nu 2 pi/Omega by Hill and by Floquet: two complex (k, 2n) arrays."""
-    found = np.empty((len(motions), 2, row.states), dtype=complex)
-    shares, tokens = contact_shares(row, motions), row.tokens()
-    keys: list[tuple | None] = [
-        (tokens[which], omega, share, truncation) if share in (0.0, 1.0) else None
-        for share, which, omega in zip(shares.tolist(), row.which.tolist(), row.omega.tolist(), strict=True)
-    ]
-    asked: dict[tuple | int, int] = {}
-    for i, key in enumerate(keys):
-        known = None if key is None else _linear.get(key)
-        if known is None:
-            asked.setdefault(i if key is None else key, i)
-        else:
-            found[i] = known
-    places = np.fromiter(asked.values(), dtype=np.int64)
-    if places.size:
-        some, chosen = row.take(places), motions[places]
-        floquet = multipliers(some, chosen, truncation.period)
-        found[places, 0], found[places, 1] = hill_multipliers(some, chosen, truncation, floquet), floquet
-        if len(_linear) > _LINEAR_ROOM:
-            forget()
-        for i, key in enumerate(keys):
-            if key is not None and key in asked:
-                found[i] = _linear[key] = found[asked[key]]
-    return found[:, 0], found[:, 1]
-
-
-def hill_multipliers(
-    row: SystemRow, motions: np.ndarray, truncation: Truncation, starts: np.ndarray | None = None
-) -> np.ndarray:
-    """Multipliers of k motions by Hill's method, complex (k, 2n).
-
-    Parameters
-    ----------
-    row : SystemRow
-    motions : (k, 2 H + 1) array
-    truncation : Truncation
-    starts : (k, 2n) complex array, optional
-        Multipliers near those sought, conjugates side by side, such as Floquet's. With them Hill's exponents are found
-        one by one, and all at once only where that does not give a complete set, and for motions of one harmonic that
-        lose contact.
-    """
-    time = 2.0 * math.pi * truncation.period / row.omega[:, None]
-    found, complete = np.empty((len(motions), row.states), dtype=complex), np.zeros(len(motions), dtype=bool)
-    if starts is not None:
-        # One harmonic is too few to trust that sum where contact is lost, and few enough for all exponents at once.
-        linear = np.isin(contact_shares(row, motions), (0.0, 1.0))
-        near = np.flatnonzero(linear | (truncation.harmonics > 1))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            exponents = np.log(starts[near]) / time[near]
-        found[near], complete[near] = condensed_exponents(row.take(near), motions[near], truncation, exponents)
-    missing = np.flatnonzero(~complete)
-    if missing.size:
-        found[missing] = centred_exponents(row.take(missing), motions[missing], truncation)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.exp(found * time)
+    order, period, unknowns = (1, 1, 3) if balance is None else (balance.order, balance.period, balance.unknowns)
+    theta, direction, values, motions = _checked(system, axis, values, motions, omega, order, period)
+    if motions.shape[1] != unknowns:
+        raise ParameterError("motions", f"array of shape {motions.shape}", f"of shape ({values.size}, {unknowns})")
+    bits, tests = np.empty(values.size, np.int8), np.empty((values.size, TESTS))
+    _assess(theta, direction, values, motions, tolerance, bits, tests)
+    return Stability(named(bits, static), tests[:, LARGEST].copy(), tests)

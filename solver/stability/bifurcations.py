@@ -1,37 +1,344 @@
 """Period doublings and Neimark-Sacker points of a branch: where a periodic motion loses stability unseen by its folds.
 
-Both are seen by Hill's determinant at the order and truncation of the balance itself
-(`solver.stability.hill_determinant`): over the half window it is real at half the base frequency and changes sign at a
-period doubling; the phase that it gathers along the imaginary axis jumps by a turn where a pair of exponents crosses
-the axis (`solver.stability.exponents`). What is bracketed so between two points of the branch is located on the branch
-and becomes a point of its own.
+Test functions of the monodromy matrix M (`solver.stability.multipliers.spectral_tests`) are followed along the branch:
+det(M + I), which changes sign where a real multiplier passes -1, and how many multipliers lie outside the unit circle,
+which tells where a complex pair passes it. They are known at the points of the branch and at the grid values of its row
+that lie on it. What two neighbouring ones of these bracket is located on the branch by regula falsi, bisected where
+that is slow: next to a grazing the functions have square-root corners. Two of one kind between two neighbours cancel
+and are not seen.
+
+Only where multipliers pass the circle is an event; where one passes +1 is left to det J, and two that meet outside the
+circle do not pass it.
 """
 
 import dataclasses
+import math
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Event
-from solver.continuation.correctors import workspace_rows
+from solver.continuation.curve_point import point_size, state_at
+from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.problem import Balance, Problem
+from solver.continuation.setup import SETUP
 from solver.harmonic import layout
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
-from solver.stability.scan import critical_shares, half_order_matrix, monitor, scan
+from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room
+from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
 
-__all__ = ["BranchSwitchError", "critical_frequencies", "doubled", "hill_vectors", "with_bifurcations"]
+__all__ = ["KnownMotions", "locate_bifurcations", "packed_parameters", "with_bifurcations"]
 
-_MOST = 256
+_I, _F, _B = types.int64, types.float64, types.boolean
+_INDICES = types.int64[::1]
+_DOUBLING, _TORUS = int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
+
+# Room for the bifurcations of one branch, the looks that one of them may take, and pairs that may pass in one step.
+_MOST, _LOOKS, _MOST_PAIRS = 256, 80, 8
+# An event is located when its function has fallen to this share of what it was, or in so short a stretch of arc.
+_ROUNDING, _NARROW = 1e-13, 1e-12
+# A pair whose modulus is this close to 1 on both sides is on the circle, as of undamped systems, and passes nothing.
+_ON_CIRCLE = 1e-8
+# At a Neimark-Sacker point the pair nearest to the circle lies on it; if not, a real multiplier was what passed it.
+_PASSED = 1e-5
+# A motion of the raster lies on the branch if the cubic between two points comes as near to it as this share of the arc
+# between them, and to no other one as near as the second.
+_NEAR, _APART = 0.01, 0.05
 
 
-class BranchSwitchError(ArithmeticError):
-    """The branch of twice the period could not be reached; the message says why."""
+class KnownMotions(NamedTuple):
+    """Motions at grid values of a row whose test functions are known; those that lie on a branch help to bracket.
+
+    Parameters
+    ----------
+    values : (k,) array
+        Axis values, ascending.
+    motions : (k, n) array
+    tests : (k, TESTS) array
+    """
+
+    values: np.ndarray
+    motions: np.ndarray
+    tests: np.ndarray
 
 
-def hill_vectors(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """`theta` and direction of `solver.harmonic.layout.packed` for the motions of a problem of a balance.
+class _Watch(NamedTuple):
+    """What test functions are computed with: packed parameters of the system, and room for its matrices."""
 
-    A Galerkin problem carries them. The describing function feels two harmonics of the stiffness and one of the load,
-    which its own vector of the model holds, and so does Hill's matrix truncated in the same way.
+    theta: np.ndarray
+    direction: np.ndarray
+    room: Room
+
+
+class _Found(NamedTuple):
+    """Bifurcations found: behind which point of the branch, at which fraction of the arc, kind, and point array; and
+    how many were found, how many were not located, and how many points had no multipliers."""
+
+    after: np.ndarray
+    fractions: np.ndarray
+    kinds: np.ndarray
+    points: np.ndarray
+    counts: np.ndarray
+
+
+_WATCH = types.NamedTuple((ARRAY, ARRAY, ROOM), _Watch)
+_FOUND = types.NamedTuple((_INDICES, ARRAY, FLAGS, MATRIX, _INDICES), _Found)
+_LOCATED, _MISSED, _UNKNOWN = range(3)
+
+
+@kernel(types.void(_WATCH, ARRAY, ARRAY), inner=True)
+def _look(watch, y, tests):
+    """Fill in the test functions at y = (u, p)."""
+    n = y.shape[0] - 1
+    room = monodromy_at(watch.theta, watch.direction, y[:n], y[n], watch.room)
+    eigenvalues(room.matrix, room.multipliers[0], room.multipliers[1])
+    spectral_tests(room.multipliers[0], room.multipliers[1], tests)
+
+
+@kernel(_F(_I, ARRAY, _F), inline=True)
+def _value(kind, tests, level):
+    """The function of one kind that changes sign at the event; for pairs, where OUTSIDE rises above `level`."""
+    if kind == _DOUBLING:
+        return tests[DOUBLING]
+    size = min(abs(tests[GAP]), 1.0)
+    return size if tests[OUTSIDE] > level else -size
+
+
+@kernel(_F(SETUP, _WATCH, ARRAY, ARRAY, _F, _I, _F, ARRAY, MATRIX, ARRAY, ARRAY), inner=True)
+def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tests, found):
+    """Locate an event between two fractions of a piece of the branch.
+
+    Parameters
+    ----------
+    setup, watch
+    left, right : point arrays
+        Ends of the piece.
+    arc : float
+        Its length.
+    kind : int
+    level : float
+        As for `_value`.
+    bracket : (2,) array
+        The two fractions; narrowed.
+    at_ends : (2, TESTS) array
+        Test functions there; replaced by those at the narrowed bracket.
+    tests, found
+        Filled with the test functions and the point array at the event.
+
+    Returns
+    -------
+    float
+        Its fraction; -1 if it cannot be located.
+    """
+    g_low, g_high = _value(kind, at_ends[0], level), _value(kind, at_ends[1], level)
+    reference, side, width = max(abs(g_low), abs(g_high)), 0, bracket[1] - bracket[0]
+    for look in range(_LOOKS):
+        low, high = bracket[0], bracket[1]
+        x = (low * g_high - high * g_low) / (g_high - g_low)
+        margin = 1e-3 * (high - low)
+        x = min(max(x, low + margin), high - margin)
+        # Three looks must halve the bracket.
+        if not math.isfinite(x) or (look % 3 == 2 and high - low > 0.5 * width):
+            x = 0.5 * (low + high)
+        if look % 3 == 2:
+            width = high - low
+        if state_at(setup, left, right, arc, x, found) < 0:
+            return -1.0
+        _look(watch, found[: setup.unknowns + 1], tests)
+        if math.isnan(tests[LARGEST]):
+            return -1.0
+        g = _value(kind, tests, level)
+        if abs(g) <= _ROUNDING * reference or (high - low) * arc <= _NARROW:
+            return x
+        if g * g_high < 0.0:
+            bracket[0], g_low = x, g
+            for i in range(TESTS):
+                at_ends[0, i] = tests[i]
+            if side == -1:
+                g_high *= 0.5
+            side = -1
+        else:
+            bracket[1], g_high = x, g
+            for i in range(TESTS):
+                at_ends[1, i] = tests[i]
+            if side == 1:
+                g_low *= 0.5
+            side = 1
+    return -1.0
+
+
+@kernel(types.void(_FOUND, _I, _F, _I, ARRAY), inner=True)
+def _record(found, after, fraction, kind, point):
+    """Keep one event, or count it as missed where there is no more room."""
+    count = found.counts[_LOCATED]
+    if count == found.after.shape[0]:
+        found.counts[_MISSED] += 1
+        return
+    found.after[count], found.fractions[count], found.kinds[count] = after, fraction, kind
+    for j in range(point.shape[0]):
+        found.points[count, j] = point[j]
+    found.counts[_LOCATED] += 1
+
+
+@kernel(types.void(SETUP, _WATCH, _FOUND, _I, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), inner=True)
+def _search(setup, watch, found, after, left, right, arc, low, high, at_low, at_high):
+    """Locate all events between two neighbouring fractions of a piece whose test functions are known."""
+    pairs = at_low[OUTSIDE] != at_high[OUTSIDE]
+    # What lies on the circle on both sides, as in undamped systems, passes nothing.
+    pairs &= max(abs(at_low[GAP]), abs(at_high[GAP])) > _ON_CIRCLE
+    if not pairs and at_low[DOUBLING] * at_high[DOUBLING] >= 0.0:
+        return
+    bracket, at_ends = np.empty(2), np.empty((2, TESTS))
+    tests, point = np.empty(TESTS), np.empty(point_size(setup))
+    # Places, in order, between which a real multiplier may pass -1.
+    places, at_places = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
+    places[0], places[1], count = low, high, 2
+    for i in range(TESTS):
+        at_places[0, i], at_places[1, i] = at_low[i], at_high[i]
+    if pairs:
+        level, top = min(at_low[OUTSIDE], at_high[OUTSIDE]), max(at_low[OUTSIDE], at_high[OUTSIDE])
+        while level < top and count < places.shape[0]:
+            bracket[0], bracket[1] = low, high
+            for i in range(TESTS):
+                at_ends[0, i], at_ends[1, i] = at_low[i], at_high[i]
+            x = _pinpoint(setup, watch, left, right, arc, _TORUS, level, bracket, at_ends, tests, point)
+            if x < 0.0:
+                found.counts[_MISSED] += 1
+            elif abs(tests[GAP]) <= _PASSED:
+                _record(found, after, x, _TORUS, point)
+            # Both ends of the bracket are places to look at. Of two real multipliers that passed one after the other
+            # the second one is what was found here.
+            for end in range(2):
+                k = count
+                while places[k - 1] > bracket[end]:
+                    places[k] = places[k - 1]
+                    for i in range(TESTS):
+                        at_places[k, i] = at_places[k - 1, i]
+                    k -= 1
+                places[k] = bracket[end]
+                for i in range(TESTS):
+                    at_places[k, i] = at_ends[end, i]
+                count += 1
+            level += 2.0
+    for k in range(1, count):
+        if at_places[k - 1, DOUBLING] * at_places[k, DOUBLING] < 0.0:
+            bracket[0], bracket[1] = places[k - 1], places[k]
+            for i in range(TESTS):
+                at_ends[0, i], at_ends[1, i] = at_places[k - 1, i], at_places[k, i]
+            x = _pinpoint(setup, watch, left, right, arc, _DOUBLING, 0.0, bracket, at_ends, tests, point)
+            if x < 0.0:
+                found.counts[_MISSED] += 1
+            else:
+                _record(found, after, x, _DOUBLING, point)
+
+
+@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F), inner=True)
+def _fraction_at(setup, left, right, arc, level):
+    """The fraction of a piece at which its cubic, monotone in p, has p = level."""
+    n = setup.unknowns
+    leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
+    a, b = cubic(left[n], right[n], leave, arrive)
+    low, high, x = 0.0, 1.0, (level - left[n]) / (right[n] - left[n])
+    for _ in range(40):
+        ahead = cubic_value(a, b, leave, left[n], x) - level
+        if (ahead < 0.0) == (left[n] < right[n]):
+            low = x
+        else:
+            high = x
+        moved = x - ahead / cubic_slope(a, b, leave, x)
+        if not low < moved < high:
+            moved = 0.5 * (low + high)
+        if abs(moved - x) < 1e-9:
+            break
+        x = moved
+    return x
+
+
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, _I, _I), inner=True)
+def _on_piece(setup, left, right, arc, x, motions, first, last):
+    """Which of the motions first ... last - 1 lies on the branch at one fraction of a piece; -1 if none surely does."""
+    nearest, distance, second = -1, math.inf, math.inf
+    for k in range(first, last):
+        gap = 0.0
+        for j in range(setup.unknowns):
+            leave, arrive = arc * left[setup.unknowns + 1 + j], arc * right[setup.unknowns + 1 + j]
+            start, end = left[j] / setup.scale[j], right[j] / setup.scale[j]
+            a, b = cubic(start, end, leave, arrive)
+            gap = max(gap, abs(cubic_value(a, b, leave, start, x) - motions[k, j] / setup.scale[j]))
+        if gap < distance:
+            nearest, distance, second = k, gap, distance
+        else:
+            second = min(second, gap)
+    return nearest if distance <= _NEAR * arc and second >= _APART * arc else -1
+
+
+@kernel(
+    types.void(
+        SETUP,
+        MATRIX, MATRIX, ARRAY,
+        ARRAY, ARRAY, ARRAY, MATRIX, MATRIX,
+        _INDICES, ARRAY, FLAGS, MATRIX, _INDICES,
+    )
+)  # fmt: skip
+def _bifurcations(
+    setup,
+    branch, tangents, arclength,
+    system_theta, system_direction, values, motions, motion_tests,
+    after, fractions, kinds, points, counts,
+):  # fmt: skip
+    """Locate the bifurcations of a branch; the last five arrays are those of `_Found`."""
+    n = setup.unknowns
+    watch = _Watch(system_theta, system_direction, new_room(system_theta, system_direction, branch[0, n], n))
+    found = _Found(after, fractions, kinds, points, counts)
+    size = point_size(setup)
+    left, right = np.zeros(size), np.zeros(size)
+    at_low, at_high, at_right = np.empty(TESTS), np.empty(TESTS), np.empty(TESTS)
+    for i in range(branch.shape[0]):
+        for j in range(n + 1):
+            left[j], left[n + 1 + j] = right[j], right[n + 1 + j]
+            right[j], right[n + 1 + j] = branch[i, j], tangents[i, j]
+        _look(watch, branch[i], at_right)
+        known = not math.isnan(at_right[LARGEST])
+        counts[_UNKNOWN] += not known
+        if i > 0 and not math.isnan(at_low[LARGEST]):
+            arc, low = arclength[i] - arclength[i - 1], 0.0
+            begin, end = left[n], right[n]
+            first = np.searchsorted(values, min(begin, end), side="right")
+            last = np.searchsorted(values, max(begin, end), side="left")
+            # Grid values in the order in which the piece passes them.
+            while first < last:
+                if begin < end:
+                    lower, upper = first, first + 1
+                    while upper < last and values[upper] == values[lower]:
+                        upper += 1
+                    first = upper
+                else:
+                    lower, upper = last - 1, last
+                    while lower > first and values[lower - 1] == values[upper - 1]:
+                        lower -= 1
+                    last = lower
+                x = _fraction_at(setup, left, right, arc, values[lower])
+                k = _on_piece(setup, left, right, arc, x, motions, lower, upper)
+                if k >= 0 and x > low and not math.isnan(motion_tests[k, LARGEST]):
+                    for j in range(TESTS):
+                        at_high[j] = motion_tests[k, j]
+                    _search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
+                    low = x
+                    for j in range(TESTS):
+                        at_low[j] = at_high[j]
+            if known:
+                _search(setup, watch, found, i - 1, left, right, arc, low, 1.0, at_low, at_right)
+        for j in range(TESTS):
+            at_low[j] = at_right[j]
+
+
+def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors of `solver.harmonic.layout.packed` for the motions of a problem of a balance.
+
+    A Galerkin problem carries them. That of the describing function knows two harmonics of the stiffness; where the
+    gear has more, pack them from the gear.
     """
     if not balance.truncated:
         return problem.theta, problem.direction
@@ -46,194 +353,81 @@ def hill_vectors(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.nda
     return vectors[0], vectors[1]
 
 
-def _watched(balance: Balance, problem: Problem) -> Problem:
-    """The problem with the period doubling's determinant as its monitor; what that needs stands behind its theta."""
-    theta, direction = hill_vectors(balance, problem)
-    truncated = float(balance.truncated)
-    return Problem(
-        problem.balance,
-        monitor,
-        np.concatenate([problem.theta, theta, [theta.size, truncated]]),
-        np.concatenate([problem.direction, direction, [0.0, 0.0]]),
-        problem.scale,
-        monitors=1,
-    )
-
-
 def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
+    """`locate_bifurcations` of a branch by itself, with the parameters that its problem knows; the branch alone."""
+    return locate_bifurcations(packed_parameters(balance, problem), problem, curve, continuation)[0]
+
+
+def locate_bifurcations(
+    parameters: tuple[np.ndarray, np.ndarray],
+    problem: Problem,
+    curve: Curve,
+    continuation: Continuation,
+    known: KnownMotions | None = None,
+) -> tuple[Curve, tuple[str, ...]]:
     """The same branch with its period doublings and Neimark-Sacker points located.
 
     Parameters
     ----------
-    balance : DescribingFunction or Galerkin
-        Which truncation the exponents are those of.
+    parameters : (theta, direction)
+        `solver.harmonic.layout.packed(system, axis, omega, balance.order, balance.period)`.
     problem : Problem
         `balance.problem(...)`.
     curve : Curve
         As traced for that problem.
     continuation : Continuation
         Whose corrector is used.
+    known : KnownMotions, optional
+        Solutions of the problem; those on the branch help to bracket.
 
     Returns
     -------
     Curve
         With points of the events PERIOD_DOUBLING and NEIMARK_SACKER inserted, in place of those that it may have had;
         all else is as it was. Static stability of an inserted point is that of its piece.
-
-    Raises
-    ------
-    ArithmeticError
-        If a bifurcation is bracketed but cannot be located.
+    notes : tuple of str
+        What is bracketed but could not be located, and is left out; where multipliers cannot be computed.
 
     Notes
     -----
-    Two of one kind between two neighbouring points of the branch cancel and are not seen.
+    A real multiplier that passes -1 and back between two neighbouring places is not seen, nor is a pair that passes the
+    circle and back. The frequency of the system must be above 0 on the whole branch.
     """
-    known = np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
-    if np.any(known):
+    old = np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
+    if np.any(old):
         names = ("points", "tangents", "arclength", "stable", "event")
-        curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~known] for name in names})
+        curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~old] for name in names})
     if len(curve.points) < 2:
-        return curve
-    watched, corrector = _watched(balance, problem), continuation.corrector
-    size = problem.unknowns + 1
-    after, kinds, fractions = np.empty(_MOST, np.int64), np.empty(_MOST, np.int8), np.empty(_MOST)
-    points, tangents = np.empty((_MOST, size)), np.empty((_MOST, size))
-    count = scan(
-        corrector.kernel,
-        corrector.tolerance,
-        corrector.max_iterations,
-        watched.balance,
-        watched.monitor,
-        watched.theta,
-        watched.direction,
-        watched.scale,
-        curve.points,
-        curve.tangents,
-        curve.arclength,
-        curve.event,
-        after,
-        kinds,
-        fractions,
-        points,
-        tangents,
-    )
-    if count < 0:
-        place = curve.points[-1 - count, -1]
-        raise ArithmeticError(f"a bifurcation next to the axis value {place:.9g} is bracketed but cannot be located")
+        return curve, ()
+    n = problem.unknowns
+    if known is None:
+        known = KnownMotions(np.empty(0), np.empty((0, n)), np.empty((0, TESTS)))
+    after, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
+    points, counts = np.empty((_MOST, 2 * (n + 1) + 2 * problem.monitors + 1)), np.zeros(3, np.int64)
+    _bifurcations(
+        problem.setup(continuation.corrector),
+        curve.points, curve.tangents, curve.arclength,
+        *parameters, *known,
+        after, fractions, kinds, points, counts,
+    )  # fmt: skip
+    count, missed, unknown = counts.tolist()
+    notes = []
+    here = f"between the axis values {curve.points[0, -1]:.9g} and {curve.points[-1, -1]:.9g} of a branch's ends"
+    if missed:
+        notes.append(f"{missed} bifurcations {here} are bracketed but cannot be located")
+    if unknown:
+        notes.append(f"the multipliers of {unknown} points {here} cannot be computed")
     if count == 0:
-        return curve
+        return curve, tuple(notes)
     order = np.lexsort((fractions[:count], after[:count]))
-    at, steps = after[order], np.diff(curve.arclength)
+    at, steps, found = after[order], np.diff(curve.arclength), points[order]
     # A fold's neighbour on the far side tells the stability of the piece behind it.
     piece = np.where(curve.event[at] != Event.FOLD, curve.stable[at], curve.stable[at + 1])
     return dataclasses.replace(
         curve,
-        points=np.insert(curve.points, at + 1, points[order], axis=0),
-        tangents=np.insert(curve.tangents, at + 1, tangents[order], axis=0),
+        points=np.insert(curve.points, at + 1, found[:, : n + 1], axis=0),
+        tangents=np.insert(curve.tangents, at + 1, found[:, n + 1 : 2 * n + 2], axis=0),
         arclength=np.insert(curve.arclength, at + 1, curve.arclength[at] + fractions[order] * steps[at]),
         stable=np.insert(curve.stable, at + 1, piece),
         event=np.insert(curve.event, at + 1, kinds[order]),
-    )
-
-
-def critical_frequencies(balance: Balance, problem: Problem, y: np.ndarray, tolerance: float = 1e-5) -> np.ndarray:
-    """Frequencies of the exponents of a motion that lie on the imaginary axis.
-
-    Parameters
-    ----------
-    balance, problem
-        As for `with_bifurcations`.
-    y : (n + 1,) array
-        The motion and its axis value.
-    tolerance : float
-        How far from the axis they may lie, in units of the base frequency.
-
-    Returns
-    -------
-    (k,) array
-        Ascending imaginary parts over the base frequency Omega/nu, in (0, 1/2).
-    """
-    theta, direction = hill_vectors(balance, problem)
-    found = np.empty(64)
-    count = critical_shares(theta, direction, np.asarray(y, dtype=float), balance.truncated, tolerance, found)
-    shares = np.sort(found[:count])
-    return shares[np.diff(shares, prepend=-1.0) > 1e-6]
-
-
-def doubled(
-    balance: Balance,
-    problem: Problem,
-    point: np.ndarray,
-    continuation: Continuation | None = None,
-    amplitude: float = 0.02,
-) -> tuple[Balance, Problem, np.ndarray]:
-    """Switch to the branch of twice the period at a period doubling.
-
-    Parameters
-    ----------
-    balance, problem
-        As for `with_bifurcations`.
-    point : (n + 1,) array
-        A period doubling (u, p) of it.
-    continuation : Continuation, optional
-        Whose corrector is used.
-    amplitude : float
-        Size of the subharmonics at the start, in units of lambda's size.
-
-    Returns
-    -------
-    balance : Galerkin
-        Of the same order on twice the period.
-    problem : Problem
-        Its problem over the same axis.
-    start : (2 n,) array
-        A motion (u, p) of it with subharmonics along the critical perturbation, next to the point.
-
-    Raises
-    ------
-    BranchSwitchError
-        If the corrector does not converge. (After the describing function: its period doubling need not be one of the
-        Galerkin balance of order 1, which keeps more of the force.)
-
-    Notes
-    -----
-    The null vector l of the matrix over the half window can be turned such that l_(-1-k) = conj l_k; the perturbation
-    2 Re sum_k l_k exp(i (k + 1/2) Omega tau/nu) is then a motion's harmonic 2 k + 1 of Omega/(2 nu).
-    """
-    # Its kernels are many, and who only wants the events does without them.
-    from solver.harmonic.galerkin import Galerkin
-
-    corrector, point = (continuation or Continuation()).corrector, np.asarray(point, dtype=float)
-    wide = Galerkin(balance.order, 2 * balance.period)
-    theta, direction = (vector.copy() for vector in hill_vectors(balance, problem))
-    n, harmonics = problem.unknowns, balance.harmonics
-    matrix = np.empty((2 * harmonics, 2 * harmonics), dtype=complex)
-    half_order_matrix(theta, direction, point, balance.truncated, matrix)
-    null = np.linalg.svd(matrix)[2][-1].conj()
-    mirrored = null[::-1].conj()
-    turned = null + mirrored if np.linalg.norm(null + mirrored) > 1.0 else 1j * (null - mirrored)
-    theta[[layout.HARMONICS, layout.PERIOD]] *= 2.0
-    start, normal = np.zeros(2 * n), np.zeros(2 * n)
-    k = np.arange(1, harmonics + 1)
-    start[0], start[4 * k - 1], start[4 * k], start[-1] = point[0], point[2 * k - 1], point[2 * k], point[-1]
-    odd = turned[harmonics:]
-    normal[4 * k - 3], normal[4 * k - 2] = odd.real, -odd.imag
-    normal /= np.linalg.norm(normal)
-    scale = np.append(np.full(2 * n - 1, problem.scale[0]), problem.scale[-1])
-    model = wide.balance_problem(theta, direction, scale)
-    start += amplitude * normal * scale
-    iterations = corrector.kernel(
-        model.balance,
-        model.theta,
-        model.direction,
-        scale,
-        start,
-        normal,
-        corrector.tolerance,
-        4 * corrector.max_iterations,
-        np.empty((workspace_rows(2 * n - 1), 2 * n)),
-    )
-    if iterations < 0:
-        raise BranchSwitchError(f"no motion of twice the period was found next to the axis value {point[-1]:.9g}")
-    return wide, model, start
+    ), tuple(notes)

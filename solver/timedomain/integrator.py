@@ -9,9 +9,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import copy_into
 from solver.model.checks import ParameterError
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.polynomial import evaluate, first_exit
@@ -128,7 +129,8 @@ def _integrate(packed, start, begin, stop, tolerance, series_table, times, state
     room, n = series_table.shape[0], packed.vectors.shape[1]
     work, state = new_work(n), start.copy()
     zone, time, count = zone_of(packed, state), begin, 0
-    times[0], states[0] = time, state
+    times[0] = time
+    copy_into(states[0], state)
     while time < stop:
         if count == room:
             return TOO_MANY_STEPS, count, zone
@@ -138,9 +140,11 @@ def _integrate(packed, start, begin, stop, tolerance, series_table, times, state
         land(work, step, state)
         last = after == zone and step >= stop - time
         time = stop if last else time + step
-        series_table[count], zones[count] = work.contact, zone
+        zones[count] = zone
+        copy_into(series_table[count], work.contact)
         count += 1
-        times[count], states[count] = time, state
+        times[count] = time
+        copy_into(states[count], state)
         zone = after
     return COMPLETE, count, zone
 

@@ -8,8 +8,8 @@ enters another zone and leaves it within one step is not overlooked.
 import math
 
 import numpy as np
-from numba import types
 
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = ["evaluate", "first_exit", "fourier", "widen"]

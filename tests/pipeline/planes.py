@@ -8,7 +8,7 @@ import zarr
 
 from pipeline import store
 from pipeline.config.compose import compose
-from pipeline.config.schema import Cluster
+from pipeline.config.schema import Cluster, Security
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from pipeline.run.rows import sweep_block
@@ -28,6 +28,7 @@ def cluster(kind: str, **changes) -> Cluster:
         address=None,
         scheduler_file=None,
         timeout=10.0,
+        security=Security(None, None, None),
     )
     return Cluster(**{**usual, **changes})
 

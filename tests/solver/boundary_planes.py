@@ -40,7 +40,7 @@ def sweep(gear, axis, value):
 def starts_of(gear, axis):
     """Rows' parameters and all their events."""
     values = np.linspace(*RANGES[axis], ROWS)
-    return values, [event for value in values for event in row_events(sweep(gear, axis, value), value)]
+    return values, [event for value in values for event in row_events(sweep(gear, axis, value).curves, value)]
 
 
 @functools.cache

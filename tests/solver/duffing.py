@@ -11,10 +11,10 @@ The second of these is quadratic in Omega^2: every amplitude below the resonance
 import math
 
 import numpy as np
-from numba import types
 from scipy.optimize import brentq
 
 from solver import Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 DAMPING, STIFFNESS, CUBIC, FORCE = 0.05, 1.0, 0.1, 0.18

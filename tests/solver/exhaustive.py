@@ -1,9 +1,9 @@
 """Every solution at one point by brute force: Newton's method from very many starts, without continuation."""
 
 import numpy as np
-from numba import types
 
 from solver.harmonic.describing_function import balance, linear_solution
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.condensation import axis_vectors

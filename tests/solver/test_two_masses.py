@@ -58,10 +58,11 @@ def test_resonance_of_the_two_masses():
 
 
 def test_period_doubling_around_the_peak_and_neimark_sacker_below():
-    balance, curve = traced(31)
+    # A stop this stiff asks for many harmonics: the lower doubling is at 0.6988, 0.7302, 0.7368 for order 31, 41, 61.
+    balance, curve = traced(61)
     doublings = curve.points[curve.event == Event.PERIOD_DOUBLING][:, -1]
     tori = curve.points[curve.event == Event.NEIMARK_SACKER][:, -1]
-    # Orders 41 and 61 give 0.75558, 0.73879 and 0.61861, 0.58190.
+    # Of the balance linearised about itself they are at 0.75558, 0.73879 and 0.61861, 0.58190.
     np.testing.assert_allclose(np.sort(doublings), [0.7388, 0.7556], rtol=0, atol=0.003)
     np.testing.assert_allclose(np.sort(tori), [0.58190, 0.61861], rtol=0, atol=1e-4)
     chosen = {
@@ -87,12 +88,11 @@ def test_period_doubling_around_the_peak_and_neimark_sacker_below():
     assert attractor.kind is AttractorKind.PERIOD_1
 
 
-def test_order_21_disputes_the_peak():
-    # Hill's matrix of order 21 does not see the period doubling of a stop this stiff; Floquet about that orbit does.
+def test_the_peak_at_order_21_is_a_period_doubling():
     balance, curve = traced(21)
     place = int(np.argmax(second_mass(balance, curve.points)))
     found = assess(TWO_MASSES, "omega", curve.points[[place], -1], curve.points[[place], :-1], balance=balance)
-    assert found.kind == Instability.DISPUTED and found.floquet_kind == Instability.PERIOD_DOUBLING
+    assert found.kind[0] == Instability.PERIOD_DOUBLING
 
 
 def _upper(curve, omega):

@@ -6,9 +6,9 @@ E = t0 u^3 + t1 u + t2 u p + t3 p = 0, undefined (nan) for p > t4;  monitor: |u|
 import math
 
 import numpy as np
-from numba import types
 
 from solver import Problem
+from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 

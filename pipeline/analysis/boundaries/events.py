@@ -11,9 +11,10 @@ from pipeline.plan.numerics import balance_of, frame_of
 from pipeline.plan.plan import Plan
 from pipeline.store import COMPLETE
 from solver import Event
+from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS
 from solver.model.parameter_path import place_on
 
-__all__ = ["BIFURCATIONS", "GRAZINGS_AND_FOLDS", "MARGINS", "RowEvents", "half_backlash", "read_events"]
+__all__ = ["MARGINS", "RowEvents", "half_backlash", "read_events"]
 
 #: Grazing -> (sign of the amplitude, sign of b) in its margin lambda_m +- lambda_a -+ b.
 MARGINS = {
@@ -22,10 +23,6 @@ MARGINS = {
     Event.MAX_AT_DRIVE: (1.0, 1.0),
     Event.MAX_AT_BACK: (1.0, -1.0),
 }
-
-
-GRAZINGS_AND_FOLDS = (Event.FOLD, *MARGINS)
-BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,7 @@ class RowEvents:
         parts = (np.int64(self.rows), self.kind.astype(np.int8), self.points, self.motions, self.ahead.astype(np.int8))
         return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
 
-    def starts(self, kinds=GRAZINGS_AND_FOLDS) -> list[tuple[Event, np.ndarray]]:
+    def starts(self, kinds=FOLDS_AND_GRAZINGS) -> list[tuple[Event, np.ndarray]]:
         """(kind, (unknowns, x, p)) of the events of some kinds, as the solver starts boundaries from them."""
         points = np.column_stack([self.motions, self.points[:, 3:]])
         return [(Event(kind), y) for kind, y in zip(self.kind.tolist(), points, strict=True) if kind in kinds]
@@ -95,7 +92,7 @@ def _block_events(root: zarr.Group, plan: Plan, rows: slice) -> RowEvents:
     used = slice(int(root["branches/n_points"][rows].max(initial=0)))
     names = ("mean", "cos", "sin", plan.sweep.name, "stable", "branch", "event")
     table = {name: root[f"branches/{name}"][rows, used] for name in names}
-    row, point = np.nonzero(np.isin(table["event"], (*GRAZINGS_AND_FOLDS, *BIFURCATIONS)) & complete[:, None])
+    row, point = np.nonzero(np.isin(table["event"], (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)) & complete[:, None])
     kind = table["event"][row, point].astype(np.int64)
     columns = [table[name][row, point] for name in names[:4]]
     points = np.column_stack([*columns, values[row]]).reshape(-1, 5)

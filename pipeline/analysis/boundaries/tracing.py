@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.analysis.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, RowEvents, read_events
+from pipeline.analysis.boundaries.events import RowEvents, read_events
 from pipeline.analysis.boundaries.group import (
     StoredBoundaries,
     StoredCurve,
@@ -18,15 +18,15 @@ from pipeline.analysis.boundaries.group import (
 from pipeline.plan.numerics import balance_of, continuation_of, frame_of
 from pipeline.plan.plan import Plan
 from solver import Continuation, EndReason, Event
-from solver.boundaries import BoundaryCurve, SpecialPoint, boundary_curves
+from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, BoundaryCurve, SpecialPoint, boundary_curves
+from solver.boundaries.problem import SAME
+from solver.continuation.problem import Balance
 
-__all__ = ["Summary", "first_order_curves", "to_store", "trace"]
+__all__ = ["Summary", "curves_through", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
 _WORDS = {Event.FOLD: "fold", Event.PERIOD_DOUBLING: "period doubling", Event.NEIMARK_SACKER: "Neimark-Sacker"}
-# A start this close to a curve, in scaled unknowns, belongs to it.
-_SAME = 1e-6
 
 
 @dataclass(frozen=True)
@@ -63,46 +63,21 @@ def trace(path: Path, plan: Plan) -> Summary:
     stored = read_boundaries(path, plan)
     if stored is not None and stored.digest == events.digest:
         return _summary(plan, stored, True)
-    curves = _first_order_curves(plan, events) if balance_of(plan.solver).truncated else []
-    traced = {curve.kind for curve in curves}
-    others = [
-        kind for kind in (*GRAZINGS_AND_FOLDS, *BIFURCATIONS) if kind not in traced and np.any(events.kind == kind)
-    ]
-    curves += _curves_of_any_order(plan, events.starts(others)) if others else []
+    balance, starts = balance_of(plan.solver), events.starts((*FOLDS_AND_GRAZINGS, *BIFURCATIONS))
+    curves = [to_store(curve, _side(curve, plan, events)) for curve in curves_through(plan, starts, balance)]
     fresh = StoredBoundaries(tuple(curves), events.digest)
     write_boundaries(path, plan, fresh)
     return _summary(plan, fresh, False)
 
 
-def _first_order_curves(plan: Plan, events: RowEvents) -> list[StoredCurve]:
-    """Folds and grazings of the describing function, on the angles of contact."""
-    continuation = _with_short_steps(continuation_of(plan.solver))
-    return [to_store(curve, _side(curve, events, continuation)) for curve in first_order_curves(plan, events.starts())]
+def curves_through(plan: Plan, starts, balance: Balance | None = None) -> tuple[BoundaryCurve, ...]:
+    """The boundaries through these starts, of the describing function unless a balance is given, in short steps."""
+    omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
+    return boundary_curves(*frame_of(plan), starts, omega=omega, balance=balance, continuation=_short_steps(plan))
 
 
-def first_order_curves(plan: Plan, starts) -> tuple[BoundaryCurve, ...]:
-    """Folds and grazings of the describing function from these starts, in so short steps as are stored."""
-    continuation = _with_short_steps(continuation_of(plan.solver))
-    return boundary_curves(*frame_of(plan), starts, omega=_frequency(plan), continuation=continuation)
-
-
-def _curves_of_any_order(plan: Plan, starts) -> list[StoredCurve]:
-    """Bifurcations of the balance itself; whose sides are not told."""
-    # Its kernels are many, and planes without such events do without them.
-    from solver.boundaries.bifurcation_curves import bifurcation_curves
-
-    continuation = _with_short_steps(continuation_of(plan.solver))
-    curves = bifurcation_curves(
-        balance_of(plan.solver), *frame_of(plan), starts, omega=_frequency(plan), continuation=continuation
-    )
-    return [to_store(curve, 0) for curve in curves]
-
-
-def _frequency(plan: Plan) -> float | None:
-    return None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
-
-
-def _with_short_steps(continuation: Continuation) -> Continuation:
+def _short_steps(plan: Plan) -> Continuation:
+    continuation = continuation_of(plan.solver)
     return dataclasses.replace(
         continuation,
         largest_angle=min(continuation.largest_angle, _LARGEST_ANGLE),
@@ -118,20 +93,22 @@ def to_store(curve: BoundaryCurve, side: int = 0) -> StoredCurve:
     )
 
 
-def _side(curve: BoundaryCurve, events: RowEvents, continuation: Continuation) -> int:
-    """The side of a curve, from the row event at which the curve crosses its row most steeply.
+def _side(curve: BoundaryCurve, plan: Plan, events: RowEvents) -> int:
+    """The side of a curve, from the row event at which the curve crosses its row most steeply; 0 where it is not told.
 
     One number does for the whole curve. A fold's pair lies on the same side of it on either side of a cusp, where the
     direction of the curve reverses along with the pair's; likewise the margin of a grazing, except that on the unstable
     sheet beyond a fold the picture is mirrored, which `RowEvents.ahead` allows for.
     """
+    if curve.kind in BIFURCATIONS or not balance_of(plan.solver).truncated:
+        return 0
     here = events.kind == curve.kind
     points, ahead = events.points[here], events.ahead[here]
-    near = (curve.distances(points, continuation) <= _SAME) & (ahead != 0.0)
+    near = (curve.distances(points, _short_steps(plan)) <= SAME) & (ahead != 0.0)
     if not np.any(near):
         return 0
     points, ahead = points[near], ahead[near]
-    scale = curve.pieces[0].problem.scale[list(curve.seen)]
+    scale = curve.scale
     # A grazing curve crosses itself nowhere in all five components, so that the nearest point is its own.
     vertex = np.array([np.argmin(np.max(np.abs(curve.points - point) / scale, axis=1)) for point in points])
     steep = np.argmax(np.abs(curve.slopes[vertex, 4]))
@@ -147,7 +124,7 @@ def _summary(plan: Plan, boundaries: StoredBoundaries, found_done: bool) -> Summ
         special.update(SpecialPoint(curve.special[place]).name.lower() for place in special_places(curve))
         for end, place in zip(curve.ends, (0, -1), strict=True):
             # Curves of any order may stop at a corner, where a motion begins to touch a flank; that is no failure.
-            known = first_order and curve.kind in GRAZINGS_AND_FOLDS
+            known = first_order and curve.kind in FOLDS_AND_GRAZINGS
             if known and end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
                 x, p = curve.points[place, 3:]
                 where = f"{plan.sweep.name} = {x:.9g}, {plan.parameter.name} = {p:.9g}"

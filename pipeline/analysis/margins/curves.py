@@ -7,14 +7,13 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.analysis.boundaries.arcs import Arcs
-from pipeline.analysis.boundaries.events import GRAZINGS_AND_FOLDS
-from pipeline.analysis.boundaries.tracing import first_order_curves, to_store
+from pipeline.analysis.boundaries.tracing import curves_through, to_store
 from pipeline.analysis.margins.lines import swept
 from pipeline.plan.axes import Axis
 from pipeline.plan.numerics import row_axis
 from pipeline.plan.plan import Plan
 from solver import Event
-from solver.boundaries import BoundaryCurve
+from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve
 
 __all__ = ["Boundaries", "boundaries_of", "crossed", "part_of", "traced"]
 
@@ -62,7 +61,7 @@ class Boundaries:
 
 def boundaries_of(curves) -> Boundaries:
     """The arcs of curves (`StoredCurve`) that part labels; bifurcations that leave n and I alone do not."""
-    shown = [curve for curve in curves if curve.kind in GRAZINGS_AND_FOLDS and len(curve.points) > 1]
+    shown = [curve for curve in curves if curve.kind in FOLDS_AND_GRAZINGS and len(curve.points) > 1]
     flags = np.concatenate([np.empty(0, bool), *(curve.arc_shows for curve in shown)])
     arcs = Arcs(
         *(np.concatenate([np.empty((0, 5)), *(getattr(curve.arcs, name) for curve in shown)])[flags] for name in _ENDS)
@@ -105,7 +104,7 @@ def traced(
         points, kinds = swept(window, window.parameter.name, p, float(value), p[0])
         along = np.column_stack([points[:, :3], np.full(len(points), value), points[:, 3]])
         starts += [(Event(int(kind)), point) for kind, point in zip(kinds, along, strict=True)]
-    return window, first_order_curves(window, starts)
+    return window, curves_through(window, starts)
 
 
 def crossed(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from pipeline.plan.numerics import continuation_of, frame_of, model_at, seeds_of
 from pipeline.plan.plan import Plan
 from solver import Event, sweep_row
 from solver.boundaries import row_events
-from solver.boundaries.plane import Plane
+from solver.boundaries.problem import Plane
 from solver.regions.labelling import row_codes
 
 __all__ = ["Line", "Stretch", "codes_along", "divided", "swept"]
@@ -159,6 +159,6 @@ def swept(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) 
         continuation=continuation_of(plan.solver),
         seeds=seeds_of(plan.solver),
     )
-    events = row_events(row, 0.0)
+    events = row_events(row.curves, 0.0)
     points = np.array([point[:4] for _, point in events]).reshape(-1, 4)
     return points, np.array([kind for kind, _ in events], dtype=int)

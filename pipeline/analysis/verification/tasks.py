@@ -125,8 +125,8 @@ def _counts_unstable(mean: np.ndarray, amplitude: np.ndarray, row: Row) -> np.nd
     gaps = np.where(stable[:, None, :] & ~np.isnan(gaps), gaps, np.inf)
     nearest = np.argmin(gaps, axis=2)
     known = np.isfinite(np.min(gaps, axis=2))
-    # What the two methods dispute is not called unstable.
-    bad = stable & (row.instability > Instability.NONE) & (row.instability < Instability.DISPUTED)
+    # What is contradictory or undecided is not called unstable.
+    bad = stable & (row.instability > Instability.NONE) & (row.instability < Instability.CONTRADICTORY)
     return np.any(known & np.take_along_axis(bad, nearest, axis=1), axis=1).astype(np.int8)
 
 

@@ -191,17 +191,25 @@ def _folds(gear: str) -> str:
 def _trust(study: dict[str, Source]) -> Iterator:
     yield Heading("How far first order can be trusted")
     yield Paragraph(
-        "The study balances one harmonic and calls a motion stable that lies between folds. Hill's matrix and the "
-        "monodromy matrix also see period doubling and Neimark–Sacker bifurcations; where they contradict each other "
-        "or the folds, the motion is disputed, because the first-order orbit is no true one there."
+        "The study balances one harmonic and calls a motion stable that lies outside its folds. The monodromy matrix "
+        "also sees period doubling and Neimark–Sacker bifurcations. Where it contradicts the folds, the order is too "
+        "low: the first-order orbit is no true one there."
     )
     rows = []
     for plane, source in study.items():
         shares = dynamic_shares(source.path, read_plan(source.path))
-        rows.append((plane, percent(shares.stable), percent(shares.disputed), percent(shares.unstable)))
+        rows.append(
+            (
+                plane,
+                percent(shares.stable),
+                percent(shares.contradictory),
+                percent(shares.undecided),
+                percent(shares.unstable),
+            )
+        )
     yield Grid(
         "Cells by the worst that is said of a motion that the label counts.",
-        ("Plane", "All stable", "One disputed", "One dynamically unstable"),
+        ("Plane", "All stable", "One contradictory", "One not known", "One dynamically unstable"),
         tuple(rows),
     )
     for source in study.values():

@@ -23,22 +23,25 @@ class DynamicShares:
     """Shares of a plane's cells by the worst that dynamic stability says of a motion that the label counts."""
 
     stable: float
-    disputed: float
+    contradictory: float
+    undecided: float
     unstable: float
 
 
 def dynamic_shares(path: Path, plan: Plan) -> DynamicShares:
     """Read a store block by block."""
-    counts = np.zeros(3)
+    counts = np.zeros(4)
     with xr.open_zarr(path, chunks=None) as plane:
         for block in plan.blocks:
             rows = {plan.parameter.name: slice(block.start, block.stop)}
             counted = plane["stable"].isel(rows).values == 1
             kind = plane["instability"].isel(rows).values
             unstable = np.any(counted & np.isin(kind, _UNSTABLE), axis=-1)
-            disputed = np.any(counted & (kind == Instability.DISPUTED), axis=-1) & ~unstable
+            contradictory = np.any(counted & (kind == Instability.CONTRADICTORY), axis=-1) & ~unstable
+            undecided = np.any(counted & (kind == Instability.UNDECIDED), axis=-1) & ~unstable & ~contradictory
             known = plane["domain"].isel(rows).values != 0
-            counts += [np.sum(known & ~unstable & ~disputed), np.sum(known & disputed), np.sum(known & unstable)]
+            stable = ~unstable & ~contradictory & ~undecided
+            counts += [np.sum(known & cells) for cells in (stable, contradictory, undecided, unstable)]
     return DynamicShares(*(counts / max(counts.sum(), 1.0)).tolist())
 
 

@@ -24,7 +24,7 @@ from pipeline.run.progress import Reporter
 from pipeline.run.trace_log import row_diary
 from pipeline.stages import STAGES
 from pipeline.store import listing as listings
-from solver import Event, RowError
+from solver import Event
 from tests.pipeline.planes import contents, retold, small_plan, small_store
 
 SMALL = ["plane=omega_fe", "plane.sweep.num=41", "plane.parameter.num=5"]
@@ -197,22 +197,28 @@ def test_the_diary_of_a_row_is_that_of_the_stored_row(folder, capsys):
         np.testing.assert_array_equal(values, before[name])
 
 
-def test_a_diary_needs_no_store_and_shows_why_a_row_fails(tmp_path, monkeypatch, capsys):
+def test_a_diary_needs_no_store_and_shows_where_branches_break_off(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert main([*SMALL, "debug.row=4", "solver.smallest_step=0.05", "solver.largest_angle=0.01"]) == 0
-    said = capsys.readouterr().out
-    text = (tmp_path / "outputs/debug/omega_fe/row-4.txt").read_text()
-    plan = small_plan("plane=omega_fe", "solver.smallest_step=0.05", "solver.largest_angle=0.01")
-    with pytest.raises(RowError) as raised:
-        row_of(
-            plan,
-            float(plan.parameter.values[4]),
-            balance_of(plan.solver),
-            continuation_of(plan.solver),
-            seeds_of(plan.solver),
-        )
-    assert f"the row fails: {raised.value}" in text and "there is no store yet" in text and str(raised.value) in said
-    assert "The corrector refused every step" in text
+    broken = "solver.smallest_step=0.02", "solver.first_step=0.05", "gear=antiphase"
+    assert main([*SMALL, "debug.row=2", *broken]) == 0
+    text = (tmp_path / "outputs/debug/omega_fe-antiphase/row-2.txt").read_text()
+    plan = small_plan("plane=omega_fe", *broken)
+    row = row_of(
+        plan,
+        float(plan.parameter.values[2]),
+        balance_of(plan.solver),
+        continuation_of(plan.solver),
+        seeds_of(plan.solver),
+    )
+    assert row.notes and all(note in text for note in row.notes) and "there is no store yet" in text
+    assert "The corrector refused every step" in text and "branch 0" in text
+
+
+def test_a_diary_shows_why_a_row_fails(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([*SMALL, "debug.row=1", "gear.f_pm=0.0"]) == 0
+    text = (tmp_path / "outputs/debug/omega_fe/row-1.txt").read_text()
+    assert "the row fails: " in text and "continuum" in text
 
 
 def test_the_diary_is_of_the_very_row(folder):
@@ -220,14 +226,9 @@ def test_the_diary_is_of_the_very_row(folder):
     planned = store.read_plan(path)
     found = row_diary(path, planned, 2)
     row = row_of(
-        planned,
-        found.value,
-        balance_of(planned.solver),
-        continuation_of(planned.solver),
-        seeds_of(planned.solver, found.every_column),
+        planned, found.value, balance_of(planned.solver), continuation_of(planned.solver), seeds_of(planned.solver)
     )
     np.testing.assert_array_equal(found.result.motions, row.motions)
-    assert found.every_column == (2 in store.certified_rows(path, planned))
 
 
 @pytest.mark.parametrize("row", ["5", "-1", "1.5", "x"])

@@ -62,7 +62,7 @@ def test_all_four_planes(planes):
 def test_all_four_planes_share_one_cluster(planes):
     folder, _ = planes
     logs = [log.read_text() for log in folder.glob("outputs/runs/*/*/run.log")]
-    workers = [set(re.findall(r"info batch: .* on (tcp://\S+),", log)) for log in logs]
+    workers = [set(re.findall(r"info batch: .* on (tls://\S+),", log)) for log in logs]
     # Four clusters of two would have had eight addresses.
     assert len(workers) == 4 and all(workers) and len(set.union(*workers)) <= 2
 

@@ -1,40 +1,85 @@
-"""When kernels count as not compiled yet."""
+"""The first run: what is compiled before rows are due, and that it is what the run needs."""
 
-import shutil
+import io
+import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 
-import solver
-from pipeline.cli.warmup import compile_beside, is_cold
-from solver.kernels.compile import kernel_store, module_digest
+import pytest
 
-SOLVER = Path(solver.__file__).parent
-CODE = "from pipeline.cli.warmup import is_cold; print(is_cold())"
+from pipeline.cli.warmup import warm_up
+from pipeline.run.kernels import NEEDED, kernels_for, ready_for_rows
+from pipeline.run.progress import Reporter
+from pipeline.stages import STAGES
+from solver.kernels.warm import kernels_of
 
-
-def _said_elsewhere(folder) -> bool:
-    done = subprocess.run([sys.executable, "-c", CODE], cwd=folder, capture_output=True, text=True, check=True)
-    return {"True\n": True, "False\n": False}[done.stdout]
-
-
-def test_a_cache_is_cold_until_it_holds_kernels(tmp_path, monkeypatch):
-    assert not is_cold()
-    kept = kernel_store().folder
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    assert is_cold()
-    # The solver is imported here: there is nothing left to do beside.
-    assert compile_beside() is None
-    for entry in kept.glob(f"arclength-{module_digest(SOLVER / 'continuation/arclength.py')}-*"):
-        shutil.copy(entry, tmp_path / "bevelmap")
-    assert not is_cold()
+ROOT = Path(__file__).parents[3]
+BALANCES = ("describing_function", "galerkin")
 
 
-def test_kernels_of_other_sources_do_not_count(tmp_path):
-    """A copy elsewhere shares them, until something that they depend on is edited."""
-    for name in ("solver", "pipeline"):
-        shutil.copytree(SOLVER.parent / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
-    assert not _said_elsewhere(tmp_path)
-    with (tmp_path / "solver/continuation/correctors.py").open("a") as file:
-        file.write("\n_NEW = 1\n")
-    assert _said_elsewhere(tmp_path)
+def test_what_stages_need_exists():
+    assert set(NEEDED) <= {entry.name for entry in STAGES}
+    for balance in BALANCES:
+        names = kernels_for(NEEDED, balance)
+        assert len(names) == len(set(names)) and all(kernels_of([name]) for name in names)
+    assert kernels_for(["list", "check"], "galerkin") == [] and kernels_for([], "describing_function") == []
+
+
+def test_what_is_kept_is_not_spoken_of():
+    ready_for_rows("describing_function")
+    said = io.StringIO()
+    warm_up(kernels_for(["sweep"], "describing_function"), Reporter(said))
+    assert said.getvalue() == ""
+
+
+#: A run in this process: kernels that were compiled before rows were due, all that were, and those that were used.
+RUN = """
+import contextlib, gc, json, sys
+from pipeline.__main__ import main
+from pipeline.cli import warmup
+from solver.kernels import backend
+from solver.kernels.compile import Kernel
+
+compiled, original = [], backend._compiled
+backend._compiled = lambda kernel, *others: compiled.append(kernel) or original(kernel, *others)
+called, call = set(), Kernel.__call__
+Kernel.__call__ = lambda kernel, *arguments: called.add(kernel) or call(kernel, *arguments)
+pointed, address = set(), Kernel.__wrapper_address__
+Kernel.__wrapper_address__ = lambda kernel: pointed.add(kernel) or address(kernel)
+before, warm_up = [], warmup.warm_up
+
+def noted(*arguments):
+    warm_up(*arguments)
+    before.extend(k for k in gc.get_objects() if isinstance(k, Kernel) and "callable" in vars(k))
+
+warmup.warm_up = noted
+with contextlib.redirect_stdout(sys.stderr):
+    status = main(sys.argv[1:])
+names = lambda kernels: sorted(f"{kernel.__module__}.{kernel.__name__}" for kernel in kernels)
+print(json.dumps([status, names(before), names(compiled), names(called | pointed)]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["solver=first_order", "stages=[sweep,boundaries]"],
+        ["solver=hb", "solver.order=3", "stages=[sweep]", "plane.parameter.num=3"],
+    ],
+)
+def test_a_first_run_compiles_what_it_needs_and_nothing_else(tmp_path, options):
+    """Before rows are due, and what is not needed not at all."""
+    arguments = ["plane=omega_fe", "plane.sweep.num=60", "plane.parameter.num=12", "cluster=none", *options]
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", RUN, *arguments]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=3000)
+    assert done.returncode == 0, done.stderr
+    status, before, compiled, used = json.loads(done.stdout)
+    assert status == 0 and "kernels are compiled" in done.stderr
+    assert set(used) <= set(before), f"needed, but not compiled ahead: {set(used) - set(before)}"
+    assert set(compiled) <= set(before)
+    # What the module of a kernel brings with it, such as the other corrector.
+    assert len(set(before) - set(used)) <= 3, f"compiled, but not needed: {set(before) - set(used)}"

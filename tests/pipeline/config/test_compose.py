@@ -188,6 +188,18 @@ MISTAKES = [
     ("--config-dir=nowhere", "--config-dir = 'nowhere'"),
     ("cluster=scheduler cluster.address=tcp://127.0.0.1:9 cluster.timeout=0.5", "none answered there within 0.5 s"),
     ("cluster=scheduler cluster.address=nonsense://x cluster.timeout=0.5", "cluster.address = 'nonsense://x'"),
+    ("cluster=scheduler cluster.address=foo", "cluster.address = 'foo' is not allowed"),
+    ("cluster=scheduler cluster.address=ucx://127.0.0.1:9", "cluster.address = 'ucx://127.0.0.1:9' is not allowed"),
+    ("cluster=scheduler cluster.address=tcp://127.0.0.1", "cluster.address = 'tcp://127.0.0.1' is not allowed"),
+    ("cluster=scheduler cluster.address=tcp://h:99999", "cluster.address = 'tcp://h:99999' is not allowed"),
+    ("cluster=scheduler cluster.address=tls://127.0.0.1:9", "cluster.security.ca_file = None"),
+    ("cluster=scheduler cluster.scheduler_file=/etc/passwd", "cluster.scheduler_file = '/etc/passwd'"),
+    ("cluster=scheduler cluster.scheduler_file=/dev/zero", "cluster.scheduler_file = '/dev/zero'"),
+    ("cluster=scheduler", "cluster.address = None"),
+    ("cluster.memory=1MB", "cluster.memory = '1MB' is not allowed"),
+    ("cluster.memory=much", "cluster.memory = 'much' is not allowed"),
+    ("cluster.memory=nan", "cluster.memory = 'nan' is not allowed"),
+    ("cluster.workers=1024", "cluster.workers = 1024 is not allowed here"),
 ]
 
 

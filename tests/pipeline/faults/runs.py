@@ -1,7 +1,6 @@
 """Real runs to be harmed: processes of the command line, what is in their store, who works for them."""
 
 import os
-import re
 import subprocess
 import sys
 import time
@@ -16,9 +15,10 @@ from tests.pipeline.planes import assert_same_contents, contents
 
 __all__ = [
     "COMMAND",
+    "INJECTED",
     "KEPT",
+    "ROOT",
     "ROWS",
-    "Head",
     "Run",
     "complete",
     "continued",
@@ -30,6 +30,8 @@ __all__ = [
 ]
 
 ROOT = Path(__file__).parents[3]
+#: Put on PYTHONPATH, it makes processes fail as BEVELMAP_TEST_FAULT says.
+INJECTED = Path(__file__).parent / "injected"
 ROWS = 36
 #: A plane of twelve blocks, each of three rows that take some hundredths of a second.
 COMMAND = (
@@ -122,36 +124,3 @@ def workers_of(run: Run) -> list[psutil.Process]:
 def same(path: Path, reference: Path) -> None:
     """Assert that two stores are bitwise equal, `branches` included."""
     assert_same_contents(contents(path), contents(reference))
-
-
-class Head:
-    """A foreign `dask scheduler` with one worker, as processes of their own on loopback."""
-
-    def __enter__(self):
-        environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
-        common = dict(stdout=subprocess.DEVNULL, text=True, env=environment)
-        module = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
-        self.process = subprocess.Popen(
-            [*module, "--host", "127.0.0.1", "--port", "0", "--no-dashboard"], stderr=subprocess.PIPE, **common
-        )
-        self.address, deadline = None, time.monotonic() + 60.0
-        while self.address is None and time.monotonic() < deadline:
-            found = re.search(r"tcp://127\.0\.0\.1:\d+", self.process.stderr.readline())
-            self.address = found.group() if found else None
-        worker = [
-            sys.executable,
-            "-m",
-            "distributed.cli.dask_worker",
-            self.address,
-            "--nthreads",
-            "1",
-            "--no-dashboard",
-        ]
-        self.worker = subprocess.Popen(worker, stderr=subprocess.DEVNULL, **common)
-        return self
-
-    def __exit__(self, *_):
-        for process in (self.worker, self.process):
-            process.kill()
-            process.wait(30)
-        self.process.stderr.close()

@@ -9,7 +9,6 @@ import zarr
 
 from pipeline import store
 from pipeline.errors import DamagedError
-from pipeline.plan.plan import Block
 from pipeline.run import sweep
 from pipeline.run.recompute import drawn_rows
 from pipeline.run.rows import sweep_block
@@ -19,32 +18,17 @@ from tests.pipeline.faults.test_damage import harm, run
 from tests.pipeline.planes import small_plan, small_store
 
 _FEW = ("plane.sweep.num=9", "plane.parameter.num=17", "solver.certify_columns=197")
+#: The block of which a row must be computed again.
+_AGAIN = 1
 _KINDS = ("missing", "empty", "truncated", "flipped", "zeroed")
 
 
-@pytest.fixture(scope="module")
-def first_pass(undisturbed, tmp_path_factory) -> Path:
-    """The undisturbed store as it is before rows are looked at a second time; not to be changed."""
-    path = tmp_path_factory.mktemp("first") / "outputs/store/plane.zarr"
-    plan = store.read_plan(undisturbed)
-    store.create(path, plan, "plane", "")
-    for block in plan.blocks:
-        sweep_block(str(path), plan, block)
-    assert store.rows_to_certify(path, plan).size
-    return path
-
-
 @pytest.fixture
-def copy(first_pass, tmp_path) -> Path:
-    """A copy that may be harmed."""
-    return Path(shutil.copytree(first_pass, tmp_path / "outputs/store/plane.zarr"))
-
-
-def _due(path: Path) -> tuple:
-    """The first block with rows that are due, and its number."""
-    plan = store.read_plan(path)
-    first = int(store.rows_to_certify(path, plan)[0])
-    return plan.blocks_of(Block(first, first + 1))[0], first // plan.rows_per_block
+def copy(undisturbed, tmp_path) -> Path:
+    """A copy of the undisturbed store, of which one row must be computed again; it may be harmed."""
+    path = Path(shutil.copytree(undisturbed, tmp_path / "outputs/store/plane.zarr"))
+    zarr.open_group(path, mode="r+")["status"][store.read_plan(path).blocks[_AGAIN].start] = store.FAILED
+    return path
 
 
 def _file(path: Path, name: str, number: int) -> Path:
@@ -55,51 +39,45 @@ def _file(path: Path, name: str, number: int) -> Path:
 
 
 @pytest.mark.parametrize("kind", _KINDS)
-@pytest.mark.parametrize(
-    "name", ["amplitude", "status", "message", "branches/n_folds", "branches/n_gained", "branches/cos"]
-)
-def test_a_chunk_lost_before_the_second_look_is_never_made_up(
+@pytest.mark.parametrize("name", ["amplitude", "status", "message", "branches/n_folds", "branches/cos"])
+def test_a_chunk_lost_before_its_block_is_written_again_is_never_made_up(
     copy, undisturbed, tmp_path, capsys, monkeypatch, name, kind
 ):
     """Its rows are computed again, or the run says what is damaged; then repair brings the undisturbed store."""
-    _, number = _due(copy)
-    honest = sweep._certify_neighbours
+    plan, honest = store.read_plan(copy), sweep._run_blocks
 
     def harmed(*arguments):
-        harm(_file(copy, name, number), kind)
+        harm(_file(copy, name, _AGAIN), kind)
         return honest(*arguments)
 
-    monkeypatch.setattr(sweep, "_certify_neighbours", harmed)
+    monkeypatch.setattr(sweep, "_run_blocks", harmed)
     code, out, err = run(tmp_path, capsys, "stages=[sweep]")
     monkeypatch.undo()
-    rows = f"rows {3 * number}-{3 * number + 2}"
+    block = plan.blocks[_AGAIN]
+    rows = f"rows {block.start}-{block.stop - 1}"
     if code == 0:
-        assert f"{rows} were computed again: {name}/c/{number}" in out and err == ""
-    else:
-        assert code == 1 and len(err.splitlines()) == 1
         lost = (name, kind) == ("status", "missing")
-        assert (f"{rows} are stored no longer" if lost else f"is damaged: {name}/c/{number}") in err
-        again = ["stages=[sweep]"] if lost else ["stages=[check]", "check.repair=true"]
-        code, _, _ = run(tmp_path, capsys, *again)
+        assert lost or f"{rows} were computed again: {name}/c/{_AGAIN}" in out
+        assert err == ""
+    else:
+        assert code == 1 and len(err.splitlines()) == 1 and f"is damaged: {name}/c/{_AGAIN}" in err
+        code, _, _ = run(tmp_path, capsys, "stages=[check]", "check.repair=true")
     assert code == 0 and store.find_damage(copy) == []
     same(copy, undisturbed)
 
 
-def test_a_chunk_lost_elsewhere_during_the_second_look_is_named(copy, tmp_path, capsys, monkeypatch):
+def test_a_chunk_lost_elsewhere_while_the_sweep_runs_is_named(copy, tmp_path, capsys, monkeypatch):
     """No row of that block is due, so that nobody would read it: the run must not end as if all were well."""
-    plan = store.read_plan(copy)
-    due = {row // plan.rows_per_block for row in store.rows_to_certify(copy, plan).tolist()}
-    other = min(set(range(len(plan.blocks))) - due)
-    honest = sweep._certify_neighbours
+    honest = sweep._run_blocks
 
     def harmed(*arguments):
-        lost = honest(*arguments)
-        _file(copy, "amplitude", other).unlink()
-        return lost
+        result = honest(*arguments)
+        _file(copy, "amplitude", _AGAIN + 1).unlink()
+        return result
 
-    monkeypatch.setattr(sweep, "_certify_neighbours", harmed)
+    monkeypatch.setattr(sweep, "_run_blocks", harmed)
     code, _, err = run(tmp_path, capsys, "stages=[sweep]")
-    assert code == 1 and f"is damaged: amplitude/c/{other}/0/0 is missing" in err
+    assert code == 1 and f"is damaged: amplitude/c/{_AGAIN + 1}/0/0 is missing" in err
 
 
 @pytest.fixture(scope="module")
@@ -120,12 +98,12 @@ def test_every_array_of_a_block_is_verified_before_its_rows_are_kept(small, tmp_
         content = file.read_bytes()
         harm(file, kind)
         if (name, kind) == ("status", "missing"):
-            assert store.kept_rows(path, plan, block, frozenset()) == {}
+            assert store.kept_rows(path, plan, block) == {}
         else:
             with pytest.raises(DamagedError, match=name):
-                store.kept_rows(path, plan, block, frozenset())
+                store.kept_rows(path, plan, block)
         file.write_bytes(content)
-        kept = store.kept_rows(path, plan, block, frozenset())
+        kept = store.kept_rows(path, plan, block)
         assert sorted(kept) == list(range(block.start, block.stop))
         for row, values in kept.items():
             np.testing.assert_array_equal(values[name], zarr.open_group(whole, mode="r")[name][row])

@@ -7,7 +7,8 @@ import signal
 import pytest
 
 from pipeline import store
-from tests.pipeline.faults.runs import KEPT, ROWS, Head, complete, continued, same, start, until, workers_of
+from tests.pipeline.faults.runs import INJECTED, KEPT, ROWS, complete, continued, same, start, until, workers_of
+from tests.pipeline.schedulers import Scheduler
 
 _FEW = [("client", 1), ("worker", 2), ("workers", 3), ("client", 4), ("scheduler", 5), ("client", 6)]
 _VICTIMS = ["client", "worker", "workers", "client", "scheduler"]
@@ -40,12 +41,13 @@ def _kill_workers(folder, seed, count):
 
 
 def _kill_scheduler(folder, seed):
-    with Head() as head:
-        run = start(folder, "cluster=scheduler", f"cluster.address={head.address}")
+    with Scheduler(folder) as scheduler:
+        scheduler.add_worker()
+        run = start(folder, "cluster=scheduler", f"cluster.address={scheduler.address}")
         seen = until(run, _moment(seed, ROWS))
-        head.process.kill()
+        scheduler.process.kill()
         run.end()
-    assert run.err == f"error: the scheduler at {head.address} is gone{KEPT}\n" and run.code == 1
+    assert run.err == f"error: the scheduler at {scheduler.address} is gone{KEPT}\n" and run.code == 1
     return seen
 
 
@@ -78,7 +80,7 @@ def test_killed_and_continued_fifty_times(victim, seed, tmp_path, undisturbed, c
 
 
 def test_an_interrupted_run_says_so_and_is_continued(tmp_path, undisturbed, capsys):
-    run = start(tmp_path)
+    run = start(tmp_path, environment={"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "slow"})
     until(run, 3)
     os.killpg(run.process.pid, signal.SIGINT)
     run.end()

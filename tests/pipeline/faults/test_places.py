@@ -13,9 +13,8 @@ import threading
 import pytest
 
 from pipeline import store
-from tests.pipeline.faults.runs import COMMAND, KEPT, continued, finished, same, start, until
+from tests.pipeline.faults.runs import COMMAND, INJECTED, KEPT, continued, finished, same, start, until
 from tests.pipeline.faults.test_damage import run as run_here
-from tests.pipeline.faults.test_rows import INJECTED
 
 
 def _one_line(run, *parts):

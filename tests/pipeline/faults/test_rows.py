@@ -1,15 +1,12 @@
 """Rows that raise, hang or take all memory: tried three times, marked failed with the reason; the rest completes."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from pipeline import store
-from tests.pipeline.faults.runs import ROWS, continued, finished, same
+from tests.pipeline.faults.runs import INJECTED, ROWS, continued, finished, same
 from tests.pipeline.planes import contents
 
-INJECTED = Path(__file__).parent / "injected"
 _REASONS = {
     "raise": "FloatingPointError: injected (3 tries)",
     "sleep": "it did not end within 2 s (3 tries)",

@@ -13,7 +13,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.figures.backbone import draw_backbone
 from pipeline.figures.curves import chosen_rows, draw_curves
 from pipeline.figures.map import draw_map
-from pipeline.figures.map_legend import DISPUTED_CELLS, UNSTABLE_CELLS
+from pipeline.figures.map_legend import CONTRADICTORY_CELLS, UNSTABLE_CELLS
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.stored import read_stored
 from pipeline.figures.windows import coexistence_windows
@@ -42,7 +42,7 @@ NO_FREQUENCY = (
 )
 
 
-STABILITY = {UNSTABLE_CELLS["hatch"], DISPUTED_CELLS["hatch"]}
+STABILITY = {UNSTABLE_CELLS["hatch"], CONTRADICTORY_CELLS["hatch"]}
 
 
 @pytest.fixture(scope="module")
@@ -259,7 +259,7 @@ def test_labels_by_dynamic_stability_leave_out_what_is_not_stable(made):
     kept = (root.stable == 1) & (root.instability == 0)
     np.testing.assert_array_equal(dynamic.n_stable, kept.sum("solution"))
     assert np.all(dynamic.n_stable <= static.n_stable)
-    marked = dynamic.unstable | dynamic.disputed
+    marked = dynamic.unstable | dynamic.contradictory
     np.testing.assert_array_equal(marked, dynamic.n_stable < static.n_stable)
     np.testing.assert_array_equal(dynamic.domain[~marked], static.domain[~marked])
     assert np.any(marked)
@@ -274,6 +274,6 @@ def test_maps_hatch_what_is_dynamically_unstable(made, stability):
     plane = read_stored(made, stability == "dynamic")
     figure = draw_map(plane)
     hatches = {patch.get_hatch() for axes in figure.axes for patch in axes.patches}
-    assert (DISPUTED_CELLS["hatch"] in hatches) == bool(plane.disputed.any())
-    unstable = bool(np.any(plane.unstable & ~plane.disputed))
+    assert (CONTRADICTORY_CELLS["hatch"] in hatches) == bool(plane.contradictory.any())
+    unstable = bool(np.any(plane.unstable & ~plane.contradictory))
     assert (UNSTABLE_CELLS["hatch"] in hatches) == (stability == "static" and unstable)

@@ -10,7 +10,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import balance_of, continuation_of, model_at, point_of, row_of, seeds_of
 from pipeline.plan.planning import plan, warnings
 from solver import all_solutions
-from solver.boundaries.plane import KINDS
+from solver.boundaries import FOLDS_AND_GRAZINGS
 from tests.conftest import MODELS
 from tests.pipeline.planes import small_plan, small_store
 
@@ -92,7 +92,7 @@ def test_boundaries_over_mesh_damping(tmp_path):
     for value in (0.041, 0.062):
         gear = (f"gear.xi_mesh={value}", f"gear.xi_translation={0.25 * value}")
         row = row_at(small_plan("plane=omega_b", *gear, *window[:2], rows=2), 1.0)
-        events = np.concatenate([curve.points[np.isin(curve.event, KINDS), -1] for curve in row.curves])
+        events = np.concatenate([curve.points[np.isin(curve.event, FOLDS_AND_GRAZINGS), -1] for curve in row.curves])
         crossed, _ = shown.along(P, value)
         met += crossed.size
         for x in crossed:

@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.errors import WorkerLost
 from pipeline.plan.plan import Block
 from pipeline.run.dispatch import Batches, dispatch
 from pipeline.run.rows import Outcome, Receipt
-from pipeline.run.workforce import Task, WorkerLost
+from pipeline.run.workforce import Task
 from pipeline.store.tries import MOST_TRIES
 from tests.pipeline.planes import small_plan
 
@@ -91,7 +92,7 @@ class Scripted:
     def serve(self, function, take):
         while (task := take()) is not None:
             self.tasks.append(task)
-            yield task, self.answer([block for block, _ in task.arguments[2]])
+            yield task, self.answer(list(task.arguments[2]))
 
 
 def test_everything_is_stored_although_batches_break_off(tmp_path):
@@ -102,14 +103,11 @@ def test_everything_is_stored_although_batches_break_off(tmp_path):
         return Outcome((Receipt(blocks[0], (), 1, 0.01),), "tcp://there:1" if len(blocks) > 1 else None)
 
     workforce = Scripted(first_only)
-    chosen = {plan.blocks[3]: frozenset({13})}
-    results = list(dispatch(tmp_path, plan, plan.blocks, chosen, workforce))
+    results = list(dispatch(tmp_path, plan, plan.blocks, workforce))
     assert sorted(block.start for block, _ in results) == [block.start for block in plan.blocks]
     assert all(isinstance(result, Receipt) for _, result in results)
     avoided = [task for task in workforce.tasks if task.avoid]
     assert avoided and all(len(task.arguments[2]) == 1 and task.avoid == "tcp://there:1" for task in avoided)
-    looked = {block: columns for task in workforce.tasks for block, columns in task.arguments[2]}
-    assert looked[plan.blocks[3]] == {13} and not looked[plan.blocks[4]]
     assert all(isinstance(task, Task) and task.arguments[3] == 60.0 for task in workforce.tasks)
 
 
@@ -122,8 +120,8 @@ def test_a_block_whose_workers_are_always_lost_is_given_up(tmp_path):
         return Outcome(tuple(Receipt(block, (), 1, 0.01) for block in blocks), None)
 
     workforce = Scripted(loses)
-    results = dict(dispatch(tmp_path, plan, plan.blocks, {}, workforce))
+    results = dict(dispatch(tmp_path, plan, plan.blocks, workforce))
     assert results.keys() == set(plan.blocks) and isinstance(results.pop(plan.blocks[5]), WorkerLost)
     assert all(isinstance(result, Receipt) for result in results.values())
-    tries = sum(plan.blocks[5] in [block for block, _ in task.arguments[2]] for task in workforce.tasks)
+    tries = sum(plan.blocks[5] in task.arguments[2] for task in workforce.tasks)
     assert tries == MOST_TRIES * (plan.blocks[5].stop - plan.blocks[5].start) + 1

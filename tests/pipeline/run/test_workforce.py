@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from pipeline.plan.plan import Block
 from pipeline.run.rows import sweep_block
 from pipeline.run.workforce import Workforce
 from tests.pipeline.planes import assert_same_contents, cluster, contents, small_plan, small_store
+from tests.pipeline.schedulers import Scheduler, wait_until
 
 LOCAL = cluster("local")
 NONE = cluster("none")
@@ -35,46 +35,10 @@ def local():
         yield workforce
 
 
-class Scheduler:
-    """A real `dask scheduler` on loopback with workers, all of them processes of their own.
-
-    Its file is read by those that want to find it.
-    """
-
-    def __init__(self, folder):
-        self.file, self.processes = folder / "scheduler.json", []
-        self._start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(self.file))
-        wait_until(lambda: self.file.exists() and self.file.stat().st_size)
-        self.address = json.loads(self.file.read_text())["address"]
-
-    def _start(self, what, *options):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", "--no-dashboard", *options]
-        quiet = dict(stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-        self.processes.append(subprocess.Popen(command, env={**os.environ, "OMP_NUM_THREADS": "1"}, **quiet))
-        return self.processes[-1]
-
-    def add_worker(self):
-        """One more, without a nanny that would start it again."""
-        return self._start("worker", "--scheduler-file", str(self.file), "--nthreads", "1", "--no-nanny")
-
-    def close(self):
-        for process in reversed(self.processes):
-            process.kill()
-            process.wait(30)
-
-
-def wait_until(happens, seconds=120.0):
-    deadline = time.monotonic() + seconds
-    while not happens():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-
-
 @pytest.fixture
 def scheduler(tmp_path):
-    started = Scheduler(tmp_path)
-    yield started
-    started.close()
+    with Scheduler(tmp_path) as started:
+        yield started
 
 
 def test_exceptions_come_back_beside_results_on_workers_with_one_thread(local):

@@ -1,5 +1,6 @@
 """The store: its schema as a reader sees it, and what it refuses."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -44,12 +45,14 @@ def test_schema(made):
         "instability": "int8",
         "multiplier": "float64",
         "open": "int8",
+        "certified": "int8",
         "status": "uint8",
     }
     for name, kind in kinds.items():
         assert plane[name].dtype == kind, name
         assert plane[name].attrs["long_name"]
     assert set(plane.data_vars) == {*kinds, "message"}
+    assert np.all(plane.certified == 1) and store.proven_cells(path) == (6 * 61, 6 * 61)
     assert plane.attrs["Conventions"].startswith("CF") and plane.attrs["configuration_hash"] == plan.digest
     assert {"numpy", "numba", "zarr", "bevelmap"} <= set(plane.attrs["versions"])
     assert plane.omega.attrs["units"] == "1" and plane.phase.attrs["units"] == "rad"
@@ -209,7 +212,7 @@ def test_an_unforeseen_error_in_a_row_is_recorded_by_name(tmp_path, monkeypatch)
 
     monkeypatch.setattr(sweep, "sweep_row", breaks)
     with Workforce(cluster("none")) as workforce:
-        receipts = [receipt for _, receipt in dispatch(path, plan, plan.blocks, {}, workforce)]
+        receipts = [receipt for _, receipt in dispatch(path, plan, plan.blocks, workforce)]
     failures = [failure for receipt in receipts for failure in receipt.failures]
     assert failures == [(1, "FloatingPointError: invalid value (3 tries)")]
     assert xr.open_zarr(path).status.values.tolist() == [1, 2, 1]
@@ -229,7 +232,7 @@ def test_results_do_not_depend_on_blocks_or_order(tmp_path):
             assert values.tobytes() == expected[name].tobytes() if values.dtype.kind != "T" else True, name
 
 
-def test_a_second_look_computes_only_the_rows_that_it_is_due_to(tmp_path, monkeypatch):
+def test_only_rows_that_are_not_complete_are_computed(tmp_path, monkeypatch):
     import pipeline.plan.numerics as sweep
 
     plan = small_plan(columns=9, rows=40)
@@ -242,16 +245,33 @@ def test_a_second_look_computes_only_the_rows_that_it_is_due_to(tmp_path, monkey
         return honest(model, *args, **kwargs)
 
     monkeypatch.setattr(sweep, "sweep_row", watched)
-    sweep_block(str(path), plan, first, frozenset({1}))
+    zarr.open_group(path, mode="r+")["status"][1] = store.FAILED
+    sweep_block(str(path), plan, first)
     assert seen == [plan.parameter.values[1]]
-    after = contents(path)
-    assert after["branches/n_gained"][1] >= 0
-    for name in ("mean", "status", "message", "branches/amplitude", "branches/n_points"):
-        for row in set(range(40)) - {1}:
-            np.testing.assert_array_equal(after[name][row], before[name][row])
-    # A row that has been looked at stays, too, and a block that was being written is computed as a whole.
-    sweep_block(str(path), plan, first, frozenset({0, 1}))
-    assert seen[1:] == [plan.parameter.values[0]]
+    for name, values in contents(path).items():
+        np.testing.assert_array_equal(values, before[name])
+    # A block that was being written is computed as a whole.
     zarr.open_group(path, mode="r+")["status"][plan.place(second)] = store.PENDING
     sweep_block(str(path), plan, second)
-    assert seen[2:] == plan.parameter.values[second.start : second.stop].tolist()
+    assert seen[1:] == plan.parameter.values[second.start : second.stop].tolist()
+
+
+def test_what_a_row_could_not_decide_is_stored_and_listed_and_its_cells_are_not_counted(tmp_path, monkeypatch):
+    import pipeline.plan.numerics as sweep
+
+    plan = small_plan(columns=9, rows=3)
+    path, honest = small_store(tmp_path / "plane.zarr", plan, []), sweep.sweep_row
+
+    def undecided(model, *args, **kwargs):
+        row = honest(model, *args, **kwargs)
+        if model.f_e != 0.25:
+            return row
+        certified = row.certified.copy()
+        certified[[2, 5]] = 0
+        return dataclasses.replace(row, certified=certified, notes=("At two places.", "For two reasons."))
+
+    monkeypatch.setattr(sweep, "sweep_row", undecided)
+    for block in plan.blocks:
+        sweep_block(str(path), plan, block)
+    assert store.proven_cells(path) == (25, 27) and not store.failures(path)
+    assert store.notes(path) == [(1, "At two places. For two reasons.")]

@@ -5,7 +5,8 @@ import pytest
 
 from solver import EndReason, Event
 from solver.boundaries import SpecialPoint, boundary_curves, missed_events, row_events
-from solver.boundaries.plane import Plane
+from solver.boundaries.first_order import FirstOrderProblem
+from solver.boundaries.problem import Plane
 from solver.harmonic.describing_function import evaluate
 from tests.conftest import consistent, published
 from tests.solver.boundary_planes import (
@@ -42,7 +43,7 @@ from tests.solver.boundary_planes import (
 def test_contact_angles_are_the_balance_and_have_its_derivatives(axis, low, high):
     """E and det dE/du against the balance on (lambda_m, lambda_c, lambda_s); all derivatives against differences."""
     model = consistent(alpha_phase=0.3, f_pv=0.1, alpha_harmonics=((0.1, 0.4),))
-    plane = Plane(model, "omega", axis, OMEGA, (low, high))
+    plane = FirstOrderProblem(Plane(model, "omega", axis, OMEGA, (low, high)))
     rng = np.random.default_rng(5)
     seen = set()
     for _ in range(80):
@@ -109,7 +110,7 @@ def test_slices_are_the_events_of_rows_that_nobody_started_from(gear, axis):
     births = specials(curves, SpecialPoint.ISOLA)[:, 4]
     rng = np.random.default_rng(11)
     for value in np.sort(rng.uniform(*RANGES[axis], 12)):
-        events = row_events(sweep(gear, axis, value), value)
+        events = row_events(sweep(gear, axis, value).curves, value)
         crossings = [(curve, point) for curve in curves for point in curve.crossings([value])[1]]
         for kind, point in events:
             assert distance([(curve.kind, other) for curve, other in crossings], kind, point) < 1e-8
@@ -122,7 +123,7 @@ def test_slices_are_the_events_of_rows_that_nobody_started_from(gear, axis):
 def test_rows_see_two_folds_around_a_grazing():
     """At b = 0.02 the branch folds twice within 3e-7 of omega, with the grazing of the back flank in between."""
     row = sweep("published", "b", 0.02)
-    events = [(kind, point[3]) for kind, point in row_events(row, 0.02)]
+    events = [(kind, point[3]) for kind, point in row_events(row.curves, 0.02)]
     near = sorted(omega for kind, omega in events if kind is Event.FOLD and abs(omega - 1.2297) < 1e-3)
     assert len(near) == 2 and near[1] - near[0] < 1e-6
     found = [

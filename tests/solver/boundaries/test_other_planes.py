@@ -31,7 +31,7 @@ def test_any_two_parameters_span_a_plane():
     starts = [
         event
         for value in values
-        for event in row_events(sweep_row(published(alpha=value), "b", grid, omega=0.65), value)
+        for event in row_events(sweep_row(published(alpha=value), "b", grid, omega=0.65).curves, value)
     ]
     curves = boundary_curves(published(), "b", "alpha", (0.02, 1.5), (0.05, 0.6), starts, omega=0.65)
     assert [curve.kind for curve in curves] == [Event.FOLD, Event.MIN_AT_BACK]
@@ -41,7 +41,7 @@ def test_any_two_parameters_span_a_plane():
         SpecialPoint.BORDER,
     ]
     for value in (0.2222, 0.3333, 0.5555):
-        events = row_events(sweep_row(published(alpha=value), "b", grid, omega=0.65), value)
+        events = row_events(sweep_row(published(alpha=value), "b", grid, omega=0.65).curves, value)
         crossings = [(curve.kind, point) for curve in curves for point in curve.crossings([value])[1]]
         assert len(crossings) == len(events)
         assert all(distance(crossings, kind, point) < 1e-8 for kind, point in events)
@@ -54,7 +54,7 @@ def test_both_flanks_touch_without_load():
     """At f_pm = 0 the motion touches both flanks, loses contact and the mean is open: the grazings end there."""
     model = published(f_pv=0.1)
     values = np.linspace(-0.41, 0.6, 24)
-    starts = [event for v in values for event in row_events(sweep_row(model.replace(f_pm=v), "omega", GRID), v)]
+    starts = [event for v in values for event in row_events(sweep_row(model.replace(f_pm=v), "omega", GRID).curves, v)]
     curves = boundary_curves(model, "omega", "f_pm", OMEGA, (-0.41, 0.6), starts)
     assert {curve.kind for curve in curves} >= {Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE}
     ended = specials(curves, SpecialPoint.DOUBLE_GRAZING)

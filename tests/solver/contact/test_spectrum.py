@@ -1,6 +1,5 @@
 """Contact arcs, spectra and extremes of a motion: against fine sampling, and at the places where sampling fails."""
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,14 +8,12 @@ from hypothesis import strategies as st
 from solver.contact import spectrum
 
 
-@numba.njit
 def arcs(u, front, back):
     angles, zones = np.empty(2 * u.size + 8), np.empty(2 * u.size + 8, np.int64)
     count = spectrum.contact_arcs(u, front, back, angles, zones)
     return angles[:count], zones[: max(count, 1)]
 
 
-@numba.njit
 def spectra(u, front, back, size):
     angles, zones = np.empty(2 * u.size + 8), np.empty(2 * u.size + 8, np.int64)
     count = spectrum.contact_arcs(u, front, back, angles, zones)
@@ -25,7 +22,6 @@ def spectra(u, front, back, size):
     return contact, ahead, behind
 
 
-@numba.njit
 def extremes(u):
     return spectrum.extremes(u)
 

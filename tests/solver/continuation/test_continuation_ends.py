@@ -9,7 +9,7 @@ from tests.conftest import consistent, published
 from tests.solver.curves import COS_20, HIGH, LOW, check_invariants, folds, swept
 from tests.solver.exhaustive import all_solutions
 from tests.solver.reference_rows import grid
-from tests.solver.toy import toy
+from tests.solver.toy import s_curve, toy
 
 
 def isola(**settings_):
@@ -133,7 +133,38 @@ def test_a_curve_that_cannot_go_on_says_so():
 def test_a_start_without_a_tangent_says_so():
     # u (u^2 - p) = 0 at its crossing.
     curve = Continuation().trace(toy(cubic=1.0, mixed=-1.0), np.zeros(2), -1.0, 1.0)
-    assert curve.ends[1] is EndReason.STEP_TOO_SMALL and len(curve.points) == 0
+    assert curve.ends[1] is EndReason.NO_TANGENT and len(curve.points) == 0
+
+
+def test_a_start_that_is_no_solution_is_corrected_at_its_own_axis_value():
+    problem = first_order_problem(published(), "omega", LOW, HIGH)
+    exact = all_solutions(published(), 0.9)[0]
+    moved = exact + [0.05, -0.03, 0.04]
+    curve = Continuation().trace(problem, np.append(moved, 0.9), LOW, HIGH)
+    assert curve.ends[1] is EndReason.RANGE_LEFT and len(curve.points) > 10
+    np.testing.assert_allclose(curve.points[0], np.append(exact, 0.9), rtol=0, atol=1e-10)
+    assert np.max(np.abs(evaluate(published(), 0.9, curve.points[0, :3])[0])) < 1e-11
+
+
+def test_a_start_that_cannot_be_corrected_is_refused_with_its_reason():
+    # u = p is undefined above p = 0.5: nothing is to be found there, in neither direction.
+    problem = toy(linear=1.0, parameter=-1.0, limit=0.5)
+    for trace in (Continuation().trace, Continuation().trace_both_ways):
+        curve = trace(problem, np.array([0.3, 0.7]), 0.0, 1.0)
+        assert curve.ends[1] is EndReason.NO_SOLUTION and len(curve.points) == 0
+
+
+def test_a_start_on_a_fold_is_followed_to_both_sides():
+    """There p turns round, so that a heading in p tells no side; opposite ones take opposite sides all the same."""
+    fold = np.sqrt(1.0 / 3.0)
+    start = np.array([fold, fold**3 - fold])
+    curves = [Continuation().trace(s_curve(1.0), start, -1.0, 1.0, heading) for heading in (1, -1)]
+    for curve in curves:
+        assert len(curve.points) > 3 and curve.ends[1] is EndReason.RANGE_LEFT
+        np.testing.assert_allclose(curve.points[0], start, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(curve.points[:, 0] ** 3 - curve.points[:, 0], curve.points[:, 1], rtol=0, atol=1e-10)
+    # One side leads straight to p = 1, the other over the second fold to p = -1.
+    assert {curve.points[-1, 1] for curve in curves} == {-1.0, 1.0}
 
 
 def test_steps_that_may_not_be_small_end_the_curve():
@@ -157,7 +188,7 @@ def test_a_curve_that_just_fits_is_whole():
 
 
 def test_every_reason_and_event_has_a_sentence_of_its_own():
-    for kind, count in ((EndReason, 6), (Event, 9)):
+    for kind, count in ((EndReason, 8), (Event, 9)):
         sentences = {member.sentence for member in kind}
         assert len(sentences) == len(kind) == count
         assert all(sentence.endswith(".") and sentence[0].isupper() or "=" in sentence for sentence in sentences)
@@ -168,4 +199,6 @@ def test_every_reason_and_event_has_a_sentence_of_its_own():
         "STEP_TOO_SMALL",
         "ITERATION_LIMIT",
         "JOINED",
+        "NO_SOLUTION",
+        "NO_TANGENT",
     ]

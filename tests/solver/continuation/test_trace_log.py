@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Broyden, Continuation, EndReason, Event, LinearSeeds, sweep_row
-from solver.continuation.trace_log import DiaryContinuation, Outcome
+from solver.continuation.trace_log import LoggedContinuation, Outcome
 from solver.harmonic.galerkin import Galerkin
 from solver.rows.lifted_seeds import LiftedSeeds
 from tests.conftest import MODELS, antiphase, published
@@ -50,7 +50,7 @@ def same_rows(one, other):
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("seeds", [None, LinearSeeds()], ids=["proven", "linear"])
 def test_a_row_with_a_diary_is_the_row_without(name, seeds):
-    diary = DiaryContinuation()
+    diary = LoggedContinuation()
     same_rows(
         sweep_row(MODELS[name](), "omega", GRID, seeds=seeds, continuation=diary),
         sweep_row(MODELS[name](), "omega", GRID, seeds=seeds, continuation=Continuation()),
@@ -63,7 +63,7 @@ def test_a_row_with_a_diary_is_the_row_without(name, seeds):
 
 def test_order_h_and_broyden_keep_a_diary_too():
     seeds = LiftedSeeds(11)
-    diary = DiaryContinuation(corrector=Broyden())
+    diary = LoggedContinuation(corrector=Broyden())
     row = sweep_row(antiphase(), "omega", GRID, balance=Galerkin(3), seeds=seeds, continuation=diary)
     same_rows(
         row,
@@ -78,12 +78,12 @@ def test_order_h_and_broyden_keep_a_diary_too():
 
 def test_every_reason_has_a_sentence_and_most_are_met():
     # Long steps meet all objections but the rare ones.
-    diary = DiaryContinuation(
+    diary = LoggedContinuation(
         first_step=2.0, largest_step=5.0, parameter_step=1.0, largest_angle=0.8, largest_distance=0.1
     )
     for f_e in (0.2, 0.6, 1.2):
         sweep_row(published(f_e=f_e), "omega", GRID, continuation=diary)
-    usual = DiaryContinuation(traces=diary.traces)
+    usual = LoggedContinuation(traces=diary.traces)
     sweep_row(antiphase(f_e=0.12), "omega", GRID, continuation=usual, seeds=LinearSeeds())
     met = {Outcome(int(one)) for trace in diary.traces for one in np.unique(trace.steps.outcome)}
     assert {Outcome.ACCEPTED, Outcome.NOT_CORRECTED, Outcome.TURNED, Outcome.STRAYED} <= met
@@ -91,12 +91,12 @@ def test_every_reason_has_a_sentence_and_most_are_met():
 
 
 def test_a_diary_that_is_full_is_made_larger():
-    finder = DiaryContinuation()
+    finder = LoggedContinuation()
     sweep_row(published(), "omega", GRID, continuation=finder)
     first = finder.traces[0]
     start = first.curve.points[np.argmax(first.curve.event == Event.FOLD) + 3]
     # So sharp a bend refuses more steps than points fit.
-    diary = DiaryContinuation(first_step=0.2, largest_angle=1e-4, max_points=4)
+    diary = LoggedContinuation(first_step=0.2, largest_angle=1e-4, max_points=4)
     curve = diary.trace(first.problem, start, GRID[0], GRID[-1], 1)
     (trace,) = diary.traces
     assert curve.ends[1] is EndReason.ITERATION_LIMIT and curve.refused > 4

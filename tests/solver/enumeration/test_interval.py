@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from solver.contact.dead_zone import describing_functions
 from solver.enumeration import interval
 from solver.enumeration.coefficients import enclosed_coefficients
-from solver.enumeration.contact_law import contact_law, gain_over
+from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes
 from solver.harmonic.describing_function import coefficients
 from solver.model.condensation import axis_vectors
 from tests.conftest import MODELS
@@ -43,6 +43,9 @@ def test_real_operations_contain_the_exact_result(first, second):
     assert contains(interval.subtract(x, y), a - b)
     assert contains(interval.multiply(x, y), a * b)
     assert contains(interval.square(x), a * a)
+    assert contains(interval.times(abs(y[0]), x), abs(Fraction(y[0])) * a)
+    meeting = interval.hull(x, (float(a), float(a)))
+    assert contains(interval.intersect(meeting, interval.hull((float(a), float(a)), y)), Fraction(float(a)))
     assert contains(interval.absolute(x), abs(a))
     assert contains(interval.hull(x, y), a) and contains(interval.hull(x, y), b)
     quotient = interval.divide(x, y)
@@ -131,7 +134,9 @@ def test_gain_over_bounds_gain_and_slopes_on_rectangles():
         before, after = rng.uniform(0.0, width, 2), rng.uniform(0.0, width, 2)
         guess = rng.choice([np.nan, cosine, rng.uniform(-1.0, 1.0)])
         phi_bounds, beta_bounds = (phi - before[0] - 1e-15, phi + after[0] + 1e-15), (beta - before[1], beta + after[1])
-        gains, by_force, by_gap, cosines = gain_over(phi_bounds, beta_bounds, guess)
+        slack = rng.choice([0.0, 1e-12, 1e-3 * width])
+        gains, cosines = gain_over(phi_bounds, beta_bounds, guess, slack)
+        by_force, by_gap = gain_slopes(phi_bounds, beta_bounds, cosines, slack)
         assert gains[0] <= gain <= gains[1]
         assert cosines[0] <= cosine <= cosines[1]
         assert by_force[0] >= 0.0 and by_gap[1] <= 0.0
@@ -146,12 +151,12 @@ def test_gain_over_bounds_gain_and_slopes_on_rectangles():
 
 
 def test_gain_over_at_the_edges():
-    assert gain_over((1.0, np.inf), (0.0, np.inf), np.nan)[0] == (1.0, 1.0)
-    low, high = gain_over((0.0, 0.0), (1.0, 5.0), np.nan)[0]
+    assert gain_over((1.0, np.inf), (0.0, np.inf), np.nan, 0.0)[0] == (1.0, 1.0)
+    low, high = gain_over((0.0, 0.0), (1.0, 5.0), np.nan, 0.0)[0]
     assert low == 0.0 and high < 1e-12
-    low, high = gain_over((0.3, 0.3), (0.0, 0.0), np.nan)[0]
+    low, high = gain_over((0.3, 0.3), (0.0, 0.0), np.nan, 0.0)[0]
     assert low > 1.0 - 1e-14 and high == 1.0
-    assert gain_over((np.nan, np.nan), (0.0, 1.0), np.nan)[0] == (0.0, 1.0)
+    assert gain_over((np.nan, np.nan), (0.0, 1.0), np.nan, 0.0)[0] == (0.0, 1.0)
 
 
 @pytest.mark.parametrize("omega", [0.05, 0.6, 1.0, 1.3, 2.5])

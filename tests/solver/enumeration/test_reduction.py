@@ -62,8 +62,7 @@ def test_bounds_hold_over_intervals(seed):
         width = 10.0 ** rng.uniform(-6, 0)
         left = rng.uniform(0.0, 1.0 - width) if width < 1.0 else 0.0
         right = min(left + width, 1.0)
-        center = rng.uniform(left, right)
-        _, gain, slope, regular = slope_over(reduced, left, center, right, np.nan)
+        _, gain, slope, regular = slope_over(reduced, left, right, np.nan)
         q_low, q_high = determinant_over(reduced, left, right)
         mean, cosine, sine, amplitude = motion_over(reduced, left, right, np.nan)
         regulars += regular
@@ -73,16 +72,16 @@ def test_bounds_hold_over_intervals(seed):
             n, q, line = _polynomials(model, omega, t)
             assert gain[0] - 1e-9 <= h + t <= gain[1] + 1e-9
             assert q_low - 1e-12 <= q <= q_high + 1e-12
-            bounds, law = gain_at(reduced, t, np.nan)
+            bounds, near = gain_at(reduced, t, np.nan)
             assert bounds[0] - 1e-9 <= h <= bounds[1] + 1e-9 and bounds[1] - bounds[0] < 1e-9
-            for value, (low, high) in zip((n, q, abs(line)), numerators_at(reduced, (t, t)), strict=True):
+            for value, (low, high) in zip((n, q, abs(line)), numerators_at(reduced, t), strict=True):
                 assert low - 1e-12 <= value <= high + 1e-12
             motion = line / q
             for value, (low, high) in ((motion.real, cosine), (-motion.imag, sine), (abs(motion), amplitude)):
                 assert low - 1e-9 * abs(motion) <= value <= high + 1e-9 * abs(motion)
             force = n / q
             if abs(force) < abs(motion):
-                displacement = np.sign(force) * (model.b - abs(motion) * np.mean(law[3]))
+                displacement = np.sign(force) * (model.b - abs(motion) * np.mean(near))
             else:
                 displacement = force + np.sign(force) * model.b
             margin = 1e-7 * (abs(motion) + abs(force) + model.b)
@@ -107,7 +106,7 @@ def test_determinant_of_the_jacobian(seed):
         _, jacobian = evaluate(model, omega, [mean, cosine, sine])
         _, q, _ = _polynomials(model, omega, gain)
         left, right = max(gain - 1e-9, 0.0), min(gain + 1e-9, 1.0)
-        slope = slope_over(reduced, left, gain, right, np.nan)[2]
+        slope = slope_over(reduced, left, right, np.nan)[2]
         if gain == 1.0:
             slope = (-1.0, -1.0)
         assert np.linalg.det(jacobian) == pytest.approx(-model.rotation * q * contact * np.mean(slope), rel=1e-4)

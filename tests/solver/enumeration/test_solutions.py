@@ -296,6 +296,34 @@ def test_singular_linear_system_is_open_above():
     assert result.proof is Proof.PROVEN and len(result.mean) == 2
 
 
+UNDAMPED = dict(xi_mesh=0.0, xi_translation=0.0, xi_support=0.0, variation_rotation=0.0)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_undamped_gears_are_proven(seed):
+    """D + t A' is real and a common factor: 0/0 at one gain, unless it is left out."""
+    rng = np.random.default_rng(seed)
+    changes = {**UNDAMPED, "alpha_harmonics": [], "f_pm": rng.uniform(0.2, 0.8), "k_support": rng.uniform(0.3, 3.0, 6)}
+    if seed % 3 == 0:
+        # Without translations their damping does not matter.
+        changes |= {
+            "translation_coupling": 0.0,
+            "xi_support": 0.01,
+            "xi_translation": 0.02,
+            "alpha_harmonics": [(0.2, 1.0)],
+        }
+    model, omega = random_model(rng, sorted(MODELS)[seed % 2], **changes), rng.uniform(0.2, 2.2)
+    result, expected = all_solutions(model, omega, amplitude_max=8.0), dense_search(model, omega, 8.0, 120)
+    assert result.proof is Proof.PROVEN and len(result.mean) == len(expected)
+    np.testing.assert_allclose(unknowns(result), expected, rtol=0, atol=1e-6)
+    for y, stable in zip(unknowns(result), result.stable, strict=True):
+        assert (np.linalg.det(evaluate(model, omega, y)[1]) > 0.0) == stable
+    # A little damping, and the factor is none: the same solutions nearly.
+    damped = all_solutions(model.replace(xi_mesh=1e-9), omega, amplitude_max=8.0)
+    assert damped.proof is Proof.PROVEN and damped.stable.tolist() == result.stable.tolist()
+    np.testing.assert_allclose(unknowns(damped), unknowns(result), rtol=0, atol=1e-5)
+
+
 def test_undamped_support_in_resonance_is_undecided():
     result = all_solutions(published(xi_support=0.0), 1.0)
     assert result.proof is Proof.UNDECIDED and result.above is Above.OPEN and len(result.undecided) == 1

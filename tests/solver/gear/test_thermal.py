@@ -150,11 +150,14 @@ def test_the_reference_is_the_base_case_to_the_bit(make, reference):
         assert ours == its
 
 
-def test_the_reference_row_is_the_base_row_to_the_bit():
+def test_the_reference_row_is_the_base_row_to_rounding():
+    """A geometric coupling is enclosed a little wider than its number: the last bit of a proven root may differ."""
     grid = np.linspace(0.3, 1.4, 30)
     base, row = (sweep_row(m, "omega", grid) for m in (consistent(alpha=0.3), PAIR_AT(0.0, consistent(alpha=0.3))))
-    for name in ("mean", "amplitude", "phase", "stable", "impact", "domain", "multiplier"):
-        assert getattr(base, name).tobytes() == getattr(row, name).tobytes(), name
+    for name in ("mean", "amplitude", "phase", "multiplier"):
+        np.testing.assert_allclose(getattr(row, name), getattr(base, name), rtol=1e-12, err_msg=name)
+    for name in ("stable", "impact", "domain", "instability"):
+        np.testing.assert_array_equal(getattr(row, name), getattr(base, name), err_msg=name)
 
 
 def PAIR_AT(difference, model):

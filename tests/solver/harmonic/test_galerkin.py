@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from solver import Continuation, DescribingFunction, ParameterError, gear_system
 from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.layout import SYSTEM_AXES
-from solver.harmonic.perturbation import contact_and_modulated, perturbation_matrix
 from solver.model.condensation import AXES
 from tests.conftest import antiphase, consistent, published
 from tests.solver.harmonic.projection import evaluated, projected
@@ -147,33 +146,6 @@ def _start(balance, model):
     _, unknowns = balance.linear_solution(problem, 0.05)
     unknowns[0] += model.b
     return problem, np.append(unknowns, 0.05)
-
-
-@given(models(), frequencies, balances, seeds)
-def test_hill_s_matrix_at_zero_is_the_jacobian(model, omega, balance, seed):
-    u, H = motion(balance, seed), balance.harmonics
-    problem = balance.problem(model, "omega", 0.1, 2.0)
-    _, jacobian = evaluated(problem, np.append(u, omega))
-    size = 2 * H + 1
-    psi = np.empty(size, complex)
-    chi = np.empty(size + len(model.stiffness_harmonics()) * balance.period, complex)
-    matrix = np.empty((size, size), complex)
-    _fill(problem.theta, problem.direction, u, omega, -H, chi, psi, matrix)
-    lift = np.zeros((size, size), complex)
-    lift[H, 0] = 1.0
-    for k in range(1, H + 1):
-        lift[H + k, 2 * k - 1 : 2 * k + 1] = 0.5, -0.5j
-        lift[H - k, 2 * k - 1 : 2 * k + 1] = 0.5, 0.5j
-    rows = matrix @ lift
-    real = np.empty((size, size))
-    real[0] = rows[H].real
-    real[1::2], real[2::2] = 2.0 * rows[H + 1 :].real, -2.0 * rows[H + 1 :].imag
-    np.testing.assert_allclose(real, jacobian[:, :-1], rtol=0, atol=1e-12 * max(1.0, np.max(np.abs(jacobian))))
-
-
-def _fill(theta, direction, u, p, lowest, chi, psi, matrix):
-    contact_and_modulated(theta, direction, u, p, chi, psi)
-    perturbation_matrix(theta, direction, p, 0j, lowest, chi, psi, False, matrix)
 
 
 def test_the_degree_is_what_the_signs_of_all_solutions_add_up_to():

@@ -7,8 +7,9 @@ import pytest
 
 from solver import EndReason, Event, ParameterError, sweep_row
 from solver.boundaries import boundary_curves, row_events
-from solver.boundaries.bifurcation_plane import BifurcationPlane
-from solver.boundaries.plane import Plane
+from solver.boundaries.first_order import FirstOrderProblem
+from solver.boundaries.harmonic import HarmonicProblem
+from solver.boundaries.problem import Plane
 from solver.harmonic.describing_function import DescribingFunction, evaluate
 from solver.harmonic.galerkin import Galerkin
 from solver.model.parameter_path import ParameterPath, place_on
@@ -35,7 +36,7 @@ def row_at(name, value):
 
 @functools.cache
 def curves_of(name):
-    starts = [event for value in np.linspace(*RANGE, ROWS) for event in row_events(row_at(name, value), value)]
+    starts = [event for value in np.linspace(*RANGE, ROWS) for event in row_events(row_at(name, value).curves, value)]
     return boundary_curves(BASE, "omega", PATHS[name], OMEGA, RANGE, starts)
 
 
@@ -53,7 +54,7 @@ def differences(problem, y, columns):
 
 
 def test_the_balance_over_a_path_is_that_of_its_models():
-    plane = Plane(BASE, "omega", TURNING, OMEGA, (0.0, 1.0))
+    plane = FirstOrderProblem(Plane(BASE, "omega", TURNING, OMEGA, (0.0, 1.0)))
     rng = np.random.default_rng(5)
     for _ in range(40):
         point = np.concatenate([rng.uniform(-1.8, 1.8, 3), [rng.uniform(*OMEGA), rng.uniform(0.1, 0.9)]])
@@ -69,29 +70,36 @@ def test_the_balance_over_a_path_is_that_of_its_models():
 
 @pytest.mark.parametrize("kind", [Event.FOLD, Event.MAX_AT_DRIVE, Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER])
 @pytest.mark.parametrize("balance", [DescribingFunction(), Galerkin(3)], ids=["first", "higher"])
-def test_bifurcations_of_any_order_feel_a_path(balance, kind):
-    plane = BifurcationPlane(balance, BASE, "omega", TURNING, OMEGA, (0.0, 1.0))
-    if kind not in plane.kinds:
-        return
-    share = [0.1] if kind is Event.NEIMARK_SACKER else []
-    problem = plane.problem(kind, plane.windows(kind, 0.1)[0])
-    rng, where = np.random.default_rng(5), np.array([0.9, 0.4])
-    flat = balance.problem(place_on(TURNING, 0.4, BASE)[0], "omega", *OMEGA)
+def test_boundaries_of_any_order_feel_a_path(balance, kind):
+    """Rows over the path are those of its model at that place, and their derivatives those of differences."""
+
+    def boundary(model, p_axis, p_range):
+        plane = Plane(model, "omega", p_axis, OMEGA, p_range)
+        return FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
+
+    over_path = boundary(BASE, TURNING, (0.0, 1.0))
+    plain = boundary(place_on(TURNING, 0.4, BASE)[0], "kappa", (0.4, 0.6))
+    rng = np.random.default_rng(5)
     for _ in range(8):
         u = rng.normal(size=balance.unknowns) / (1.0 + np.arange(balance.unknowns) // 2)
-        y = np.concatenate([u, share, where])
+        point = np.array([*u, 0.9, 0.4])
+        contact = over_path.zones(kind, point)[0] if balance.truncated else None
+
+        def lifted(problem, point=point, contact=contact):
+            y = problem.lift(kind, contact, point) if balance.truncated else point
+            return np.insert(y, -2, 0.3) if kind is Event.NEIMARK_SACKER else y
+
+        y = lifted(over_path)
+        problem, other = over_path.problem(kind, contact), plain.problem(kind, contact)
         residual, jacobian = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
+        expected, scratch = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
         problem.balance(problem.theta, problem.direction, y, residual, jacobian)
-        expected, scratch = np.empty(u.size), np.empty((u.size, u.size + 1))
-        flat.balance(flat.theta, flat.direction, np.append(u, where[0]), expected, scratch)
-        np.testing.assert_allclose(residual[: u.size], expected, rtol=0, atol=1e-13)
+        # How far a flank is away is measured with the size of lambda in the middle of each plane.
+        other.balance(other.theta, other.direction, np.append(lifted(plain)[:-1], 0.5), expected, scratch)
+        np.testing.assert_allclose(residual, expected, rtol=0, atol=1e-11)
         size = 1.0 + np.max(np.abs(jacobian), axis=1)
         for j, slope in differences(problem, y, (y.size - 2, y.size - 1)):
             assert np.max(np.abs(jacobian[:, j] - slope) / size) < 1e-5
-    expected = BifurcationPlane(balance, place_on(TURNING, 0.4, BASE)[0], "omega", "kappa", OMEGA, (0.4, 0.6))
-    np.testing.assert_allclose(
-        plane.parameters(np.append(u, where)), expected.parameters(np.array([*u, where[0], 0.5])), rtol=0, atol=1e-14
-    )
 
 
 @paths
@@ -101,7 +109,7 @@ def test_folds_on_curves_are_those_of_fresh_rows(name):
     for curve in curves:
         assert not {EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT} & set(curve.ends)
     for value in (-6.3, 1.7, 13.1, 22.9):
-        events = row_events(row_at(name, value), value)
+        events = row_events(row_at(name, value).curves, value)
         for kind in {kind for kind, _ in events}:
             points = np.array([point for other, point in events if other == kind])
             mine = [curve for curve in curves if curve.kind == kind]
@@ -124,8 +132,8 @@ def test_a_plane_over_a_path_divides_into_labels(name):
 
 
 def test_the_other_axis_may_not_belong_to_the_path():
-    for make in (Plane, lambda *parts: BifurcationPlane(DescribingFunction(), *parts)):
+    for make in (FirstOrderProblem, lambda plane: HarmonicProblem(plane, DescribingFunction())):
         with pytest.raises(ParameterError, match="x_axis = 'kappa'"):
-            make(BASE, "kappa", PAIR.path, (0.1, 0.2), RANGE, 1.0)
+            make(Plane(BASE, "kappa", PAIR.path, (0.1, 0.2), RANGE, 1.0))
     with pytest.raises(ParameterError, match="x_axis = .* one of omega"):
         Plane(BASE, PAIR.path, "omega", RANGE, OMEGA)

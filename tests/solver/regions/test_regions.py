@@ -29,7 +29,7 @@ def row(axis, value):
 @functools.cache
 def curves_of(axis):
     values = np.linspace(*RANGES[axis], ROWS).tolist()
-    starts = [event for value in values for event in row_events(row(axis, value), value)]
+    starts = [event for value in values for event in row_events(row(axis, value).curves, value)]
     return boundary_curves(published(), "omega", axis, OMEGA, RANGES[axis], starts)
 
 
@@ -49,7 +49,7 @@ def labels_at(model, x):
 
 def row_pieces(axis, value, window=OMEGA):
     """Edges and labels along a row: its own folds and grazings, and the solutions enumerated between."""
-    events = [point[3] for _, point in row_events(row(axis, value), value)]
+    events = [point[3] for _, point in row_events(row(axis, value).curves, value)]
     edges = np.array([window[0], *sorted(x for x in events if window[0] < x < window[1]), window[1]])
     labels = labels_at(published(**{axis: value}), 0.5 * (edges[1:] + edges[:-1]))
     ends, names = [edges[0]], []
@@ -166,7 +166,9 @@ def test_branches_that_leave_through_the_ceiling():
     """Beyond alpha = 0.6 the consistent gear has branches of infinite amplitude; what lies above 100 does not count."""
     values, bounds = np.linspace(0.6, 0.72, 13), (0.6, 0.72)
     starts = [
-        event for v in values for event in row_events(sweep_row(consistent(alpha=float(v)), "omega", GRID), float(v))
+        event
+        for v in values
+        for event in row_events(sweep_row(consistent(alpha=float(v)), "omega", GRID).curves, float(v))
     ]
     curves = boundary_curves(consistent(), "omega", "alpha", OMEGA, bounds, starts)
     whole = regions(consistent(), "omega", "alpha", OMEGA, bounds, curves)
@@ -266,7 +268,9 @@ def test_any_two_parameters_span_a_plane():
     """
     frequencies, grid = np.linspace(0.55, 0.65, 21), np.linspace(0.02, 1.5, 40)
     starts = [
-        event for f in frequencies for event in row_events(sweep_row(published(), "b", grid, omega=float(f)), float(f))
+        event
+        for f in frequencies
+        for event in row_events(sweep_row(published(), "b", grid, omega=float(f)).curves, float(f))
     ]
     curves = boundary_curves(published(), "b", "omega", (0.02, 1.5), (0.55, 0.65), starts)
     turned = regions(published(), "b", "omega", (0.02, 1.5), (0.55, 0.65), curves)

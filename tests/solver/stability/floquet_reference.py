@@ -1,5 +1,4 @@
-"""Floquet multipliers and Hill exponents computed plainly: time integration between contact switches, dense
-eigenproblems.
+"""Floquet multipliers computed plainly: time integration between contact switches, restarted at each.
 
 The only things shared with the solver are the matrices of `gear_system` and the motion to be looked at.
 """
@@ -8,7 +7,6 @@ import functools
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.linalg import eigvals
 from scipy.optimize import brentq
 
 from solver.model.contact_system import gear_system
@@ -57,37 +55,3 @@ def multipliers(model: Model, omega: float, motion: np.ndarray) -> np.ndarray:
         done = solve_ivp(slope, (begin, end), monodromy.ravel(), method="DOP853", rtol=1e-11, atol=1e-13)
         monodromy = done.y[:, -1].reshape(2 * n, 2 * n)
     return np.linalg.eigvals(monodromy)
-
-
-def _contact_matrix(model, motion, rows, columns):
-    """chi_(row - column) of a motion."""
-    order = np.subtract.outer(rows, columns)
-    total = np.zeros(order.shape, dtype=complex)
-    for begin, end, contact in contact_intervals(motion, model.b):
-        safe = np.where(order == 0, 1, order)
-        piece = 1j * (np.exp(-1j * safe * end) - np.exp(-1j * safe * begin)) / (2.0 * np.pi * safe)
-        total += contact * np.where(order == 0, (end - begin) / (2.0 * np.pi), piece)
-    return total
-
-
-def hill_exponents(model: Model, omega: float, motion: np.ndarray, harmonics: np.ndarray, truncated: bool):
-    """Eigenvalues s of Hill's problem in all coordinates, for perturbations of the given harmonics."""
-    system = gear_system(model)
-    n, size = system.degrees, harmonics.size
-    wide = np.arange(harmonics[0] - 40, harmonics[-1] + 41) if not truncated else harmonics
-    variation = np.zeros((size, wide.size), dtype=complex)
-    for l, (alpha, phase) in enumerate(model.stiffness_harmonics(), start=1):
-        shift = np.subtract.outer(harmonics, wide)
-        variation += 0.5 * alpha * (np.exp(1j * phase) * (shift == l) + np.exp(-1j * phase) * (shift == -l))
-    chi = _contact_matrix(model, motion, harmonics, harmonics)
-    psi = variation @ _contact_matrix(model, motion, wide, harmonics)
-    shift = np.kron(np.diag(1j * harmonics * omega), np.eye(n))
-    mass, damping = np.kron(np.eye(size), system.mass), np.kron(np.eye(size), system.damping)
-    stiffness = np.kron(np.eye(size), system.stiffness).astype(complex)
-    stiffness += np.kron(chi, np.outer(system.force, system.contact))
-    stiffness += np.kron(psi, np.outer(system.varying_force, system.contact))
-    total = size * n
-    inverse = np.linalg.inv(mass)
-    # M (s + shift)^2 + C (s + shift) + K with v = (s + shift) y.
-    state = np.block([[-shift, np.eye(total)], [-inverse @ stiffness, -inverse @ damping - shift]])
-    return eigvals(state)

@@ -17,17 +17,6 @@ def branch(model, balance, continuation=None, low=LOW, high=HIGH):
         return problem, first
     start = first.points[0] if first.points[0, 3] == high else first.points[-1]
     y = np.append(balance.lifted(start[:3]), high)
-    count = continuation.corrector.kernel(
-        problem.balance,
-        problem.theta,
-        problem.direction,
-        problem.scale,
-        y,
-        np.eye(y.size)[-1],
-        1e-8,
-        20,
-        np.empty((3 * problem.unknowns + 6, y.size)),
-    )
-    assert count > 0
-    y[-1] = high
+    y = problem.corrected(y, continuation.corrector, max_iterations=20)
+    assert y is not None
     return problem, continuation.trace(problem, y, low, high, -1)

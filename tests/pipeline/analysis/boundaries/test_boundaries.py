@@ -11,14 +11,14 @@ import zarr
 from pipeline import figures, store
 from pipeline.__main__ import main
 from pipeline.analysis import boundaries
-from pipeline.analysis.boundaries.events import BIFURCATIONS, GRAZINGS_AND_FOLDS, MARGINS, half_backlash, read_events
+from pipeline.analysis.boundaries.events import MARGINS, half_backlash, read_events
 from pipeline.errors import ConfigurationError
 from pipeline.figures.regions import region_codes
 from pipeline.figures.stored import read_stored
 from pipeline.plan.numerics import model_at
 from pipeline.run.rows import sweep_block
 from solver import Event, all_solutions, domain_code, impact_state
-from solver.boundaries import SpecialPoint
+from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SpecialPoint
 from tests.pipeline.planes import contents, small_plan, small_store
 
 PLANES = ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")
@@ -46,7 +46,7 @@ def test_schema(made):
         assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())
         assert set(np.unique(group[name])) <= set(flags["flag_values"])
     assert group.special.attrs["flag_meanings"].split()[SpecialPoint.CUSP] == "cusp"
-    assert np.all(np.isin(group.kind, (*GRAZINGS_AND_FOLDS, *BIFURCATIONS)))
+    assert np.all(np.isin(group.kind, (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)))
     # Which side of a period doubling or Neimark-Sacker curve the motion is stable on is not told.
     np.testing.assert_array_equal(group.side == 0, np.isin(group.kind, BIFURCATIONS))
     np.testing.assert_array_equal(group.amplitude, np.hypot(group.cos, group.sin))
@@ -195,6 +195,7 @@ def test_other_rows_give_other_boundaries(tmp_path):
     plan = small_plan("plane=omega_fe", columns=40, rows=8)
     path = small_store(tmp_path / "plane.zarr", plan, plan.blocks[:2])
     few = boundaries.trace(path, plan)
+    # The sweep goes on: rows that were not complete now are.
     for block in plan.blocks[2:]:
         sweep_block(str(path), plan, block)
     more = boundaries.trace(path, plan)

@@ -1,4 +1,4 @@
-"""Put on PYTHONPATH by tests of this folder: makes rows fail, or clocks jump, in every process of a run."""
+"""Put on PYTHONPATH by tests of this folder: makes rows fail, clocks jump, or bevelmap absent."""
 
 import importlib.abc
 import os
@@ -35,15 +35,19 @@ def _fail(kind: str) -> None:
 
 
 def _patch(module) -> None:
-    """Let the row at f_e = 0.25 fail, on every worker."""
-    kind, honest = _FAULT, module._sweep
+    """Let the row at f_e = 0.25 fail, on every worker; or let every row take long enough to be interrupted."""
+    kind, honest = _FAULT, module.stored_row
 
-    def sweep(plan, value, *rest):
-        if abs(value - plan.parameter.values[plan.parameter.num // 2]) < 1e-12:
+    def stored_row(plan, value, *rest):
+        if kind == "slow":
+            import time
+
+            time.sleep(0.1)
+        elif abs(value - plan.parameter.values[plan.parameter.num // 2]) < 1e-12:
             _fail(kind)
         return honest(plan, value, *rest)
 
-    module._sweep = sweep
+    module.stored_row = stored_row
 
 
 class _Finder(importlib.abc.MetaPathFinder):
@@ -86,7 +90,17 @@ def _turn_clock_back() -> None:
     datetime.datetime = Turned
 
 
-if _FAULT == "clock":
+class _Absent(importlib.abc.MetaPathFinder):
+    """As where bevelmap is not installed."""
+
+    def find_spec(self, name, path, target=None):
+        if name.split(".")[0] in ("pipeline", "solver"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+if _FAULT == "absent":
+    sys.meta_path.insert(0, _Absent())
+elif _FAULT == "clock":
     _turn_clock_back()
 elif _FAULT:
     sys.meta_path.insert(0, _Finder())

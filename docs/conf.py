@@ -1,0 +1,56 @@
+"""Configuration of the documentation site: `make docs`."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "docs/_extensions")]
+
+with (ROOT / "pyproject.toml").open("rb") as _file:
+    version = release = tomllib.load(_file)["project"]["version"]
+project = "bevelmap"
+author = copyright = "the bevelmap authors"
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+    "bevelmap_docs.mathml",
+    "bevelmap_docs.generated",
+    "bevelmap_docs.offline",
+]
+exclude_patterns = ["_build", "_extensions"]
+
+# Markdown as on GitHub, with formulas; headings are targets of links.
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+myst_dmath_allow_labels = False
+
+# `name` in a docstring is a link where there is such an object, and plain otherwise.
+default_role = "py:obj"
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+numpydoc_class_members_toctree = False
+
+html_theme = "pydata_sphinx_theme"
+html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_title = f"bevelmap {release}"
+html_show_sourcelink = False
+html_copy_source = False
+# Beside the pages of a section stands the list of them; a page without a section has none.
+html_sidebars = {page.stem: [] for page in Path(__file__).parent.glob("*.md")}
+html_sidebars |= {"*/*": ["sidebar-nav-bs"], "genindex": [], "search": []}
+html_theme_options = {
+    "navigation_with_keys": False,
+    "header_links_before_dropdown": 8,
+    "navbar_persistent": ["search-button"],
+    "show_toc_level": 2,
+    "show_prev_next": True,
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+}

@@ -1,0 +1,166 @@
+"""What the settings of a cluster may be, and what they say of a scheduler: its address and the keys to reach it."""
+
+import importlib.util
+import json
+import re
+from pathlib import Path
+
+from pipeline.config.schema import Cluster
+from pipeline.errors import ConfigurationError
+from pipeline.run.libraries import load_dask
+
+__all__ = ["KINDS", "address_of", "check_cluster", "security_of", "setting_of"]
+
+KINDS = ("local", "none", "scheduler")
+
+#: Transport, host (a name, an IPv4 or an IPv6 address) and port.
+_ADDRESS = re.compile(r"(tcp|tls)://(\[[0-9A-Fa-f:.%\w]+\]|[\w.-]+):(\d{1,5})")
+#: Bytes of a scheduler's file at most; one says its workers too.
+_MOST_BYTES = 2**24
+#: Bytes that a worker must have: 270 MB hold what it loads, and dask gives it no task above four fifths of its limit.
+_LEAST_MEMORY = 500_000_000
+
+
+def check_cluster(config: Cluster) -> None:
+    """Raise ConfigurationError unless the cluster settings make sense; nothing is started."""
+    if config.kind not in KINDS:
+        raise ConfigurationError(f"cluster.kind = {config.kind!r} is not allowed: it must be one of {', '.join(KINDS)}")
+    if config.kind == "local" and not 1 <= config.workers <= 1024:
+        raise ConfigurationError(f"cluster.workers = {config.workers} is not allowed: it must be from 1 to 1024")
+    if not 0.0 < config.row_seconds <= 1e6:
+        raise ConfigurationError(f"cluster.row_seconds = {config.row_seconds} is not allowed: it must be from 0 to 1e6")
+    if config.kind != "none" or config.memory != "auto":
+        load_dask()
+    _check_memory(config)
+    if config.dashboard and importlib.util.find_spec("bokeh") is None:
+        raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
+    if not 0.0 < config.timeout <= 3600.0:
+        raise ConfigurationError(
+            f"cluster.timeout = {config.timeout} is not allowed: it must be from 0 to 3600 seconds"
+        )
+    if config.kind == "scheduler":
+        security_of(config, address_of(config))
+
+
+def _check_memory(config: Cluster) -> None:
+    """The size is allowed, and what a worker of this machine gets is enough for it to begin."""
+    from dask.utils import parse_bytes
+
+    if config.memory == "auto":
+        if config.kind != "local":
+            return
+        from distributed.system import MEMORY_LIMIT
+
+        if config.workers * _LEAST_MEMORY > MEMORY_LIMIT:
+            raise ConfigurationError(
+                f"cluster.workers = {config.workers} is not allowed here: the memory of this machine, "
+                f"{MEMORY_LIMIT / 1e9:.3g} GB, is enough for {MEMORY_LIMIT // _LEAST_MEMORY}"
+            )
+        return
+    try:
+        enough = parse_bytes(config.memory) >= _LEAST_MEMORY
+    except (ValueError, OverflowError):
+        enough = False
+    if not enough:
+        raise ConfigurationError(
+            f"cluster.memory = {config.memory!r} is not allowed: it must be auto or a size such as 4GB, "
+            f"{_LEAST_MEMORY / 1e6:.0f}MB at least"
+        )
+
+
+def setting_of(config: Cluster) -> str:
+    """The setting that says where the scheduler is, with its value."""
+    if config.scheduler_file:
+        return f"cluster.scheduler_file = {config.scheduler_file!r}"
+    return f"cluster.address = {config.address!r}"
+
+
+def address_of(config: Cluster) -> str:
+    """The address of the scheduler, given or read from the scheduler's file.
+
+    Raises
+    ------
+    ConfigurationError
+        If none is said, or both, or it is none.
+    """
+    if bool(config.address) == bool(config.scheduler_file):
+        raise ConfigurationError(
+            f"cluster.address = {config.address!r} is not allowed with "
+            f"cluster.scheduler_file = {config.scheduler_file!r}: "
+            "one of them must say where the scheduler is, such as tcp://host:8786"
+        )
+    address = _read_address(config) if config.scheduler_file else config.address
+    found = _ADDRESS.fullmatch(address)
+    if found is None or not 0 < int(found[3]) < 2**16:
+        said = f", and it says {address[:80]!r}" if config.scheduler_file else ""
+        raise ConfigurationError(
+            f"{setting_of(config)} is not allowed: it must be that of a dask scheduler, "
+            f"tcp://host:port or tls://host:port{said}"
+        )
+    return address
+
+
+def _read_address(config: Cluster) -> str:
+    try:
+        file = Path(config.scheduler_file).expanduser()
+        if not file.is_file() or file.stat().st_size > _MOST_BYTES:
+            raise ValueError
+        address = json.loads(file.read_text(encoding="utf-8"))["address"]
+        if isinstance(address, str):
+            return address
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        pass
+    raise ConfigurationError(f"{setting_of(config)} is not allowed: it must be a file that dask scheduler wrote")
+
+
+def security_of(config: Cluster, address: str):
+    """What the client needs to speak with the scheduler at an address: a `distributed.Security`.
+
+    What `cluster.security` leaves open is as dask's own configuration says.
+
+    Raises
+    ------
+    ConfigurationError
+        If files are missing, cannot be used, or are of no use.
+    """
+    from distributed import Security
+
+    names = {"ca_file": "tls_ca_file", "cert": "tls_client_cert", "key": "tls_client_key"}
+    given = {name: value for name in names if (value := getattr(config.security, name)) is not None}
+    encrypted = address.startswith("tls://")
+    for name, value in given.items():
+        if not encrypted:
+            raise ConfigurationError(
+                f"cluster.security.{name} = {value!r} is not allowed: only an address tls://host:port needs it"
+            )
+        _check_file(f"cluster.security.{name}", value)
+    if not encrypted:
+        return Security()
+    security = Security(**{names[name]: value for name, value in given.items()})
+    for name in ("ca_file", "cert"):
+        if getattr(security, names[name]) is None:
+            raise ConfigurationError(
+                f"cluster.security.{name} = None is not allowed with an address tls://host:port: "
+                "it must be a file in PEM format (ca_file, cert and key are needed)"
+            )
+    try:
+        security.get_connection_args("client")
+    except (OSError, ValueError) as error:
+        raise ConfigurationError(
+            f"cluster.security = {', '.join(f'{name}: {value}' for name, value in given.items())} is not allowed: "
+            f"they must be certificates and a key that belong together ({' '.join(str(error).split())})"
+        ) from None
+    return security
+
+
+def _check_file(name: str, value: str) -> None:
+    try:
+        # OpenSSL would ask at the terminal for the passphrase.
+        locked = b"ENCRYPTED" in Path(value).read_bytes()
+    except (OSError, ValueError) as error:
+        reason = " ".join(str(error).split())
+        raise ConfigurationError(
+            f"{name} = {value!r} is not allowed: it must be a file in PEM format ({reason})"
+        ) from None
+    if locked:
+        raise ConfigurationError(f"{name} = {value!r} is not allowed: the key must not need a passphrase")

@@ -1,0 +1,60 @@
+"""Which kernels stages call, so that they are compiled before anything waits for them or counts their time."""
+
+import functools
+from collections.abc import Iterable
+
+from solver.kernels.warm import kernels_of, warm
+
+__all__ = ["NEEDED", "kernels_for", "ready_for_rows"]
+
+_ROWS = {
+    "describing_function": (
+        "solver.enumeration.certificates.enumerate_points",
+        "solver.stability.bifurcations._bifurcations",
+        "solver.continuation.arclength.trace",
+        "solver.stability.assessment._assess",
+        "solver.rows.crossings._crossings",
+        "solver.harmonic.describing_function.balance",
+        "solver.harmonic.describing_function.monitor",
+        "solver.continuation.correctors._newton",
+    ),
+    "galerkin": (
+        "solver.harmonic.galerkin.balance",
+        "solver.stability.bifurcations._bifurcations",
+        "solver.continuation.arclength.trace",
+        "solver.stability.assessment._assess",
+        "solver.rows.crossings._crossings",
+        "solver.harmonic.galerkin._linear_degree",
+        "solver.harmonic.galerkin.monitor",
+        "solver.harmonic.galerkin._extremes",
+        "solver.continuation.correctors._newton",
+    ),
+}
+
+#: By stage and balance, those that take longest first.
+NEEDED = {
+    "sweep": _ROWS,
+    "boundaries": {
+        "describing_function": (
+            "solver.boundaries.first_order._bifurcation_balance",
+            "solver.boundaries.first_order._fold_balance",
+            "solver.boundaries.first_order._grazing_balance",
+            "solver.boundaries.first_order._monitor",
+            "solver.boundaries.incidence._distances",
+        ),
+        "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
+    },
+    "figures": {"describing_function": ("solver.contact.dead_zone.describing_functions",)},
+    "debug": _ROWS,
+}
+
+
+def kernels_for(stages: Iterable[str], balance: str) -> list[str]:
+    """Names of what stages need, in the order to compile them in."""
+    return list(dict.fromkeys(name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ())))
+
+
+@functools.cache
+def ready_for_rows(balance: str) -> None:
+    """Compile or load what rows need, once in this process: a row's time is its own."""
+    warm(kernels_of(kernels_for(["sweep"], balance)))

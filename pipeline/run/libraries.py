@@ -1,0 +1,51 @@
+"""Settings of libraries that come from files and environment variables of the user, and have nothing to do here.
+
+A store is read and written in the same way whatever they say. Zarr waits for ever with a concurrency of 0, for one.
+"""
+
+import functools
+
+from pipeline.errors import ConfigurationError
+
+__all__ = ["load_dask", "load_zarr"]
+
+
+@functools.cache
+def load_zarr() -> None:
+    """Import zarr, with its own defaults for everything.
+
+    Raises
+    ------
+    ConfigurationError
+        If its configuration files cannot be read: it does so when it is imported.
+    """
+    try:
+        import zarr
+
+        zarr.config.refresh(paths=[], env={})
+    except Exception as error:
+        raise _unreadable("zarr", error) from None
+
+
+def load_dask() -> None:
+    """Import dask's scheduler and client.
+
+    Raises
+    ------
+    ConfigurationError
+        If their configuration cannot be used.
+    """
+    try:
+        import distributed  # noqa: F401
+    except Exception as error:
+        raise _unreadable("dask", error) from None
+
+
+def _unreadable(library: str, error: Exception) -> ConfigurationError:
+    if isinstance(error, ImportError):
+        raise error
+    reason = " ".join(str(error).split())
+    return ConfigurationError(
+        f"{library}'s own configuration, of files and of variables {library.upper()}_..., is not allowed: "
+        f"{type(error).__name__}: {reason[:300]}"
+    )

@@ -1,0 +1,114 @@
+"""Worker processes of this machine that no other user can reach.
+
+Whoever reaches a dask scheduler, a nanny or a worker runs code there, and loopback is open to every user. So all of
+them speak TLS with a key that is made for the run and never leaves its processes: a peer without it, client or worker,
+is refused before anything that it sends is read. The HTTP servers, which dask starts even without a dashboard, are left
+out.
+"""
+
+import contextlib
+import logging
+import signal
+import tempfile
+import threading
+from collections.abc import Iterator
+
+import dask
+from dask.utils import parse_bytes
+from distributed import Nanny, Scheduler, Security, SpecCluster, Worker
+from distributed.system import MEMORY_LIMIT
+
+__all__ = ["local_cluster"]
+
+_LOOPBACK = "127.0.0.1"
+
+#: One thread each for the libraries that would otherwise start one per core in every worker.
+_ONE_THREAD = {
+    f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS", "NUMBA", "NUMEXPR", "VECLIB_MAXIMUM")
+}
+
+
+class _WithoutHttp:
+    """A server of dask that listens for its peers alone."""
+
+    def start_http_server(self, *_, **__) -> None:
+        """No HTTP server, so no port of one."""
+
+
+class _QuietScheduler(_WithoutHttp, Scheduler):
+    pass
+
+
+class _QuietWorker(_WithoutHttp, Worker):
+    pass
+
+
+@contextlib.contextmanager
+def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCluster]:
+    """A scheduler in this process and workers as processes of their own, one thread each.
+
+    Parameters
+    ----------
+    workers : int
+    memory : str
+        Of each worker, such as 4GB; auto: its share of the machine.
+    dashboard : bool
+        Whether the scheduler shows what it does on a port of loopback, which every user of this machine can read.
+
+    Yields
+    ------
+    SpecCluster
+        Its `security` holds the key that a client needs.
+    """
+    # Workers import and read what is in their folders; dask's usual place for them may belong to somebody else.
+    with tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True) as folder:
+        with _deaf_to_interrupts():
+            cluster = _started(workers, memory, dashboard, folder)
+        with contextlib.closing(cluster):
+            yield cluster
+
+
+def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecCluster:
+    security = Security.temporary()
+    common = {"host": _LOOPBACK, "protocol": "tls://", "security": security}
+    pages = {"dashboard": True, "dashboard_address": f"{_LOOPBACK}:0"} if dashboard else {"dashboard": False}
+    worker = {
+        "cls": Nanny,
+        "options": {
+            **common,
+            "worker_class": _QuietWorker,
+            "nthreads": 1,
+            "memory_limit": MEMORY_LIMIT // workers if memory == "auto" else parse_bytes(memory),
+            "local_directory": folder,
+            "silence_logs": logging.CRITICAL,
+        },
+    }
+    scheduler = {"cls": Scheduler if dashboard else _QuietScheduler, "options": {**common, **pages}}
+    environment = dask.config.get("distributed.nanny.pre-spawn-environ", {})
+    settings = {
+        "distributed.nanny.pre-spawn-environ": {**environment, **_ONE_THREAD},
+        # Whoever gave a task decides whether it is done again after its worker was lost.
+        "distributed.scheduler.allowed-failures": 0,
+    }
+    with dask.config.set(settings):
+        return SpecCluster(
+            scheduler=scheduler,
+            workers=dict.fromkeys(range(workers), worker),
+            security=security,
+            silence_logs=logging.CRITICAL,
+        )
+
+
+@contextlib.contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes started inside ignore what a terminal sends to all: stopping them is this process's business."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
+    handlers = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)

@@ -1,0 +1,324 @@
+"""Boundaries of the describing function over a plane, as the curve problems that continuation follows.
+
+A fold curve is E = 0 with det dE/du = 0: the minimally augmented system (Govaerts, Numerical Methods for Bifurcations
+of Dynamical Equilibria, SIAM 2000), whose one extra row is a smooth function with an analytic gradient once the angles
+of contact are unknowns (`solver.boundaries.contact_angles`). A grazing curve is E = 0 with one of the angles at
++-pi/2. Period doublings and Neimark-Sackers are E = 0 with test functions of the monodromy matrix
+(`solver.boundaries.bifurcations`), which depends on the angles as smoothly. Neither of the two parameters is special:
+both are unknowns, and the curve is followed in a box.
+
+The contact of a stretch are the zones of front and back flank: -1 where the flank lies below the whole motion, 0 where
+the motion crosses it, 1 where it lies above. At the walls between two zones the boundary goes on in the next one.
+"""
+
+import itertools
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
+from solver.boundaries.contact_angles import (
+    BACK,
+    FRONT,
+    MONITORS,
+    UNKNOWNS,
+    P,
+    X,
+    angle_rows,
+    determinant,
+    plane_coefficients,
+)
+from solver.boundaries.problem import (
+    BACK_CONTACT,
+    BIFURCATIONS,
+    EVENT,
+    FLANK,
+    FOLDS_AND_GRAZINGS,
+    FRONT_CONTACT,
+    LENGTH_SCALE,
+    LEVEL,
+    Contact,
+    Guess,
+    Plane,
+    Stretch,
+    parameters_at,
+    plane_theta,
+)
+from solver.continuation.continuation import EndReason, Event, Problem
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+
+__all__ = ["FirstOrderProblem"]
+
+# A motion this close to touching a flank, in units of lambda's size, may lie on either side of the wall.
+_WALL = 1e-7
+
+#: Slot of y whose angle is fixed on a grazing curve, and the angle.
+_GRAZED = {
+    Event.MIN_AT_DRIVE: (FRONT, -0.5 * math.pi),
+    Event.MIN_AT_BACK: (BACK, -0.5 * math.pi),
+    Event.MAX_AT_DRIVE: (FRONT, 0.5 * math.pi),
+    Event.MAX_AT_BACK: (BACK, 0.5 * math.pi),
+}
+_NOTHING_GRAZED = (-1, 0.0)
+_ANGLES = slice(FRONT, BACK + 1)
+_DOUBLING = int(Event.PERIOD_DOUBLING)
+_TURN = 2.0 * math.pi
+
+# Columns of the switches of contact behind those of `bifurcations`: the slot of the flank's angle of contact, and how
+# the angle of the switch moves with it.
+_SLOT, _BY_CONTACT, _SWITCHES = range(2, 5)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _fold_balance(theta, direction, y, residual, jacobian):
+    """Balance, angles and det dE/du: (6,) and (6, 7)."""
+    known = plane_coefficients(theta, direction, y)
+    angle_rows(known, theta, y, residual, jacobian)
+    residual[5] = determinant(known, theta, y, jacobian[5], np.empty((3, 3)))
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _grazing_balance(theta, direction, y, residual, jacobian):
+    """Balance, angles and the grazed flank's angle: (6,) and (6, 7)."""
+    angle_rows(plane_coefficients(theta, direction, y), theta, y, residual, jacobian)
+    slot = int(theta[FLANK])
+    residual[5] = y[slot] - theta[LEVEL]
+    jacobian[5, :] = 0.0
+    jacobian[5, slot] = 1.0
+
+
+@kernel(types.Tuple((types.float64, types.boolean, MATRIX))(ARRAY, ARRAY), inner=True)
+def _switches(theta, y):
+    """A start of the period, whether there is contact then, and the switches of contact that follow, (k, _SWITCHES).
+
+    With lambda = lambda_m + lambda_a cos(theta - psi) there is contact at the front flank while
+    |theta - psi| < pi/2 - phi_f, at the back one while |theta - psi| > pi/2 - phi_b. The period starts in the middle of
+    the front contact. Beyond a wall a contact, or the time without, lasts for a negative while: what depends on the
+    angles goes on smoothly.
+    """
+    psi, count = math.atan2(y[2], y[1]), 0
+    found = np.empty((4, _SWITCHES))
+    front, back = theta[FRONT_CONTACT], theta[BACK_CONTACT]
+    for i in range(4):
+        # End of front contact, begin and end of back contact, begin of front contact.
+        slot = FRONT if i == 0 or i == 3 else BACK
+        if (front if slot == FRONT else back) != 0.0:
+            continue
+        half, later = 0.5 * math.pi - y[slot], i >= 2
+        found[count, ANGLE] = psi + _TURN - half if later else psi + half
+        found[count, SENSE] = 1.0 if i % 2 == 1 else -1.0
+        found[count, _SLOT], found[count, _BY_CONTACT] = slot, 1.0 if later else -1.0
+        count += 1
+    return psi, front <= 0.0 or back > 0.0, found[:count]
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _bifurcation_balance(theta, direction, y, residual, jacobian):
+    """Balance, angles and test functions: (6,) and (6, 7) for a period doubling, (7,) and (7, 8) for a
+    Neimark-Sacker."""
+    here, along_x, along_p = parameters_at(theta, direction, y)
+    doubling, last = int(theta[EVENT]) == _DOUBLING, y.shape[0] - 1
+    part = np.empty((5, 7))
+    angle_rows(plane_coefficients(theta, direction, y), theta, y, residual, part)
+    for i in range(5):
+        jacobian[i, 5] = 0.0
+        for j in range(5):
+            jacobian[i, j] = part[i, j]
+        jacobian[i, last - 1], jacobian[i, last] = part[i, X], part[i, P]
+    start, closed, switches = _switches(theta, y)
+    by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
+    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[5], start, closed, switches, by_angle, by_axis)
+    square = y[1] * y[1] + y[2] * y[2]
+    for row in range(1 if doubling else 2):
+        residual[5 + row] = values[row]
+        for j in range(5):
+            jacobian[5 + row, j] = 0.0
+        jacobian[5 + row, 5] = values[2 + row]
+        jacobian[5 + row, last - 1], jacobian[5 + row, last] = by_axis[row, 0], by_axis[row, 1]
+        for c in range(switches.shape[0]):
+            jacobian[5 + row, 1] -= by_angle[row, c] * y[2] / square
+            jacobian[5 + row, 2] += by_angle[row, c] * y[1] / square
+            jacobian[5 + row, int(switches[c, _SLOT])] += by_angle[row, c] * switches[c, _BY_CONTACT]
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _monitor(theta, direction, y, values, gradient):
+    """Amplitude, and det dE/du where there is room for it."""
+    amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
+    values[0] = amplitude
+    gradient[0, :] = 0.0
+    if amplitude > 0.0:
+        gradient[0, 1], gradient[0, 2] = y[1] / amplitude, y[2] / amplitude
+    if values.shape[0] > 1:
+        known = plane_coefficients(theta, direction, y)
+        values[1] = determinant(known, theta, y, gradient[1], np.empty((3, 3)))
+
+
+@dataclass(frozen=True)
+class FirstOrderProblem:
+    """Boundaries of the describing function; see `solver.boundaries.problem.BoundaryProblem`.
+
+    Parameters
+    ----------
+    plane : Plane
+        Of a gear.
+
+    Raises
+    ------
+    ParameterError
+        If the path of the plane uses its x axis, or is not smooth between its knots.
+    """
+
+    plane: Plane
+
+    def __post_init__(self):
+        plane, size = self.plane, self.plane.motion_size
+        theta, direction = plane_theta(plane, 1, 1)
+        theta[LENGTH_SCALE] = size
+        scale = np.array([size, size, size, 1.0, 1.0, *plane.scale])
+        for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
+            value.setflags(write=False)
+            object.__setattr__(self, f"_{name}", value)
+
+    @property
+    def kinds(self) -> tuple[Event, ...]:
+        """The boundaries that can be followed."""
+        return *FOLDS_AND_GRAZINGS, *BIFURCATIONS
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns of a motion: lambda_m, lambda_c, lambda_s."""
+        return 3
+
+    def components(self, kind: Event) -> tuple[int, ...]:
+        """Where (lambda_m, lambda_c, lambda_s, x, p) stand in y: the angles of contact, and kappa, lie between them."""
+        gap = int(kind is Event.NEIMARK_SACKER)
+        return 0, 1, 2, X + gap, P + gap
+
+    def shown(self, kind: Event) -> tuple[int, ...]:
+        """Which components of y a boundary shows: all but the angles and kappa."""
+        return self.components(kind)
+
+    def problem(self, kind: Event, contact: Contact) -> Problem:
+        """The curve of one kind within a pair of zones."""
+        theta, direction, scale = self._theta.copy(), self._direction.copy(), self._scale.copy()
+        theta[[FRONT_CONTACT, BACK_CONTACT]] = contact
+        theta[EVENT] = kind
+        if kind is Event.FOLD:
+            return Problem(_fold_balance, _monitor, theta, direction, scale, monitors=1)
+        if kind in BIFURCATIONS:
+            scale = np.insert(scale, X, 1.0) if kind is Event.NEIMARK_SACKER else scale
+            return Problem(_bifurcation_balance, _monitor, theta, direction, scale, monitors=1)
+        theta[[FLANK, LEVEL]] = _GRAZED[kind]
+        return Problem(_grazing_balance, _monitor, theta, direction, scale, MONITORS)
+
+    def confined(self, kind: Event, contact: Contact) -> Problem:
+        """The same: the walls of the zones are sides of the box."""
+        return self.problem(kind, contact)
+
+    def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
+        """Low and high border of y, infinite where it is free: the plane, the walls of a pair of zones, and for
+        Neimark-Sackers the resonances kappa = -1 and 1."""
+        size = len(self._scale) + (kind is Event.NEIMARK_SACKER)
+        low, high = np.full(size, -np.inf), np.full(size, np.inf)
+        grazed, _ = _GRAZED.get(kind, _NOTHING_GRAZED)
+        for slot, zone in zip((FRONT, BACK), contact, strict=True):
+            if slot != grazed:
+                low[slot] = (-np.inf, -0.5 * math.pi, 0.5 * math.pi)[zone + 1]
+                high[slot] = (-0.5 * math.pi, 0.5 * math.pi, np.inf)[zone + 1]
+        if kind is Event.NEIMARK_SACKER:
+            low[X], high[X] = -1.0, 1.0
+        (low[-2], high[-2]), (low[-1], high[-1]) = self.plane.x_range, self.plane.p_range
+        return low, high
+
+    def starts(self, kind: Event, point: np.ndarray) -> Iterable[tuple[Contact, np.ndarray]]:
+        """Pairs of zones with contact that (lambda_m, lambda_c, lambda_s, x, p) lies in, and its y in each.
+
+        For a Neimark-Sacker there is one for every pair of multipliers next to the unit circle.
+        """
+        for contact in self.zones(kind, point):
+            if self.contact_free(kind, contact):
+                continue
+            y = self.lift(kind, contact, point)
+            if kind is not Event.NEIMARK_SACKER:
+                yield contact, y
+                continue
+            for kappa in critical_cosines(self.problem(kind, contact), np.insert(y, X, 0.0)):
+                yield contact, np.insert(y, X, kappa)
+
+    def contact_at(self, kind: Event, contact: Contact, y: np.ndarray) -> Contact:
+        """The same: y is sought within its zones."""
+        return contact
+
+    def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
+        """Beyond the wall at which a stretch ends, unless the motion has no contact there."""
+        curve = stretch.curve
+        if curve.ends[1] is not EndReason.RANGE_LEFT:
+            return
+        y, (low, high) = curve.points[-1], self.box(kind, stretch.contact)
+        ended = np.flatnonzero((y == low) | (y == high))
+        if ended.size != 1 or ended[0] not in (FRONT, BACK):
+            return
+        (slot,) = ended
+        move = int(np.sign(curve.tangents[-1, slot]))
+        contact = tuple(zone + move * int(FRONT + i == slot) for i, zone in enumerate(stretch.contact))
+        if not self.contact_free(kind, contact):
+            yield Guess(contact, y, move * np.eye(y.size)[slot], 0.0)
+
+    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
+        """det dE/du."""
+        values = np.empty(MONITORS)
+        problem.monitor(problem.theta, problem.direction, y, values, np.empty((MONITORS, y.size)))
+        return float(values[1])
+
+    def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """dE/du (3, 3), dE/dp (3,) and the derivatives of det dE/du by u (3,): the angles follow u and p."""
+        jacobian = np.empty((UNKNOWNS, UNKNOWNS + 1))
+        problem.balance(problem.theta, problem.direction, y, np.empty(UNKNOWNS), jacobian)
+        by_y = -jacobian[3:5] / np.diag(jacobian[3:5, _ANGLES])[:, None]
+        whole = jacobian + jacobian[:, _ANGLES] @ by_y
+        return whole[:3, :3], whole[:3, P], whole[5, :3]
+
+    def zones(self, kind: Event, point: np.ndarray) -> list[tuple[int, int]]:
+        """Pairs of zones that (lambda_m, lambda_c, lambda_s, x, p) lies in: several on a wall, within rounding.
+
+        The grazed flank counts as crossed.
+        """
+        b, amplitude = self.plane.half_backlash(point[3], point[4]), math.hypot(point[1], point[2])
+        grazed, _ = _GRAZED.get(kind, _NOTHING_GRAZED)
+        choices = []
+        for slot, distance in ((FRONT, b - point[0]), (BACK, -b - point[0])):
+            margin, outer = abs(distance) - amplitude, -1 if distance < 0.0 else 1
+            if slot == grazed:
+                choices.append([0])
+            elif abs(margin) <= _WALL * self._scale[0]:
+                choices.append([outer, 0])
+            else:
+                choices.append([0 if margin < 0.0 else outer])
+        return list(itertools.product(*choices))
+
+    def contact_free(self, kind: Event, contact: Contact) -> bool:
+        """Whether the teeth never touch in these zones: f vanishes there, and the balance leaves the mean open."""
+        grazed, angle = _GRAZED.get(kind, _NOTHING_GRAZED)
+        front = contact[0] == 1 or (grazed == FRONT and angle > 0.0)
+        back = contact[1] == -1 or (grazed == BACK and angle < 0.0)
+        return front and back
+
+    def lift(self, kind: Event, contact: Contact, point: np.ndarray) -> np.ndarray:
+        """y (7,) of (lambda_m, lambda_c, lambda_s, x, p): the angles of contact put in."""
+        b, amplitude = self.plane.half_backlash(point[3], point[4]), math.hypot(point[1], point[2])
+        angles = []
+        for zone, distance in zip(contact, (b - point[0], -b - point[0]), strict=True):
+            if zone == 0:
+                angles.append(math.asin(min(max(distance / amplitude, -1.0), 1.0)) if amplitude > 0.0 else 0.0)
+            else:
+                beyond = (zone * distance - amplitude) / self._theta[LENGTH_SCALE]
+                angles.append(zone * (0.5 * math.pi + beyond))
+        y = np.array([*point[:3], *angles, *point[3:]])
+        slot, angle = _GRAZED.get(kind, _NOTHING_GRAZED)
+        if slot >= 0:
+            y[slot] = angle
+        return y

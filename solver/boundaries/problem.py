@@ -1,0 +1,250 @@
+"""What a boundary is to those who follow it: the plane, the protocol of a boundary problem, and the vectors of kernels.
+
+A boundary is made of stretches: along each of them the motion touches the flanks in one way, its contact, and the
+equations are smooth. A boundary problem says which equations hold on a stretch, where it ends, and how the boundary
+goes on beyond; `solver.boundaries.tracer` follows it. There are two of them: `solver.boundaries.first_order` and
+`solver.boundaries.harmonic`.
+
+Kernels read theta = (header | parameters with both axes at 0 | what x adds | how p bends them) and direction, what p
+adds along a straight line. The parameters are those of `solver.harmonic.layout.packed`; how they bend is the flat form
+of `solver.model.parameter_path`.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from solver.continuation.continuation import Curve, Event, Problem
+from solver.harmonic.layout import SYSTEM_AXES, packed
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, kernel
+from solver.model.checks import ParameterError
+from solver.model.condensation import AXES
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
+from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
+
+__all__ = [
+    "BIFURCATIONS",
+    "FOLDS_AND_GRAZINGS",
+    "GRAZINGS",
+    "SAME",
+    "BoundaryProblem",
+    "Contact",
+    "Guess",
+    "Plane",
+    "Stretch",
+    "curve_tangent",
+    "parameters_at",
+    "plane_theta",
+]
+
+GRAZINGS = (Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK)
+FOLDS_AND_GRAZINGS = (Event.FOLD, *GRAZINGS)
+BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
+
+#: Points this close, in scaled unknowns, are the same one.
+SAME = 1e-6
+
+#: How the motion touches the front and the back flank all along a stretch: the zones of the contact angles at first
+#: order, how often it switches contact at higher ones; None where nothing depends on it.
+Contact = tuple[int, int] | None
+
+# Slots of the header. Contact of either flank; with contact angles the grazed flank's slot of y, its level and the size
+# of lambda; without them the event, and the steps of differences along x and p.
+FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, X_STEP, P_STEP, HEADER = range(9)
+
+
+# Steps of central differences by x and p, as a share of their typical step (a tenth of the range): what they
+# difference is analytic, with some 1e-14 of rounding.
+_DIFFERENCE = 1e-5
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Where boundaries are sought.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+        Its own values of the two axes are not used; a path starts from it.
+    x_axis : str
+        One of `solver.model.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+    p_axis : str or ParameterPath
+        Another one, or a path of models.
+    x_range, p_range : (low, high)
+    omega : float, optional
+        The mesh frequency; needed unless it is an axis.
+
+    Raises
+    ------
+    ParameterError
+        If the axes are equal or unknown, a range is empty, or the frequency is missing.
+    """
+
+    system: Model | ContactSystem
+    x_axis: str
+    p_axis: str | ParameterPath
+    x_range: tuple[float, float]
+    p_range: tuple[float, float]
+    omega: float | None = None
+
+    def __post_init__(self):
+        allowed = AXES if isinstance(self.system, Model) else SYSTEM_AXES
+        for name in ("x_axis", "p_axis"):
+            axis = getattr(self, name)
+            if axis not in allowed and not (name == "p_axis" and isinstance(axis, ParameterPath)):
+                raise ParameterError(name, axis, f"one of {', '.join(allowed)}")
+        if self.x_axis == self.p_axis:
+            raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
+        for name in ("x_range", "p_range"):
+            low, high = (float(v) for v in getattr(self, name))
+            if not -np.inf < low < high < np.inf:
+                raise ParameterError(name, (low, high), "two finite ascending numbers")
+            object.__setattr__(self, name, (low, high))
+        if "omega" not in (self.x_axis, self.p_axis) and (self.omega is None or not 0.0 < self.omega < np.inf):
+            raise ParameterError("omega", self.omega, "a finite number above 0, as no axis is the frequency")
+
+    def system_at(self, p: float) -> Model | ContactSystem:
+        """The system of the row p, in the middle of the range of x."""
+        if not isinstance(self.system, Model):
+            return self.system
+        return place_on(self.p_axis, p, place_on(self.x_axis, 0.5 * sum(self.x_range), self.system)[0])[0]
+
+    def half_backlash(self, x, p: float):
+        """b of a gear at places x, a number or an array, of the row p."""
+        if self.x_axis == "b":
+            return x
+        return np.broadcast_to(place_on(self.p_axis, p, self.system)[0].b, np.shape(x))
+
+    @property
+    def motion_size(self) -> float:
+        """Typical size of lambda in the middle of the plane."""
+        return self.system_at(0.5 * sum(self.p_range)).motion_size
+
+    @property
+    def scale(self) -> list[float]:
+        """Typical step of x and of p."""
+        return [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
+
+
+def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
+    """`theta`, of its header only the steps, and `direction` of a plane for a balance of this order and period."""
+
+    def vectors(axis: str, p: float):
+        return packed(plane.system_at(p), axis, plane.omega or 0.0, order, period)
+
+    read = plane_vectors(vectors, plane.x_axis, plane.p_axis, plane.p_range)
+    header = np.zeros(HEADER)
+    header[[X_STEP, P_STEP]] = np.multiply(_DIFFERENCE, plane.scale)
+    return np.concatenate([header, read.base, read.along_x, read.bent]), read.along_p
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """The part of a boundary along which the contact stays the same, smooth to its ends."""
+
+    contact: Contact
+    problem: Problem
+    curve: Curve
+
+    def reversed(self) -> "Stretch":
+        """The same stretch, the other way."""
+        return Stretch(self.contact, self.problem, self.curve.reversed())
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Where a boundary may go on beyond the end of a stretch.
+
+    Parameters
+    ----------
+    contact : Contact
+        Of the next stretch.
+    y : (n + 1,) array
+    heading : (n + 1,) array
+        In scaled unknowns.
+    reach : float
+        0 if y lies on the boundary, which is followed from there towards `heading`. Otherwise y is corrected across
+        `heading` by at most this, in scaled unknowns, and what is found there must come from the end.
+    """
+
+    contact: Contact
+    y: np.ndarray
+    heading: np.ndarray
+    reach: float
+
+
+class BoundaryProblem(Protocol):
+    """What a tracer needs to know of the boundaries of a plane."""
+
+    plane: Plane
+
+    @property
+    def kinds(self) -> tuple[Event, ...]:
+        """The boundaries that can be followed."""
+
+    @property
+    def unknowns(self) -> int:
+        """Number n of unknowns u of a motion."""
+
+    def components(self, kind: Event) -> tuple[int, ...]:
+        """Where (u, x, p) stand among the unknowns y of a kind, (n + 2,)."""
+
+    def shown(self, kind: Event) -> tuple[int, ...]:
+        """Which components of y a boundary shows: mean, cosine and sine amplitude of the mesh frequency, x and p."""
+
+    def starts(self, kind: Event, point: np.ndarray) -> Iterable[tuple[Contact, np.ndarray]]:
+        """The y that a point (u, x, p) may stand for, each with the contact for which it is one."""
+
+    def problem(self, kind: Event, contact: Contact) -> Problem:
+        """The equations with this contact; they may hold beyond it."""
+
+    def confined(self, kind: Event, contact: Contact) -> Problem:
+        """The equations as they are followed: not numbers where the contact is another one."""
+
+    def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
+        """Low and high border of y, infinite where it is free: the plane, and what else ends a stretch."""
+
+    def contact_at(self, kind: Event, contact: Contact, y: np.ndarray) -> Contact:
+        """The contact at y, a point of the boundary found with the equations of `contact`."""
+
+    def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
+        """How the boundary may go on beyond the last point of a stretch; nothing where it ends there."""
+
+    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
+        """A number of the sign of det dE/du."""
+
+    def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """dE/du (n, n), dE/dp (n,) and the derivatives of det dE/du by u (n,) at a fold, each up to a positive factor.
+
+        The determinant of the first has the sign of det dE/du where that does not vanish.
+        """
+
+
+def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
+    """Unit tangent (n + 1,) of a curve at one of its points in scaled unknowns, towards growing p."""
+    n = problem.unknowns
+    jacobian = np.empty((n, n + 1))
+    problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
+    jacobian *= problem.scale
+    if not np.all(np.isfinite(jacobian)):
+        return np.full(n + 1, np.nan)
+    # The rows differ by orders of magnitude next to grazings.
+    size = np.linalg.norm(jacobian, axis=1, keepdims=True)
+    tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]
+    return tangent if tangent[-1] >= 0.0 else -tangent
+
+
+@kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
+def parameters_at(theta, direction, y):
+    """The parameters at y = (..., x, p), and what either axis adds to them there."""
+    size, last = direction.shape[0], y.shape[0] - 1
+    here, along_x, along_p = np.empty(size), np.empty(size), np.empty(size)
+    for i in range(size):
+        along_x[i], along_p[i] = theta[HEADER + size + i], direction[i]
+        here[i] = theta[HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
+    add_path(theta, HEADER + 2 * size, y[last], here, along_p)
+    return here, along_x, along_p

@@ -1,0 +1,275 @@
+"""All boundaries of a plane, each traced once from the events that the sweeps of its rows have met."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from solver.boundaries.chain import MEET, Chain, joined
+from solver.boundaries.curve import BoundaryCurve, assembled, unfollowed
+from solver.boundaries.first_order import FirstOrderProblem
+from solver.boundaries.harmonic import HarmonicProblem
+from solver.boundaries.incidence import distances
+from solver.boundaries.problem import (
+    BIFURCATIONS,
+    FOLDS_AND_GRAZINGS,
+    SAME,
+    BoundaryProblem,
+    Contact,
+    Guess,
+    Plane,
+    Stretch,
+    curve_tangent,
+)
+from solver.continuation.continuation import Continuation, Curve, EndReason, Event
+from solver.continuation.problem import Balance
+from solver.harmonic.describing_function import DescribingFunction
+from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
+from solver.model.parameter_path import ParameterPath
+
+__all__ = ["Tracer", "boundary_curves", "row_events"]
+
+_MOST_STRETCHES = 1000
+
+
+def row_events(
+    curves: Iterable[Curve], parameter: float, kinds: Iterable[Event] = FOLDS_AND_GRAZINGS
+) -> list[tuple[Event, np.ndarray]]:
+    """The events of one row, as starts for `boundary_curves`.
+
+    Parameters
+    ----------
+    curves : iterable of Curve
+        The branches of the row; for period doublings and Neimark-Sackers with what
+        `solver.stability.bifurcations.with_bifurcations` locates.
+    parameter : float
+        The row's value of the plane's second axis.
+    kinds : iterable of Event
+        Those wanted.
+
+    Returns
+    -------
+    list of (Event, (n + 2,) array)
+        Kind and (u, x, p): at first order lambda_m, lambda_c, lambda_s, x, p.
+    """
+    wanted = [int(kind) for kind in kinds]
+    return [
+        (Event(curve.event[i]), np.append(curve.points[i], parameter))
+        for curve in curves
+        for i in np.flatnonzero(np.isin(curve.event, wanted))
+    ]
+
+
+def boundary_curves(
+    system: Model | ContactSystem,
+    x_axis: str,
+    p_axis: str | ParameterPath,
+    x_range: tuple[float, float],
+    p_range: tuple[float, float],
+    starts: Iterable[tuple[Event, np.ndarray]],
+    *,
+    omega: float | None = None,
+    balance: Balance | None = None,
+    continuation: Continuation | None = None,
+) -> tuple[BoundaryCurve, ...]:
+    """Follow every boundary on which a start lies until it leaves the plane, closes or cannot be followed further.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+        Its own values of the two axes are not used; a path starts from it.
+    x_axis : str
+        One of `solver.model.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+    p_axis : str or ParameterPath
+        Another one, or a path of models.
+    x_range, p_range : (low, high)
+        The plane.
+    starts : iterable of (Event, (n + 2,) array)
+        Kind and (u, x, p) of points on boundaries, in any order; see `row_events`.
+    omega : float, optional
+        The mesh frequency; needed unless it is an axis.
+    balance : Balance, optional
+        Whose boundaries; the describing function of first order unless given.
+    continuation : Continuation, optional
+
+    Returns
+    -------
+    tuple of BoundaryCurve
+        Every boundary once, whatever the order of the starts: sorted by kind and first point. Open ones run from the
+        end with the smaller p (then x). A start from which no boundary could be followed is a curve of one point that
+        ends for STEP_TOO_SMALL.
+
+    Raises
+    ------
+    ParameterError
+        If the plane is not allowed, or a start is of another kind or outside of it.
+
+    Notes
+    -----
+    Away from the contact angles of first order a boundary has a corner with an infinite gradient where its motion
+    begins to touch a flank. Continuation stops there on either side, and what meets is joined; where the other side is
+    not found, neither by a hop nor from a start, the boundary ends for STEP_TOO_SMALL.
+    """
+    plane = Plane(system, x_axis, p_axis, x_range, p_range, omega)
+    balance, continuation = balance or DescribingFunction(), continuation or Continuation()
+    kinds, points = _sorted(plane, balance.unknowns, starts)
+    curves: list[BoundaryCurve] = []
+    boundary = FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
+    for kind in np.unique(kinds):
+        curves += _curves(Tracer(boundary, Event(kind), continuation), points[kinds == kind])
+    return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
+
+
+def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray]:
+    """Kinds (k,) and points (k, n + 2) of the starts, checked, in the order in which they are tried.
+
+    By kind, p, x and unknowns, but those on the plane's border last: a boundary that ends there may do so at a
+    singular point (b = 0).
+    """
+    starts, size = list(starts), unknowns + 2
+    kinds = np.array([kind for kind, _ in starts], dtype=np.int64)
+    allowed = (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
+    for kind in np.unique(kinds):
+        if kind not in allowed:
+            raise ParameterError("starts", int(kind), f"of the kinds {', '.join(k.name for k in allowed)}")
+    for _, point in starts:
+        if np.shape(point) != (size,):
+            raise ParameterError("starts", point, f"points (u, x, p) of {size} numbers")
+    points = np.array([point for _, point in starts], dtype=float).reshape(-1, size)
+    low, high = np.transpose([plane.x_range, plane.p_range])
+    outside = ~np.all(np.isfinite(points), axis=1) | np.any((points[:, -2:] < low) | (points[:, -2:] > high), axis=1)
+    if np.any(outside):
+        raise ParameterError("starts", points[np.argmax(outside)].tolist(), "finite points inside the plane")
+    border = np.any((points[:, -2:] == low) | (points[:, -2:] == high), axis=1)
+    order = np.lexsort((*points[:, [*range(size - 2)[::-1], -2, -1]].T, border, kinds))
+    return kinds[order], points[order]
+
+
+def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
+    """All boundaries of one kind on which starts (k, n + 2) lie."""
+    curves, found = [], list[Chain]()
+    while len(waiting):
+        chain = tracer.boundary(waiting[0])
+        nearest = np.full(len(waiting), np.inf) if chain is None else tracer.distances(chain, waiting)
+        if nearest[0] > SAME:
+            curves.append(unfollowed(tracer.boundary_problem, tracer.kind, waiting[0]))
+            waiting = waiting[1:]
+            continue
+        # Two starts may lead to the same stretch between two corners, and from one of them alone across.
+        for part in chain.parts():
+            if not any(tracer.covers(known, part) for known in found):
+                found = [*(known for known in found if not tracer.covers(part, known)), part]
+        waiting = waiting[nearest > SAME]
+    return [*curves, *(assembled(tracer.boundary_problem, tracer.kind, chain) for chain in joined(found))]
+
+
+class Tracer:
+    """Follows boundaries of one kind.
+
+    Parameters
+    ----------
+    boundary_problem : BoundaryProblem
+    kind : Event
+    continuation : Continuation
+    """
+
+    def __init__(self, boundary_problem: BoundaryProblem, kind: Event, continuation: Continuation):
+        self.boundary_problem, self.kind, self.continuation = boundary_problem, kind, continuation
+
+    def boundary(self, point: np.ndarray) -> Chain | None:
+        """The whole boundary through a start (u, x, p), as far as it can be followed; None if there is none."""
+        first = self._through(point)
+        if first is None:
+            return None
+        chain = self._extended(Chain((first,), first.curve.closed))
+        return chain if chain.closed else self._extended(chain.reversed())
+
+    def distances(self, chain: Chain, points: np.ndarray) -> np.ndarray:
+        """Distance of points (k, n + 2) from a boundary in scaled unknowns, all of the motion counted, (k,)."""
+        here = list(self.boundary_problem.components(self.kind))
+        nearest = np.full(len(points), np.inf)
+        for stretch in chain.stretches:
+            targets = np.zeros((len(points), stretch.problem.unknowns + 1))
+            targets[:, here] = points
+            found = distances(stretch.problem, stretch.curve, targets, here, self.continuation)
+            nearest = np.minimum(nearest, found)
+        return nearest
+
+    def covers(self, chain: Chain, other: Chain) -> bool:
+        """Whether a chain runs through the middle of every stretch of another one."""
+        here = list(self.boundary_problem.components(self.kind))
+        middles = [stretch.curve.points[len(stretch.curve.points) // 2, here] for stretch in other.stretches]
+        return bool(np.all(self.distances(chain, np.array(middles)) <= SAME))
+
+    def _through(self, point: np.ndarray) -> Stretch | None:
+        """The stretch on which a start (u, x, p) lies."""
+        found = None
+        for contact, y in self.boundary_problem.starts(self.kind, point):
+            # Held at its own p, so that a start on the border stays there, unless the boundary runs along the row.
+            heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
+            normal = np.eye(y.size)[-1] if abs(heading[-1]) > 0.01 else heading
+            y = self._correct_onto_curve(contact, y, normal, 10.0 * SAME, SAME)
+            if y is None:
+                continue
+            heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
+            stretch = self._followed(contact, y, heading, self.continuation.trace_both_ways)
+            found = stretch if len(stretch.curve.points) else found
+            # A start on a wall and on the plane's border has its boundary on one side of the wall only.
+            if len(stretch.curve.points) > 1:
+                break
+        return found
+
+    def _correct_onto_curve(
+        self, contact: Contact, y: np.ndarray, normal: np.ndarray, reach: float, beyond: float
+    ) -> np.ndarray | None:
+        """The point of the boundary next to y across `normal`; None if there is none.
+
+        It may move by `reach` in (u, x, p) and lie outside of the box by `beyond`, in scaled unknowns.
+        """
+        problem, (low, high) = (
+            self.boundary_problem.problem(self.kind, contact),
+            self.boundary_problem.box(self.kind, contact),
+        )
+        corrector, before = self.continuation.corrector, y
+        y = problem.corrected(y, corrector, normal, 2 * corrector.max_iterations)
+        if y is None:
+            return None
+        inside = np.clip(y, low, high)
+        moved = (np.abs(y - before) / problem.scale)[list(self.boundary_problem.components(self.kind))]
+        if np.max(moved) > reach or np.max(np.abs(y - inside) / problem.scale) > beyond:
+            return None
+        return inside
+
+    def _followed(self, contact: Contact, y: np.ndarray, heading: np.ndarray, trace) -> Stretch:
+        """The stretch through a point of the boundary."""
+        problems, kind = self.boundary_problem, self.kind
+        contact = problems.contact_at(kind, contact, y)
+        curve = trace(problems.confined(kind, contact), y, *problems.box(kind, contact), heading)
+        return Stretch(contact, problems.problem(kind, contact), curve)
+
+    def _extended(self, chain: Chain) -> Chain:
+        """Follow a boundary beyond its last stretch."""
+        while len(chain.stretches) < _MOST_STRETCHES and not chain.closed:
+            last = chain.stretches[-1]
+            found = (self._beyond(last, guess) for guess in self.boundary_problem.guesses_beyond(self.kind, last))
+            stretch = next((stretch for stretch in found if stretch is not None), None)
+            if stretch is None:
+                break
+            chain = chain.followed_by(stretch)
+        return chain
+
+    def _beyond(self, last: Stretch, guess: Guess) -> Stretch | None:
+        """The stretch that a guess leads to, from the end of the last one on; None if it leads nowhere."""
+        if guess.reach == 0.0:
+            return self._followed(guess.contact, guess.y, guess.heading, self.continuation.trace)
+        y = self._correct_onto_curve(guess.contact, guess.y, guess.heading, guess.reach, guess.reach)
+        if y is None or self.boundary_problem.contact_at(self.kind, guess.contact, y) == last.contact:
+            return None
+        stretch = self._followed(guess.contact, y, guess.heading, self.continuation.trace_both_ways)
+        if len(stretch.curve.points) > 1:
+            for way in (stretch, stretch.reversed()):
+                gap = np.max(np.abs(way.curve.points[0] - last.curve.points[-1]) / last.problem.scale)
+                if way.curve.ends[0] is EndReason.STEP_TOO_SMALL and gap < MEET:
+                    return way
+        return None

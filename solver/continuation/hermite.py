@@ -1,0 +1,26 @@
+"""The cubic through two values with given slopes (Hermite): between two points of a curve it is what is known of it."""
+
+from solver.kernels import types
+from solver.kernels.compile import kernel
+
+__all__ = ["cubic", "cubic_slope", "cubic_value"]
+
+_F = types.float64
+
+
+@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F), inline=True)
+def cubic(start, end, leave, arrive):
+    """Coefficients a and b of ((a x + b) x + leave) x + start, which at x = 1 is `end` with the slope `arrive`."""
+    return 2.0 * (start - end) + leave + arrive, 3.0 * (end - start) - 2.0 * leave - arrive
+
+
+@kernel(_F(_F, _F, _F, _F, _F), inline=True)
+def cubic_value(a, b, leave, start, x):
+    """The cubic at x."""
+    return ((a * x + b) * x + leave) * x + start
+
+
+@kernel(_F(_F, _F, _F, _F), inline=True)
+def cubic_slope(a, b, leave, x):
+    """Its derivative at x."""
+    return (3.0 * a * x + 2.0 * b) * x + leave

@@ -1,0 +1,194 @@
+"""A system with one contact as kernels see it at one parameter: linear within each contact zone.
+
+With M^-1 multiplied through, y obeys, with lambda = w . y and in zone z (-1 back, 0 free, 1 front)
+
+    y'' + D y' + S_z y + q s(tau) lambda = g_z(tau),    s(tau) = Re sum_l S_l exp(i l Omega tau)
+
+where D = M^-1 C, S_0 = M^-1 K, S_z = M^-1 (K + h w^T) in contact, q = M^-1 h_v in contact and 0 without, and g holds
+the load and the offset of the zone's law. Small deviations obey the same equation without g.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.harmonic.layout import BACK, DEGREES, FRONT, GEAR, KIND, OMEGA, PAIRS, STIFFNESSES
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import eliminate_rows
+from solver.model.condensation import (
+    CONE,
+    K_SUPPORT,
+    KAPPA,
+    PRESSURE,
+    SIGMA,
+    SIZE,
+    VARIATION_R,
+    VARIATION_T,
+    XI_MESH,
+    XI_SUPPORT,
+    XI_TRANSLATION,
+    rotation_coupling,
+)
+
+__all__ = ["SWITCHED_SYSTEM", "SwitchedSystem", "count_degrees", "new_system", "system_at"]
+
+_I, _F = types.int64, types.float64
+
+# Slots of `numbers`.
+FREQUENCY, LOW, HIGH, LENGTH, ONE_ZONE = range(5)
+
+# A support has no part in the contact direction where its share of d . d is rounding: cos 90 degrees is 6e-17.
+_NO_COUPLING = 1e-30
+
+
+class SwitchedSystem(NamedTuple):
+    """A system of n coordinates at one parameter; see the module.
+
+    `numbers` (5,): Omega, the ends of the dead zone (low, high), a length that errors of motions are compared with, and
+    1 where the dead zone is empty so that there is one zone. `matrices` (3 n, n): S_0, S_z in contact, D. `vectors`
+    (3, n): w, M^-1 h, q. `variation` (L, 2): real and imaginary parts of S_l. `load` (2 (L' + 1), n): real and
+    imaginary parts of M^-1 F_l; without rows for deviations alone.
+    """
+
+    numbers: np.ndarray
+    matrices: np.ndarray
+    vectors: np.ndarray
+    variation: np.ndarray
+    load: np.ndarray
+
+
+SWITCHED_SYSTEM = types.NamedTuple((ARRAY, MATRIX, MATRIX, MATRIX, MATRIX), SwitchedSystem)
+
+
+@kernel(SWITCHED_SYSTEM(_I, _I), inner=True)
+def new_system(degrees, stiffnesses):
+    """Room for a system of n coordinates, of so many harmonics of the stiffness, without a load."""
+    return SwitchedSystem(
+        np.empty(5),
+        np.empty((3 * degrees, degrees)),
+        np.empty((3, degrees)),
+        np.empty((stiffnesses, 2)),
+        np.empty((0, degrees)),
+    )
+
+
+@kernel(_I(ARRAY, ARRAY, _F, MATRIX), inner=True)
+def _supports(model, slope, p, groups):
+    """Merge supports of equal damping ratio and stiffness that the contact reaches; their number.
+
+    groups (4, 6): xi, k, sum_j d_j^2 kappa_g and 2 sum_j d_j^2 xi_hg of each, as in
+    `solver.model.contact_system.gear_system`.
+    """
+    radians = math.pi / 180.0
+    cone = (model[CONE] + p * slope[CONE]) * radians
+    pressure = (model[PRESSURE] + p * slope[PRESSURE]) * radians
+    sigma, sine = model[SIGMA] + p * slope[SIGMA], math.sin(pressure) ** 2
+    radial, axial = sigma * math.cos(cone) ** 2 * sine, sigma * math.sin(cone) ** 2 * sine
+    tangential = sigma * math.cos(pressure) ** 2
+    count = 0
+    for j in range(6):
+        square = radial if j % 3 == 0 else (axial if j % 3 == 1 else tangential)
+        if not square > _NO_COUPLING:
+            continue
+        xi = model[XI_SUPPORT + j] + p * slope[XI_SUPPORT + j]
+        k = model[K_SUPPORT + j] + p * slope[K_SUPPORT + j]
+        group = 0
+        while group < count and not (groups[0, group] == xi and groups[1, group] == k):
+            group += 1
+        if group == count:
+            groups[0, group], groups[1, group], groups[2, group], groups[3, group] = xi, k, 0.0, 0.0
+            count += 1
+        g = j // 3
+        groups[2, group] += square * (model[KAPPA + g] + p * slope[KAPPA + g])
+        groups[3, group] += 2.0 * square * (model[XI_TRANSLATION + g] + p * slope[XI_TRANSLATION + g])
+    return count
+
+
+@kernel(_I(ARRAY, ARRAY, _F), inner=True)
+def count_degrees(theta, direction, p):
+    """Number n of coordinates of a system that the contact reaches, from vectors of `solver.harmonic.layout.packed`."""
+    if theta[KIND] != GEAR:
+        return int(theta[DEGREES])
+    start = PAIRS + 2 * int(theta[STIFFNESSES])
+    return 1 + _supports(theta[start : start + SIZE], direction[start : start + SIZE], p, np.empty((4, 6)))
+
+
+@kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
+def system_at(theta, direction, p, system):
+    """Fill a system of `new_system` at one axis value.
+
+    Parameters
+    ----------
+    theta, direction : arrays
+        Of `solver.harmonic.layout.packed`.
+    p : float
+        Axis value.
+    system : SwitchedSystem
+        Of `count_degrees` coordinates.
+    """
+    stiffnesses = int(theta[STIFFNESSES])
+    numbers, variation = system.numbers, system.variation
+    low, high = -(theta[BACK] + p * direction[BACK]), theta[FRONT] + p * direction[FRONT]
+    numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = theta[OMEGA] + p * direction[OMEGA], low, high
+    numbers[LENGTH], numbers[ONE_ZONE] = 1.0, 1.0 if low == high else 0.0
+    for l in range(stiffnesses):
+        at = PAIRS + 2 * l
+        size, phase = theta[at] + p * direction[at], theta[at + 1] + p * direction[at + 1]
+        variation[l, 0], variation[l, 1] = size * math.cos(phase), size * math.sin(phase)
+    start = PAIRS + 2 * stiffnesses
+    if theta[KIND] == GEAR:
+        _gear(theta[start : start + SIZE], direction[start : start + SIZE], p, system)
+    else:
+        _system(theta[start:], system)
+    matrices, vectors = system.matrices, system.vectors
+    n = vectors.shape[1]
+    for i in range(n):
+        for j in range(n):
+            matrices[n + i, j] = matrices[i, j] + vectors[1, i] * vectors[0, j]
+
+
+@kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
+def _gear(model, slope, p, system):
+    """The gear pair with equal supports merged: M^-1 has ones on its diagonal and in the row of lambda."""
+    groups = np.empty((4, 6))
+    last = _supports(model, slope, p, groups)
+    n = last + 1
+    matrices, vectors = system.matrices, system.vectors
+    matrices[:, :] = 0.0
+    vectors[:, :] = 0.0
+    c = rotation_coupling(model, slope, p)[0]
+    eps_t = model[VARIATION_T] + p * slope[VARIATION_T]
+    eps_r = model[VARIATION_R] + p * slope[VARIATION_R]
+    force, drag = 0.0, 0.0
+    for g in range(last):
+        damping = 2.0 * groups[0, g]
+        matrices[g, g], matrices[last, g] = groups[1, g], groups[1, g]
+        matrices[2 * n + g, g], matrices[2 * n + last, g] = damping, damping
+        matrices[2 * n + g, last] = groups[3, g]
+        vectors[1, g], vectors[2, g] = groups[2, g], eps_t * groups[2, g]
+        force += groups[2, g]
+        drag += groups[3, g]
+    matrices[2 * n + last, last] = drag + 2.0 * c * (model[XI_MESH] + p * slope[XI_MESH])
+    vectors[0, last], vectors[1, last], vectors[2, last] = 1.0, force + c, eps_t * force + eps_r * c
+
+
+@kernel(types.void(ARRAY, SWITCHED_SYSTEM), inner=True)
+def _system(numbers, system):
+    """A `ContactSystem`, from its M, C, K, w, h and h_v; no axis changes them."""
+    matrices, vectors = system.matrices, system.vectors
+    n = vectors.shape[1]
+    square = n * n
+    mass, rights = np.empty((n, n)), np.empty((2 * n + 2, n))
+    for i in range(n):
+        vectors[0, i] = numbers[3 * square + i]
+        rights[2 * n, i], rights[2 * n + 1, i] = numbers[3 * square + n + i], numbers[3 * square + 2 * n + i]
+        for j in range(n):
+            mass[i, j] = numbers[i * n + j]
+            rights[j, i], rights[n + j, i] = numbers[2 * square + i * n + j], numbers[square + i * n + j]
+    eliminate_rows(mass, rights)
+    for i in range(n):
+        vectors[1, i], vectors[2, i] = rights[2 * n, i], rights[2 * n + 1, i]
+        for j in range(n):
+            matrices[i, j], matrices[2 * n + i, j] = rights[j, i], rights[n + j, i]

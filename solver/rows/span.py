@@ -1,0 +1,87 @@
+"""What is continued in a row: one balance of one gear over one axis, and how its branches are traced."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.continuation.continuation import Continuation, Curve, EndReason, Problem
+from solver.continuation.problem import Balance
+from solver.harmonic.describing_function import DescribingFunction
+from solver.model.condensation import axis_vectors
+from solver.model.gear_model import Model
+
+__all__ = ["BROKEN", "RowError", "RowSpan", "ends_notes", "runs"]
+
+
+class RowError(ArithmeticError):
+    """A row is impossible as it is asked for; the message says why."""
+
+
+@dataclass(frozen=True)
+class RowSpan:
+    """What is continued in a row: a model over one axis from `low` to `high`, at `omega` unless that is the axis."""
+
+    balance: Balance
+    model: Model
+    axis: str
+    low: float
+    high: float
+    omega: float | None
+    continuation: Continuation
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The balance over the axis."""
+        return self.balance.problem(self.model, self.axis, self.low, self.high, self.omega)
+
+    @cached_property
+    def first_order_vectors(self) -> tuple[np.ndarray, np.ndarray]:
+        """`solver.model.condensation.axis_vectors`, which enumeration reads."""
+        if isinstance(self.balance, DescribingFunction):
+            return self.problem.theta, self.problem.direction
+        return axis_vectors(self.model, self.axis, self.omega)
+
+    def corrected(self, start: np.ndarray, iterations: int = 20) -> np.ndarray | None:
+        """The solution y = (u, p) that Newton's method reaches from a start at the same p; None if it reaches none."""
+        y = self.problem.corrected(start, self.continuation.corrector, max_iterations=iterations)
+        within = y is not None and np.sqrt(np.sum(y[1:-1] ** 2)) <= self.continuation.amplitude_max
+        return y if within else None
+
+    def traced(self, start: np.ndarray) -> Curve:
+        """The whole branch through a solution y = (u, p), however it ends; fewer than two points if it has none."""
+        if start[-1] in (self.low, self.high):
+            heading = 1 if start[-1] == self.low else -1
+            return self.continuation.trace(self.problem, start, self.low, self.high, heading)
+        return self.continuation.trace_both_ways(self.problem, start, self.low, self.high)
+
+    def place(self, y: np.ndarray) -> str:
+        """A solution y = (u, p) in words, for notes."""
+        return f"{self.axis} = {y[-1]:.9g} with mean {y[0]:.6g}"
+
+
+#: Why a branch ends although it goes on: its steps became too small, or its room ran out.
+BROKEN = (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT)
+
+
+def ends_notes(span: RowSpan, curves: Iterable[Curve]) -> list[str]:
+    """A sentence for every reason why branches of a row break off."""
+    sentences = []
+    for reason in BROKEN:
+        places = [
+            curve.points[place]
+            for curve in curves
+            for end, place in zip(curve.ends, (0, -1), strict=True)
+            if end is reason and len(curve.points)
+        ]
+        if places:
+            more = f" and at {len(places) - 1} more ends of branches" if len(places) > 1 else ""
+            sentences.append(f"{reason.sentence} It happened at {span.place(places[0])}{more}.")
+    return sentences
+
+
+def runs(flags: np.ndarray) -> list[tuple[int, int]]:
+    """First and last index of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return [(int(first), int(last) - 1) for first, last in zip(edges[::2], edges[1::2], strict=True)]

@@ -1,0 +1,159 @@
+"""The monodromy matrix of a given periodic motion, from contact switch to contact switch, for kernels.
+
+A motion u = (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu need not be a true one: it tells when there is contact,
+exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches
+(PHYSICS, section 6): saltation matrices are identities. Deviations are carried by the integrator's own recurrence
+(`solver.flow.taylor`).
+
+For kernels (boundaries, test functions) that have the packed parameters of a balance, of either kind:
+
+    room = new_room(theta, direction, p, u.size)          once; allocates
+    room = monodromy_at(theta, direction, u, p, room)     as often as wanted
+
+leaves the matrix M (2n, 2n) over the period nu 2 pi/Omega from tau = 0, on the states (y, y'), in `room.matrix`. theta
+and direction are those of `solver.harmonic.layout.packed(system, axis, omega, order, period)`, for the describing
+function `packed(model, axis, omega, 1, 1)`, at axis value p. M is nan where it cannot be computed. It depends smoothly
+on (u, p) as long as the motion switches contact in the same order, up to a truncation error of 1e-11 of its size; where
+a switch appears or vanishes (grazing) it has a square-root corner. n may change where a coupling is exactly 0, with
+which the room returned is another one.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.contact.spectrum import contact_arcs
+from solver.flow.switched_system import (
+    FREQUENCY,
+    HIGH,
+    LOW,
+    SWITCHED_SYSTEM,
+    SwitchedSystem,
+    count_degrees,
+    new_system,
+    system_at,
+)
+from solver.flow.taylor import BLOCKS, SERIES, Series, carry_deviations, count_blocks, new_series, set_identity
+from solver.harmonic.layout import PERIOD, STIFFNESSES
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+
+__all__ = [
+    "ROOM",
+    "Room",
+    "carry_through",
+    "fill_monodromies",
+    "find_switches",
+    "fitted_room",
+    "monodromy_at",
+    "new_room",
+]
+
+_I, _F = types.int64, types.float64
+_TURN = 2.0 * math.pi
+
+
+class Room(NamedTuple):
+    """What `monodromy_at` works in: the system at p, series and states of the deviations, the motion's contact angles
+    and the zones that begin there, the result, and room for its multipliers (2, 2 n)."""
+
+    system: SwitchedSystem
+    series: Series
+    states: np.ndarray
+    angles: np.ndarray
+    zones: np.ndarray
+    matrix: np.ndarray
+    multipliers: np.ndarray
+
+
+ROOM = types.NamedTuple((SWITCHED_SYSTEM, SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
+
+
+@kernel(ROOM(_I, _I, _I), inner=True)
+def _room(degrees, stiffnesses, unknowns):
+    columns = 2 * degrees
+    return Room(
+        new_system(degrees, stiffnesses),
+        new_series(degrees, columns),
+        np.empty((count_blocks(columns), columns, 4)),
+        np.empty(2 * unknowns + 8),
+        np.empty(2 * unknowns + 8, np.int64),
+        np.empty((columns, columns)),
+        np.empty((2, columns)),
+    )
+
+
+@kernel(ROOM(ARRAY, ARRAY, _F, _I), inner=True)
+def new_room(theta, direction, p, unknowns):
+    """Room for the monodromy matrices of motions with so many unknowns; see the module."""
+    return _room(count_degrees(theta, direction, p), int(theta[STIFFNESSES]), unknowns)
+
+
+@kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True)
+def fitted_room(theta, direction, p, room):
+    """The room, or a new one where the system has another number of coordinates, with the system at p filled in."""
+    degrees = count_degrees(theta, direction, p)
+    if degrees != room.system.vectors.shape[1]:
+        room = _room(degrees, int(theta[STIFFNESSES]), (room.angles.shape[0] - 8) // 2)
+    system_at(theta, direction, p, room.system)
+    return room
+
+
+@kernel(_I(ARRAY, ROOM), inner=True)
+def find_switches(motion, room):
+    """Fill in the contact angles and zones of a motion; the number of its switches."""
+    numbers = room.system.numbers
+    return contact_arcs(motion, numbers[HIGH], -numbers[LOW], room.angles, room.zones)
+
+
+@kernel(types.void(_I, _F, ROOM), inner=True)
+def carry_through(count, period, room):
+    """Fill `room.matrix` with the monodromy matrix of a motion whose switches are found, over `period` = nu periods."""
+    system, angles, zones = room.system, room.angles, room.zones
+    set_identity(room.states)
+    scale = period / system.numbers[FREQUENCY]
+    # A motion that starts in the middle of a piece: the piece before the first switch is the end of the last one.
+    zone, begin, whole = zones[max(count - 1, 0)], 0.0, True
+    for piece in range(count + 1):
+        end = angles[piece] if piece < count else _TURN
+        # From one flank to the other at once, as without backlash, is no switch for deviations.
+        if piece < count and (zones[piece] != 0) == (zone != 0):
+            continue
+        if whole and end > begin:
+            whole = carry_deviations(system, zone, begin * scale, end * scale, room.states, room.series)
+        if piece < count:
+            zone, begin = zones[piece], end
+    matrix, states = room.matrix, room.states
+    for i in range(matrix.shape[0]):
+        for j in range(matrix.shape[0]):
+            matrix[i, j] = states[j // 4, i, j % 4] if whole else math.nan
+
+
+@kernel(ROOM(ARRAY, ARRAY, ARRAY, _F, ROOM), inner=True)
+def monodromy_at(theta, direction, motion, p, room):
+    """Fill `room.matrix` with the monodromy matrix of a motion of packed parameters at one axis value; see the module.
+
+    Returns
+    -------
+    Room
+        The one given, or a new one where the number of coordinates is another.
+    """
+    room = fitted_room(theta, direction, p, room)
+    carry_through(find_switches(motion, room), theta[PERIOD], room)
+    return room
+
+
+@kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX, types.float64[:, :, ::1]))
+def fill_monodromies(theta, direction, values, motions, found):
+    """Fill found (k, 2 n, 2 n); the number of coordinates of the first motion that has not n, else 0."""
+    room = new_room(theta, direction, values[0], motions.shape[1])
+    for k in range(values.shape[0]):
+        room = fitted_room(theta, direction, values[k], room)
+        if room.matrix.shape[0] != found.shape[1]:
+            return room.system.vectors.shape[1]
+        carry_through(find_switches(motions[k], room), theta[PERIOD], room)
+        for i in range(found.shape[1]):
+            for j in range(found.shape[1]):
+                found[k, i, j] = room.matrix[i, j]
+    return 0

@@ -1,0 +1,67 @@
+"""What ends a run from outside, and who does not read what it says: one line at most, the lock let go, nothing lost."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from pipeline import store
+from pipeline.__main__ import main
+from tests.pipeline.faults.runs import COMMAND, KEPT, ROOT, ROWS, complete, continued, same, start, until
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP], ids=lambda number: number.name)
+@pytest.mark.parametrize("cluster", ["local", "none"])
+def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undisturbed, capsys):
+    run = start(tmp_path, f"cluster={cluster}")
+    until(run, 3)
+    # A terminal that is closed, or a scheduler of jobs, tells all processes; `kill` tells one.
+    os.killpg(run.process.pid, number) if number == signal.SIGHUP else run.process.send_signal(number)
+    run.end()
+    assert (run.code, run.err) == (128 + number, f"error: interrupted by {number.name}{KEPT}\n")
+    assert 0 < complete(run.path) < ROWS and not list(run.path.parent.glob(".*.lock"))
+    assert "sweep: continues: " in continued(tmp_path, capsys)
+    same(run.path, undisturbed)
+
+
+def test_a_hangup_that_is_ignored_stays_ignored(tmp_path):
+    """As below nohup."""
+    code = (
+        "import os, signal\nfrom pipeline.cli.process import ended_by_signals\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+        "with ended_by_signals():\n    os.kill(os.getpid(), signal.SIGHUP)\nprint('on')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
+
+
+@pytest.mark.parametrize("closed", ["| head -1", "| true", ">&-", "2>&-", ">&- 2>&-"])
+def test_a_run_that_nobody_reads_completes(closed, tmp_path, undisturbed):
+    words = " ".join([sys.executable, "-W", "error", "-m", "pipeline", *COMMAND, "cluster.workers=1"])
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    shell = ["bash", "-c", f"{words} {closed}; exit ${{PIPESTATUS[0]}}"]
+    done = subprocess.run(shell, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+    path = tmp_path / "outputs/store/plane.zarr"
+    assert store.find_damage(path) == []
+    same(path, undisturbed)
+
+
+@pytest.mark.parametrize("option", ["--help", "--cfg", "--shell-completion=bash"])
+@pytest.mark.parametrize("closed", ["| true", ">&-"])
+def test_a_text_that_nobody_reads_is_no_error(option, closed, tmp_path):
+    shell = ["bash", "-c", f"{sys.executable} -W error -m pipeline {option} {closed}; exit ${{PIPESTATUS[0]}}"]
+    done = subprocess.run(shell, cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_several_planes_of_which_one_is_refused_say_which_were_run(tmp_path, capsys):
+    """Exit status 2 alone would say that nothing was written."""
+    size = ["plane.sweep.num=9", "plane.parameter.num=3", "stages=[sweep]", "cluster=none"]
+    code = main([*size, f"output.root={tmp_path}", "-m", "plane=omega_fe,omega_b", "gear.b=0.5"])
+    said = capsys.readouterr()
+    assert code == 2 and "gear.b" in said.err and said.err.count("\n") == 1
+    assert said.out.splitlines()[-1].startswith("note: 1 of 2 planes were run: omega_fe")
+    assert [path.name for path in (tmp_path / "store").iterdir()] == ["omega_fe.zarr"]

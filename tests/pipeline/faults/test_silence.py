@@ -1,0 +1,93 @@
+"""A scheduler that is suspended says nothing and closes nothing: every wait for it ends within `cluster.timeout`."""
+
+import re
+import signal
+
+import pytest
+
+from tests.pipeline.faults.runs import KEPT, complete, continued, finished, same, start, until
+from tests.pipeline.schedulers import Scheduler
+
+#: Seconds in which a run ends that waits for three at a time; without a bound it would never.
+_END = 60.0
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    with Scheduler(tmp_path) as started:
+        yield started
+
+
+def arguments(scheduler):
+    return "cluster=scheduler", f"cluster.address={scheduler.address}", "cluster.timeout=3"
+
+
+def test_a_scheduler_that_is_suspended_before_the_run_is_refused(tmp_path, scheduler):
+    scheduler.process.send_signal(signal.SIGSTOP)
+    run = start(tmp_path, *arguments(scheduler)).end(_END)
+    assert run.code == 2 and run.err.count("\n") == 1, run.err
+    assert f"cluster.address = {scheduler.address!r} is not allowed" in run.err and "within 3 s" in run.err
+    assert not (tmp_path / "outputs").exists()
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_one_that_is_suspended_during_the_run_ends_it(workers, tmp_path, scheduler, undisturbed, capsys):
+    """While tasks are computed and gathered, and while the run waits for a worker."""
+    for _ in range(workers):
+        scheduler.add_worker()
+    run = start(tmp_path, *arguments(scheduler))
+    if workers:
+        until(run, 3)
+    else:
+        while "waiting for workers" not in run.process.stdout.readline():
+            assert run.process.poll() is None
+    scheduler.process.send_signal(signal.SIGSTOP)
+    run.end(_END)
+    assert run.code == 1, run.err
+    assert run.err == f"error: the scheduler at {scheduler.address} does not answer within 3 s{KEPT}\n"
+    assert (complete(run.path) > 0) == bool(workers)
+    continued(tmp_path, capsys)
+    same(run.path, undisturbed)
+
+
+def test_one_that_is_suspended_when_all_is_done_does_not_hold_the_run(tmp_path, scheduler, undisturbed):
+    scheduler.add_worker()
+    run = start(tmp_path, *arguments(scheduler))
+    while not re.match(r"sweep: \d+ rows, ", run.process.stdout.readline()):
+        assert run.process.poll() is None
+    scheduler.process.send_signal(signal.SIGSTOP)
+    run.end(_END)
+    assert (run.code, run.err) == (0, "")
+    same(run.path, undisturbed)
+
+
+def test_a_run_that_is_stopped_itself_goes_on(tmp_path, scheduler, undisturbed):
+    """Its own questions to the scheduler are too old then, which is not the scheduler's fault."""
+    scheduler.add_worker()
+    run = start(tmp_path, "cluster=scheduler", f"cluster.address={scheduler.address}", "cluster.timeout=1")
+    until(run, 3)
+    for _ in range(2):
+        run.process.send_signal(signal.SIGSTOP)
+        signal.sigtimedwait([], 2.5)
+        run.process.send_signal(signal.SIGCONT)
+    run.end()
+    assert (run.code, run.err) == (0, ""), run.err
+    same(run.path, undisturbed)
+
+
+@pytest.mark.parametrize("setting", ["ASYNC__CONCURRENCY=0", "ASYNC__TIMEOUT=-1", "THREADING__MAX_WORKERS=x"])
+def test_settings_of_zarr_in_the_environment_change_nothing(setting, tmp_path, undisturbed):
+    """With the first one a run would wait for ever."""
+    name, value = setting.split("=")
+    run = finished(tmp_path, "cluster.workers=1", environment={f"ZARR_{name}": value})
+    assert (run.code, run.err) == (0, ""), run.err
+    same(run.path, undisturbed)
+
+
+@pytest.mark.parametrize("library", ["zarr", "dask"])
+def test_a_malformed_configuration_file_of_a_library_is_one_line(library, tmp_path):
+    file = tmp_path / "malformed.yaml"
+    file.write_text("a: [1")
+    run = finished(tmp_path, environment={f"{library.upper()}_CONFIG": str(file)})
+    assert run.code == 2 and run.err.count("\n") == 1 and library in run.err and str(file) in run.err, run.err
+    assert not (tmp_path / "outputs").exists()

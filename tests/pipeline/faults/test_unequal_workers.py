@@ -1,0 +1,162 @@
+"""Workers that would give other numbers: found out before they compute, named, and left out."""
+
+import platform
+import re
+import shutil
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from distributed import Client
+
+from pipeline import store
+from pipeline.run.environment import ARITHMETIC, differences, facts
+from tests.pipeline.faults.runs import INJECTED, KEPT, ROOT, finished, same, start, until
+from tests.pipeline.schedulers import Scheduler, wait_until
+
+
+@pytest.fixture(scope="module")
+def edited(tmp_path_factory):
+    """A copy of the sources with the same version, in which amplitudes are a thousandth larger."""
+    copy = tmp_path_factory.mktemp("edited")
+    for name in ("solver", "pipeline", "conf"):
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    (row,) = (copy / "solver").rglob("row.py")
+    honest = row.read_text()
+    row.write_text(honest.replace("amplitude = np.linalg.norm(", "amplitude = 1.001 * np.linalg.norm("))
+    assert row.read_text() != honest
+    return copy
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    with Scheduler(tmp_path) as started:
+        yield started
+
+
+def there(scheduler, count):
+    """Wait until a scheduler has so many workers; their addresses."""
+    with Client(scheduler.address, set_as_default=False) as onlooker:
+        wait_until(lambda: len(onlooker.nthreads()) == count)
+        return set(onlooker.nthreads())
+
+
+def arguments(scheduler):
+    return "cluster=scheduler", f"cluster.address={scheduler.address}"
+
+
+def refused(run):
+    """Workers that a run says it does not use, with the reasons."""
+    return dict(re.findall(r"^note: worker (\S+) is not used, its results would not be equal: (.*)$", run.out, re.M))
+
+
+def used(run):
+    """Workers that stored something, as the log of a run has them."""
+    (log,) = (run.path.parents[1] / "runs/plane").glob("*/run.log")
+    return set(re.findall(r" on (tcp://\S+), \d+ points", log.read_text()))
+
+
+def test_a_worker_with_edited_sources_is_named_and_computes_nothing(tmp_path, scheduler, edited, undisturbed):
+    scheduler.add_worker()
+    (equal,) = there(scheduler, 1)
+    scheduler.add_worker(edited)
+    (other,) = there(scheduler, 2) - {equal}
+    run = finished(tmp_path, *arguments(scheduler))
+    assert (run.code, run.err) == (0, ""), run.err
+    assert list(refused(run)) == [other] and "row.py differs" in refused(run)[other]
+    assert used(run) == {equal}
+    same(run.path, undisturbed)
+
+
+def test_one_that_joins_during_the_run_is_found_out_too(tmp_path, scheduler, edited, undisturbed):
+    first = scheduler.add_worker()
+    (equal,) = there(scheduler, 1)
+    run = start(tmp_path, *arguments(scheduler))
+    until(run, 3)
+    first.send_signal(signal.SIGSTOP)
+    scheduler.add_worker(edited)
+    there(scheduler, 2)
+    (log,) = (run.path.parents[1] / "runs/plane").glob("*/run.log")
+    wait_until(lambda: "is not used" in log.read_text())
+    assert np.any(store.statuses(run.path) == store.PENDING)
+    first.send_signal(signal.SIGCONT)
+    run.end()
+    assert (run.code, run.err) == (0, ""), run.err
+    assert len(refused(run)) == 1 and equal not in refused(run) and used(run) == {equal}
+    same(run.path, undisturbed)
+
+
+def test_where_no_other_is_left_the_run_ends(tmp_path, scheduler, edited):
+    run = start(tmp_path, *arguments(scheduler))
+    said = [run.process.stdout.readline()]
+    while "waiting for workers" not in said[-1]:
+        said.append(run.process.stdout.readline())
+        assert said[-1], said
+    scheduler.add_worker(edited)
+    run.end()
+    assert run.code == 1 and run.err.startswith("error: no worker computes as this program does (tcp://"), run.err
+    assert "row.py differs" in run.err and run.err.endswith(f"{KEPT}\n") and run.err.count("\n") == 1
+    assert np.all(store.statuses(run.path) == store.PENDING)
+
+
+def _of_edited(edited, _):
+    return {"sources": edited}, "solver/.*row.py differs"
+
+
+def _of_another_numpy(_, folder):
+    library = folder / "numpy-1.0.dist-info"
+    library.mkdir(parents=True)
+    (library / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 1.0\n")
+    return {"PYTHONPATH": str(folder)}, r"numpy is 1\.0 there and \S+ here"
+
+
+def _without_bevelmap(_, __):
+    return {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "absent"}, "bevelmap cannot be used there .*No module"
+
+
+@pytest.mark.parametrize("kind", [_of_edited, _of_another_numpy, _without_bevelmap])
+def test_where_all_workers_differ_nothing_is_written(kind, tmp_path, scheduler, edited):
+    how, reason = kind(edited, tmp_path / "library")
+    scheduler.add_worker(**how)
+    (other,) = there(scheduler, 1)
+    run = finished(tmp_path, *arguments(scheduler))
+    assert run.code == 2 and run.err.count("\n") == 1 and re.search(reason, run.err), run.err
+    assert other in run.err and f"cluster.address = {scheduler.address!r} is not allowed" in run.err
+    assert list(refused(run)) == [other] and not (tmp_path / "outputs").exists()
+
+
+def _facts_of_a_process(folder=ROOT, code="", **environment):
+    """The facts of another process, as this one would see them, after some code has run there."""
+    script = f"from pipeline.run.environment import facts\n{code}\nprint(facts())"
+    command = [sys.executable, "-c", script]
+    environment = {"PATH": "", "PYTHONPATH": str(folder), **environment}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return eval(done.stdout)
+
+
+def test_processes_are_equal_whatever_their_threads_are():
+    assert _facts_of_a_process() == _facts_of_a_process(OPENBLAS_NUM_THREADS="1", PYTHONHASHSEED="7") == facts()
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="the variables are those of such processors")
+def test_a_processor_that_rounds_otherwise_is_told_by_what_it_computes():
+    other = _facts_of_a_process(OPENBLAS_CORETYPE="Nehalem", NPY_DISABLE_CPU_FEATURES="X86_V3 X86_V4")
+    own = facts()
+    assert other[ARITHMETIC] != own[ARITHMETIC] and {**other, ARITHMETIC: own[ARITHMETIC]} == own
+    assert "rounds otherwise" in differences(other, own)
+
+
+def test_a_file_of_the_solver_that_changes_after_it_was_loaded_is_told(tmp_path, edited):
+    copy = tmp_path / "copy"
+    shutil.copytree(edited, copy)
+    (row,) = (copy / "solver").rglob("row.py")
+    name = row.relative_to(copy).as_posix()
+    edit = f"file = __import__('pathlib').Path({str(row)!r})\nfile.write_text(file.read_text() + '# more')"
+    before, after = _facts_of_a_process(copy), _facts_of_a_process(copy, edit)
+    assert differences(after, before) == f"{name} has changed since it was loaded"
+    assert differences(_facts_of_a_process(copy), before) == f"{name} differs"
+    row.unlink()
+    assert differences(_facts_of_a_process(copy), before) == f"{name} is missing there"

@@ -1,0 +1,62 @@
+"""A real `dask scheduler` on loopback with workers, all of them processes of their own."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+__all__ = ["Scheduler", "wait_until"]
+
+ROOT = Path(__file__).parents[2]
+
+
+def wait_until(happens, seconds: float = 120.0) -> None:
+    """Return when it happens."""
+    deadline = time.monotonic() + seconds
+    while not happens():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+class Scheduler:
+    """What `dask scheduler` and `dask worker` start.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the scheduler writes its file, which is read by those that want to find it.
+    *options : str
+        For the scheduler and its workers, such as those of TLS.
+    """
+
+    def __init__(self, folder: Path, *options: str):
+        self.file, self.options, self.processes = folder / "scheduler.json", options, []
+        self.process = self._start("scheduler", "--host", "127.0.0.1", "--port", "0")
+        wait_until(lambda: self.file.exists() and self.file.stat().st_size)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait(30)
+
+    def add_worker(self, sources: Path = ROOT, **environment: str) -> subprocess.Popen:
+        """One more worker, without a nanny that would start it again; its bevelmap is that of a folder."""
+        return self._start("worker", "--nthreads", "1", "--no-nanny", sources=sources, **environment)
+
+    def _start(self, what: str, *words: str, sources: Path = ROOT, **environment: str) -> subprocess.Popen:
+        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", "--scheduler-file", str(self.file)]
+        process = subprocess.Popen(
+            [*command, "--no-dashboard", *self.options, *words],
+            cwd=sources,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env={**os.environ, "OMP_NUM_THREADS": "1", **environment},
+        )
+        self.processes.append(process)
+        return process

@@ -1,0 +1,14 @@
+"""Examples in the docstrings of the pipeline, where no other test runs them."""
+
+import doctest
+import importlib
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    "module", ["pipeline.run.workforce", "pipeline.cli.completion", "pipeline.store.listing", "pipeline.api"]
+)
+def test_doctests_of_the_pipeline(module):
+    results = doctest.testmod(importlib.import_module(module))
+    assert results.attempted > 0 and results.failed == 0
