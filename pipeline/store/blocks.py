@@ -12,8 +12,9 @@ from pipeline.errors import StoreError
 from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import MOST_TEXT
 from pipeline.store.arrays import arrays_of, row_layouts, status_layout
-from pipeline.store.chunk_files import read_chunk
+from pipeline.store.chunk_files import encoded, read_chunk
 from pipeline.store.codecs import every_chunk
+from pipeline.store.durable import settle, write_whole
 from pipeline.store.removal import remove_file
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
@@ -27,6 +28,7 @@ __all__ = [
     "read_states",
     "row_values",
     "write_block",
+    "write_states",
 ]
 
 #: Array name -> the entries of one row.
@@ -136,7 +138,7 @@ def read_states(path: Path, plan: Plan, block: Block) -> np.ndarray:
 
 
 def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> None:
-    """Write one block, the only writer of its chunks.
+    """Write one block, the only writer of its chunks; they are on the disk before `status` says so, and then it is.
 
     Parameters
     ----------
@@ -151,24 +153,35 @@ def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> 
     if root.attrs["configuration_hash"] != plan.digest:
         # A task of a run that is no more, on a scheduler that goes on.
         raise StoreError(f"{path} is no longer the store that these rows are of")
-    with every_chunk():
-        # What an array writes is settled when it is opened.
-        arrays = {name: root[name] for name in row_layouts(plan)}
-    place = plan.place(block)
+    layouts, place = row_layouts(plan), plan.place(block)
+    files = {name: next(layout.files(*place)) for name, layout in layouts.items() if name != "status"}
     # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
-    _forget_part(path, plan, block, "status")
-    arrays["status"][place] = PENDING
-    for name, array in arrays.items():
-        if name != "status":
-            _forget_part(path, plan, block, name)
-        array[place] = np.stack([row[name] for row in rows])
-
-
-def _forget_part(path: Path, plan: Plan, block: Block, name: str) -> None:
-    """Remove the chunk of a block that ends before its chunk does: zarr would read it to write the rest again."""
-    if block.stop - block.start < plan.rows_per_block:
-        for file in row_layouts(plan)[name].files(*plan.place(block)):
+    write_states(path, plan, block, PENDING)
+    for name, file in files.items():
+        if block.stop - block.start < plan.rows_per_block:
+            # It ends before its chunk does: zarr would read the rest of what is there.
             remove_file(path / file)
+        with every_chunk():
+            # What an array writes is settled when it is opened.
+            array = root[name]
+        array[place] = np.stack([row[name] for row in rows])
+    settle(path, files.values())
+    write_states(path, plan, block, np.array([row["status"] for row in rows]))
+
+
+def write_states(path: Path, plan: Plan, block: Block, states: np.ndarray | int) -> None:
+    """Write the state of every row of a block, on the disk when this returns.
+
+    Parameters
+    ----------
+    path : Path
+    plan : Plan
+    block : Block
+    states : (rows,) ndarray or int
+    """
+    status = status_layout(plan)
+    (file,) = status.files(*plan.place(block))
+    write_whole(path / file, encoded(np.broadcast_to(states, block.stop - block.start), status))
 
 
 def _fill_raster(values: RowValues, row: Row) -> None:

@@ -15,7 +15,7 @@ from numcodecs.zstd import Zstd
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.damage import damaged
 
-__all__ = ["ChunkError", "claim_of", "decoded", "fault_of", "read_chunk"]
+__all__ = ["ChunkError", "claim_of", "decoded", "encoded", "fault_of", "read_chunk"]
 
 #: Bytes at the start of a file that tell how many it stands for.
 _HEADER = 18
@@ -90,6 +90,21 @@ def decoded(content: bytes, array: ArrayLayout) -> np.ndarray:
         return VLenUTF8().decode(entries).reshape(array.chunks)
     except (ValueError, UnicodeDecodeError):
         raise ChunkError("holds what is no text") from None
+
+
+def encoded(entries: np.ndarray, array: ArrayLayout) -> bytes:
+    """What the file of a chunk of numbers holds; entries at its end that are not given are the fill value.
+
+    Parameters
+    ----------
+    entries : (n,) ndarray
+        In the order of the chunk.
+    array : ArrayLayout
+    """
+    chunk = np.full(math.prod(array.chunks), array.fill, np.dtype(array.kind).newbyteorder("<"))
+    chunk[: entries.size] = entries
+    frame = Zstd(level=0).encode(chunk.tobytes())
+    return frame + google_crc32c.value(frame).to_bytes(_CHECKSUM, "little")
 
 
 def _claim_fault(header: bytes, array: ArrayLayout) -> str | None:

@@ -14,6 +14,7 @@ import zarr
 from pipeline.store.array_layout import MOST_TEXT
 from pipeline.store.codecs import COMPRESSORS, every_chunk
 from pipeline.store.documents import listed_in
+from pipeline.store.durable import move_whole
 from pipeline.store.identity import read_layout
 from pipeline.store.names import ADDED, GROUP_FILE
 from pipeline.store.removal import refuse_unknown, remove_known
@@ -65,7 +66,7 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
                 attributes=variable.attributes,
             )[...] = data
     remove_group(path, name)
-    draft.rename(path / name)
+    move_whole(draft, path / name)
     consolidate(path)
 
 

@@ -101,8 +101,8 @@ def _short(error: Exception) -> str:
     return said if len(said) <= 200 else f"{said[:200]}…"
 
 
-def read_layout(path: Path) -> Layout:
-    """A store looked over; whatever is done with one begins with this.
+def read_layout(path: Path, going_on: bool = False) -> Layout:
+    """A store looked over, as `validate_layout` does; whatever is done with one begins with this.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def read_layout(path: Path) -> Layout:
         to be damaged.
     """
     attributes = root_attributes(path)
-    return validate_layout(path, plan_from(attributes, path), attributes)
+    return validate_layout(path, plan_from(attributes, path), attributes, going_on)
 
 
 def read_plan(path: Path) -> Plan:
@@ -128,7 +128,7 @@ def read_plan(path: Path) -> Plan:
 
 
 def check(path: Path, plan: Plan) -> bool:
-    """Whether a store for exactly this plan exists.
+    """Whether a store for exactly this plan exists, which a sweep can go on with.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def check(path: Path, plan: Plan) -> bool:
     """
     if not path.exists() or _left_over(path):
         return False
-    stored = read_layout(path).plan.numbers
+    stored = read_layout(path, going_on=True).plan.numbers
     if stored == plan.numbers:
         return True
     old, new = _flatten(stored), _flatten(plan.numbers)

@@ -105,7 +105,7 @@ class Layout:
             )
 
 
-def validate_layout(path: Path, plan: Plan, attributes: dict) -> Layout:
+def validate_layout(path: Path, plan: Plan, attributes: dict, going_on: bool = False) -> Layout:
     """Look a store over; nothing in it is opened under a name that this program has not given.
 
     Parameters
@@ -115,6 +115,8 @@ def validate_layout(path: Path, plan: Plan, attributes: dict) -> Layout:
         As the store itself describes it.
     attributes : dict
         What the root says, from whichever copy is sound.
+    going_on : bool
+        Whether blocks that are not stored are written next, whatever a power loss has left of their chunks.
 
     Raises
     ------
@@ -124,18 +126,18 @@ def validate_layout(path: Path, plan: Plan, attributes: dict) -> Layout:
         If there are links or foreign arrays in it.
     """
     layout = Layout.of(path, plan)
-    for damage in _faults(layout, attributes):
+    for damage in _faults(layout, attributes, going_on):
         raise damaged(path, damage.sentence)
     return layout
 
 
-def _faults(layout: Layout, attributes: dict) -> Iterator[Damage]:
+def _faults(layout: Layout, attributes: dict, going_on: bool) -> Iterator[Damage]:
     yield from _root(layout, attributes)
     yield from listing_faults(layout)
     yield from _plane(layout)
     for name in layout.groups:
         yield from group_faults(layout, name)
-    yield from _chunks(layout)
+    yield from _chunks(layout, going_on)
 
 
 def _is_added(place: str) -> bool:
@@ -213,7 +215,7 @@ def _is_hollow(claimed: int, stored: int) -> bool:
     return claimed > max(_UNSEEN, _MOST_COMPRESSED * stored)
 
 
-def _chunks(layout: Layout) -> Iterator[Damage]:
+def _chunks(layout: Layout, going_on: bool) -> Iterator[Damage]:
     """Chunks of axes and of rows: a missing one zarr would take for one that was never written, and of the others it
     would believe how many bytes they stand for."""
     rows = row_layouts(layout.plan)
@@ -228,7 +230,7 @@ def _chunks(layout: Layout) -> Iterator[Damage]:
         except DamagedError as error:
             yield Damage(error.what.split(" ", 1)[0], error.what.split(" ", 1)[1], block)
             continue
-        for array in rows.values():
+        for array in rows.values() if stored or not going_on else ():
             (file,) = array.files(*place)
             fault = _claim_fault(layout.path / file, array)
             if fault is not None and (stored or fault != "is missing"):
