@@ -87,4 +87,13 @@ def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return compute(Job(job.settings, plan), store.pending_blocks(job.store_path, plan), workforce, reporter)
 
 
-STAGE = Stage("check", _run, _check_options, on_workers=True, writes=True, needs_plan=False, of_volumes=True)
+STAGE = Stage(
+    "check",
+    _run,
+    _check_options,
+    on_workers=True,
+    writes=True,
+    only_reads=lambda job: not job.settings.config.check.repair,
+    needs_plan=False,
+    of_volumes=True,
+)

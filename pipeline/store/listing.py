@@ -11,6 +11,7 @@ import numpy as np
 
 from pipeline.errors import ConfigurationError, DamagedError, StoreError
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
+from pipeline.printable import printable
 from pipeline.store import COMPLETE, FAILED
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import validate_layout
@@ -77,11 +78,6 @@ def listing(root: Path) -> Listing:
             continue
         entries.append(_described(path, attributes))
     return Listing(tuple(entries), tuple(foreign))
-
-
-def printable(text: str) -> str:
-    """The text without what would steer a terminal; stores may come from anyone."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 def columns(found: Listing) -> list[str]:
