@@ -8,7 +8,7 @@ from pipeline.errors import ConfigurationError
 __all__ = ["local_folder", "quoted_home"]
 
 #: A letter alone may be a drive.
-_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:{1,2}/")
+_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[:/]")
 #: A value that begins with ~, which Hydra's grammar has only between quotes.
 _HOME = re.compile(r"([\w.+]+=)(~[^'\",\[\](){}]*)")
 

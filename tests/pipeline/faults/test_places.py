@@ -150,13 +150,13 @@ def test_nothing_that_is_stored_steers_the_terminal(tmp_path, undisturbed, capsy
     with lock.open("r+") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
         assert run("stages=[sweep]") == 2 and "is in use by" in said[-1]
-    # A row's reason, the name of a file, the name of a store, and what a store says of itself.
+    # What is said of a row, the name of a store, the name of a file, and what a store says of itself.
     plan = store.read_plan(path)
-    block = plan.blocks[3]
-    reason = [store.row_values(plan, f"broken{STEERING}")] * (block.stop - block.start)
-    store.write_block(path, plan, block, reason)
-    assert run("stages=[check]", "check.recompute=36") == 1
-    assert run("stages=[boundaries]") == 0
+    for block, state in ((plan.blocks[3], store.COMPLETE), (plan.blocks[5], store.FAILED)):
+        values = store.row_values(plan, f"something{STEERING}")
+        values["status"][...] = state
+        store.write_block(path, plan, block, [values] * (block.stop - block.start))
+    assert run("stages=[sweep]") == 0 and said[-1].count("something") == 3
     shutil.copytree(path, path.with_name(f"a{STEERING}.zarr"))
     assert run("stages=[list]") == 0
     attributes = json.loads((path / "zarr.json").read_text())
