@@ -16,6 +16,7 @@ from pipeline.errors import StoreError
 from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.labels import TRAITS
+from pipeline.run.libraries import check_zarr
 from pipeline.store import COMPLETE, read_plan, statuses
 from pipeline.store.identity import root_attributes
 from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
@@ -42,7 +43,10 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPla
     ------
     StoreError
         If there is no such store, it is a volume, or this program cannot read it.
+    ConfigurationError
+        If zarr is set up in such a way that it would wait for ever.
     """
+    check_zarr()
     path = Path(name)
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = Path(root) / f"{name}.zarr"

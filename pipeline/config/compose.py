@@ -13,6 +13,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
 from pipeline.config.files import check_files
+from pipeline.config.folders import local_folder
 from pipeline.config.schema import Configuration
 from pipeline.errors import ConfigurationError
 
@@ -151,6 +152,8 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
         if missing:
             raise ConfigurationError(f"{min(missing)} has no value")
         config = OmegaConf.to_object(typed)
+        config.output.root = local_folder("output.root", config.output.root)
+        config.store.root = local_folder("store.root", config.store.root)
         if config.debug.row is not None:
             # Looking at one row is then all that is done.
             config.stages = ["debug"]

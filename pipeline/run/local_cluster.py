@@ -8,6 +8,7 @@ out.
 
 import contextlib
 import logging
+import multiprocessing
 import signal
 import tempfile
 import threading
@@ -65,7 +66,13 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
         with _deaf_to_interrupts():
             cluster = _started(workers, memory, dashboard, folder)
         with contextlib.closing(cluster):
-            yield cluster
+            try:
+                yield cluster
+            except KeyboardInterrupt:
+                # Asked to end, a worker first ends its task, or is waited for in vain.
+                for process in multiprocessing.active_children():
+                    process.kill()
+                raise
 
 
 def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecCluster:

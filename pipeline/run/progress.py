@@ -5,6 +5,8 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
+from pipeline.printable import printable
+
 __all__ = ["Reporter", "RowProgress"]
 
 
@@ -28,15 +30,17 @@ class Reporter:
 
     def line(self, text: str) -> None:
         """One line for the reader, with its time in the log."""
+        text = printable(text)
         print(text, file=self.stream, flush=True)
         self._write(text)
 
     def note(self, text: str) -> None:
         """One line for the log alone."""
-        self._write(f"info {text}")
+        self._write(printable(f"info {text}"))
 
     def error(self, text: str) -> None:
         """One line on standard error."""
+        text = printable(text)
         print(f"error: {text}", file=sys.stderr, flush=True)
         self._write(f"error: {text}")
 

@@ -67,8 +67,10 @@ class Workforce:
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
-        self.close()
+    def __exit__(self, *error):
+        # An interrupt ends workers at once.
+        self._connection = None
+        return self._open.__exit__(*error)
 
     def start(self) -> str:
         """Start or reach the workers, once; a sentence that says where tasks run.
@@ -264,8 +266,7 @@ class Workforce:
 
     def close(self) -> None:
         """Stop the workers that this object started; a foreign scheduler goes on."""
-        self._connection = None
-        self._open.close()
+        self.__exit__(None, None, None)
 
 
 def _silence() -> None:

@@ -182,7 +182,8 @@ def _compiled(kernel, signature, name: str) -> compiler.CompileResult:
     library.enable_object_caching()
     library.add_linking_library(lowered.library)
     wrapped = library, lowered.fndesc, lowered.environment, lowered.call_helper
-    context.create_cpython_wrapper(*wrapped, release_gil=False)
+    # So that other threads go on meanwhile: `pipeline.cli.process` ends a run whose kernel does not.
+    context.create_cpython_wrapper(*wrapped, release_gil=True)
     context.create_cfunc_wrapper(*wrapped)
     entry_point = context.get_executable(library, lowered.fndesc, lowered.environment)
     result = lowered._replace(library=library, entry_point=entry_point)
