@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.model.checks import ParameterError
-from solver.model.gear_model import GEOMETRIC, Harmonics, Model, _number, _numbers, harmonic_pairs
+from solver.model.checks import ParameterError, finite_number, finite_numbers
+from solver.model.gear_model import GEOMETRIC, Harmonics, Model, harmonic_pairs
 
 __all__ = ["GearPair"]
 
@@ -74,9 +74,9 @@ class GearPair:
     reference_length: float | None = None
 
     def __post_init__(self):
-        above, least = (0.0, False), (0.0, True)
+        anything, above, least = {}, {"above": 0.0}, {"at_least": 0.0}
         self._set("teeth", _teeth(self.teeth))
-        for name, bound in {
+        for name, bounds in {
             "module": above,
             "shaft_angle": above,
             "pressure_angle": least,
@@ -84,22 +84,22 @@ class GearPair:
             "mesh_stiffness": above,
             "mesh_damping_ratio": least,
             "half_backlash": least,
-            "torque": None,
-            "torque_fluctuation": None,
+            "torque": anything,
+            "torque_fluctuation": anything,
         }.items():
-            self._set(name, _number(name, getattr(self, name), bound))
-        for name, count, bound in (
+            self._set(name, finite_number(name, getattr(self, name), **bounds))
+        for name, count, bounds in (
             ("mass", 2, above),
             ("inertia", 2, above),
             ("support_stiffness", 6, above),
             ("support_damping", 6, least),
         ):
-            self._set(name, _numbers(name, getattr(self, name), count, bound))
+            self._set(name, finite_numbers(name, getattr(self, name), count, **bounds))
         for name in ("mesh_stiffness_harmonics", "error_harmonics"):
             self._set(name, harmonic_pairs(name, getattr(self, name)))
-        for name, bound in (("load_torque", None), ("reference_length", above)):
+        for name, bounds in (("load_torque", anything), ("reference_length", above)):
             if getattr(self, name) is not None:
-                self._set(name, _number(name, getattr(self, name), bound))
+                self._set(name, finite_number(name, getattr(self, name), **bounds))
         self._check_geometry()
         self._check_loads()
         lowest = self.model().lowest_stiffness() * self.mesh_stiffness

@@ -11,6 +11,7 @@ __all__ = [
     "ascending_grid",
     "finite_array",
     "finite_number",
+    "finite_numbers",
     "frequency",
     "one_of",
     "value_range",
@@ -39,9 +40,7 @@ class ParameterError(ValueError):
         return type(self), (self.name, self.value, self.allowed)
 
 
-def finite_number(
-    name: str, value, *, above: float | None = None, at_least: float | None = None, unit: str = ""
-) -> float:
+def finite_number(name: str, value, *, above: float | None = None, at_least: float | None = None) -> float:
     """`value` as a float: a finite number, above one bound or at least the other where one is given.
 
     Raises
@@ -56,8 +55,17 @@ def finite_number(
         allowed += f" at least {at_least:g}"
     number = isinstance(value, Real) and not isinstance(value, bool | np.bool_) and math.isfinite(value)
     if not number or (above is not None and value <= above) or (at_least is not None and value < at_least):
-        raise ParameterError(name, value, f"{allowed}{unit and f' ({unit})'}")
+        raise ParameterError(name, value, allowed)
     return float(value)
+
+
+def finite_numbers(name: str, value, count: int, **bounds: float) -> tuple[float, ...]:
+    """One number for all, or exactly `count` of them, each as `finite_number`; raises ParameterError otherwise."""
+    if isinstance(value, Real):
+        return (finite_number(name, value, **bounds),) * count
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != count:
+        raise ParameterError(name, value, f"one number or a list of {count}")
+    return tuple(finite_number(f"{name}[{i}]", entry, **bounds) for i, entry in enumerate(value))
 
 
 def whole_number(name: str, value, low: int, high: int) -> int:
@@ -97,25 +105,18 @@ def finite_array(name: str, values, shape: tuple[int | None, ...], kind=float) -
     ParameterError
         If the shape differs, or an entry is masked, no number or not finite.
     """
-    wanted = (
-        "(" + ", ".join("any" if length is None else str(length) for length in shape) + ("," * (len(shape) == 1)) + ")"
-    )
-    allowed = f"finite numbers of shape {wanted}"
+    lengths = ", ".join("any" if length is None else str(length) for length in shape)
+    allowed = f"finite numbers of shape ({lengths}{',' if len(shape) == 1 else ''})"
     if np.ma.is_masked(values):
         raise ParameterError(name, "array with masked entries", allowed)
     try:
         array = np.array(values, dtype=kind)
     except (TypeError, ValueError):
         raise ParameterError(name, values, allowed) from None
-    fits = array.ndim == len(shape) and all(n is None or n == m for n, m in zip(shape, array.shape, strict=True))
-    if not fits:
+    if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
         raise ParameterError(name, f"array of shape {array.shape}", allowed)
     if not np.all(np.isfinite(array)):
-        raise ParameterError(
-            name,
-            complex(array[~np.isfinite(array)][0]) if kind is complex else float(array[~np.isfinite(array)][0]),
-            allowed,
-        )
+        raise ParameterError(name, array[~np.isfinite(array)][0].item(), allowed)
     return array
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
 __all__ = ["ContactSystem", "gear_system", "reduced"]
@@ -91,12 +91,7 @@ class ContactSystem:
         object.__setattr__(self, "stiffness_harmonics", harmonic_pairs("stiffness_harmonics", self.stiffness_harmonics))
 
     def _set(self, name, shape, kind):
-        try:
-            value = np.array(getattr(self, name), dtype=kind)
-        except (TypeError, ValueError):
-            value = np.empty(0)
-        if value.shape != shape or not np.all(np.isfinite(value)):
-            raise ParameterError(name, getattr(self, name), f"finite numbers of shape {shape}")
+        value = finite_array(name, getattr(self, name), shape, kind)
         value.setflags(write=False)
         object.__setattr__(self, name, value)
 

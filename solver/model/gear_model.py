@@ -10,11 +10,10 @@ in units of 1/Omega_n, lengths in units of a fixed reference length:
 import dataclasses
 import math
 from dataclasses import dataclass
-from numbers import Real
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, finite_numbers
 
 __all__ = ["GEOMETRIC", "Harmonics", "Model", "SCALAR_PARAMETERS", "harmonic_pairs"]
 
@@ -43,6 +42,8 @@ SCALAR_PARAMETERS = (
 )
 
 Harmonics = tuple[tuple[float, float], ...]
+
+_UNBOUNDED = ("alpha", "alpha_phase", "f_e", "f_e_phase", "f_pm", "f_pv", "variation_translation", "variation_rotation")
 
 
 @dataclass(frozen=True)
@@ -108,36 +109,23 @@ class Model:
     f_pv: float = 0.0
 
     def __post_init__(self):
-        numbers = {
-            "b": (0.0, True),
-            "alpha": None,
-            "alpha_phase": None,
-            "f_e": None,
-            "f_e_phase": None,
-            "f_pm": None,
-            "f_pv": None,
-            "xi_mesh": (0.0, True),
-            "variation_translation": None,
-            "variation_rotation": None,
-        }
-        for name, bound in numbers.items():
-            self._set(name, _number(name, getattr(self, name), bound))
-        for name, count, bound in (
-            ("kappa", 2, (0.0, False)),
-            ("xi_translation", 2, (0.0, True)),
-            ("xi_support", 6, (0.0, True)),
-            ("k_support", 6, (0.0, False)),
-        ):
-            self._set(name, _numbers(name, getattr(self, name), count, bound))
+        for name in ("b", "xi_mesh"):
+            self._set(name, finite_number(name, getattr(self, name), at_least=0.0))
+        for name in _UNBOUNDED:
+            self._set(name, finite_number(name, getattr(self, name)))
+        self._set("kappa", finite_numbers("kappa", self.kappa, 2, above=0.0))
+        self._set("xi_translation", finite_numbers("xi_translation", self.xi_translation, 2, at_least=0.0))
+        self._set("xi_support", finite_numbers("xi_support", self.xi_support, 6, at_least=0.0))
+        self._set("k_support", finite_numbers("k_support", self.k_support, 6, above=0.0))
         for name in ("alpha_harmonics", "f_e_harmonics"):
             self._set(name, harmonic_pairs(name, getattr(self, name)))
         for name, top in (("pitch_cone_angle", 180.0), ("pressure_angle", 90.0)):
-            value = _number(name, getattr(self, name), None)
+            value = finite_number(name, getattr(self, name))
             if not 0.0 <= value < top:
                 raise ParameterError(name, value, f"an angle in degrees, at least 0 and below {top:g}")
             self._set(name, value)
-        self._set("translation_coupling", _coupling("translation_coupling", self.translation_coupling, (0.0, True)))
-        self._set("rotation_coupling", _coupling("rotation_coupling", self.rotation_coupling, (0.0, False)))
+        self._set("translation_coupling", _coupling("translation_coupling", self.translation_coupling, at_least=0.0))
+        self._set("rotation_coupling", _coupling("rotation_coupling", self.rotation_coupling, above=0.0))
 
     def _set(self, name, value):
         object.__setattr__(self, name, value)
@@ -248,27 +236,6 @@ class Model:
         return float(frequencies[0]), float(frequencies[-1])
 
 
-def _number(name: str, value, bound: tuple[float, bool] | None) -> float:
-    """`value` as a finite float, with an optional lower bound (value, inclusive)."""
-    allowed = "a finite number"
-    if bound is not None:
-        allowed += f" {'at least' if bound[1] else 'above'} {bound[0]:g}"
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise ParameterError(name, value, allowed)
-    if bound is not None and (value < bound[0] or (value == bound[0] and not bound[1])):
-        raise ParameterError(name, value, allowed)
-    return float(value)
-
-
-def _numbers(name: str, value, count: int, bound) -> tuple[float, ...]:
-    """One number for all, or exactly `count` of them."""
-    if isinstance(value, Real):
-        return (_number(name, value, bound),) * count
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != count:
-        raise ParameterError(name, value, f"one number or a list of {count}")
-    return tuple(_number(f"{name}[{i}]", entry, bound) for i, entry in enumerate(value))
-
-
 def harmonic_pairs(name: str, value) -> Harmonics:
     """`value` as pairs of finite numbers (amplitude, phase); raises ParameterError with `name` otherwise."""
     allowed = "a list of [amplitude, phase] pairs"
@@ -277,12 +244,12 @@ def harmonic_pairs(name: str, value) -> Harmonics:
     for pair in value:
         if isinstance(pair, str) or not hasattr(pair, "__len__") or len(pair) != 2:
             raise ParameterError(name, value, allowed)
-    return tuple((_number(name, a, None), _number(name, p, None)) for a, p in value)
+    return tuple((finite_number(name, a), finite_number(name, p)) for a, p in value)
 
 
-def _coupling(name: str, value, bound) -> float | str:
+def _coupling(name: str, value, **bounds: float) -> float | str:
     if isinstance(value, str):
         if value != GEOMETRIC:
             raise ParameterError(name, value, f"a number or the word {GEOMETRIC}")
         return value
-    return _number(name, value, bound)
+    return finite_number(name, value, **bounds)
