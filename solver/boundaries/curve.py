@@ -11,6 +11,7 @@ from solver.boundaries.refine import refined
 from solver.boundaries.special_points import SpecialPoint, end_of, joint, named_points
 from solver.continuation.continuation import Continuation, EndReason, Event
 from solver.continuation.on_curve import curve_crossings
+from solver.model.checks import ascending_grid, finite_array, finite_number, instance_of
 
 __all__ = ["BoundaryCurve", "assembled", "unfollowed"]
 
@@ -112,8 +113,13 @@ class BoundaryCurve:
             Which value each place belongs to.
         points : (c, 5) array
             lambda_m, lambda_c, lambda_s, x, p.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is not allowed.
         """
-        values, continuation = np.asarray(values, dtype=float), continuation or Continuation()
+        values, continuation = ascending_grid("values", values, 0), _settings(continuation)
         columns, points = [np.empty(0, np.int64)], [np.empty((0, 5))]
         for stretch in self.stretches:
             column, unknowns, _ = curve_crossings(stretch.problem, stretch.curve, values, continuation)
@@ -122,8 +128,14 @@ class BoundaryCurve:
         return np.concatenate(columns), np.concatenate(points)
 
     def distances(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:
-        """Distance of points (n, 5) from the boundary in scaled unknowns, (n,); see `solver.boundaries.incidence`."""
-        continuation = continuation or Continuation()
+        """Distance of points (n, 5) from the boundary in scaled unknowns, (n,); see `solver.boundaries.incidence`.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is not allowed.
+        """
+        points, continuation = finite_array("points", points, (None, 5)), _settings(continuation)
         if not self.stretches:
             return np.full(len(points), np.inf)
         targets = np.zeros((len(points), self.stretches[0].problem.unknowns + 1))
@@ -144,8 +156,15 @@ class BoundaryCurve:
             Only steps of the curve that may touch this part of the plane are divided.
         continuation : Continuation, optional
             Whose corrector is used.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is not allowed.
         """
-        continuation = continuation or Continuation()
+        x_step, p_step = finite_number("x_step", x_step, above=0.0), finite_number("p_step", p_step, above=0.0)
+        window = None if window is None else finite_array("window", window, (4,))
+        continuation = _settings(continuation)
         parts = [self.points[:1]] if not self.stretches else []
         for stretch in self.stretches:
             places = stretch.curve.points[:, self.shown[3:]]
@@ -160,6 +179,10 @@ class BoundaryCurve:
                 number = np.where(near, number, 1.0)
             parts.append(refined(stretch.problem, stretch.curve, number, continuation)[:, self.shown])
         return np.concatenate(parts)
+
+
+def _settings(continuation: Continuation | None) -> Continuation:
+    return Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
 
 
 def unfollowed(boundary: BoundaryProblem, kind: Event, point: np.ndarray) -> BoundaryCurve:

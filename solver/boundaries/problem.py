@@ -20,7 +20,15 @@ from solver.continuation.continuation import Curve, Event, Problem
 from solver.harmonic.layout import SYSTEM_AXES, packed
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.model.checks import ParameterError
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    frequency,
+    instance_of,
+    instances_of,
+    list_length,
+    value_range,
+)
 from solver.model.condensation import AXES
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
@@ -62,6 +70,9 @@ FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, X_STEP, P_STEP, 
 _DIFFERENCE = 1e-5
 
 
+_KINDS = frozenset(map(int, Event))
+
+
 @dataclass(frozen=True)
 class Plane:
     """Where boundaries are sought.
@@ -92,20 +103,23 @@ class Plane:
     omega: float | None = None
 
     def __post_init__(self):
+        instance_of("system", self.system, Model, ContactSystem)
         allowed = AXES if isinstance(self.system, Model) else SYSTEM_AXES
         for name in ("x_axis", "p_axis"):
             axis = getattr(self, name)
-            if axis not in allowed and not (name == "p_axis" and isinstance(axis, ParameterPath)):
+            if not (name == "p_axis" and isinstance(axis, ParameterPath)) and (
+                not isinstance(axis, str) or axis not in allowed
+            ):
                 raise ParameterError(name, axis, f"one of {', '.join(allowed)}")
         if self.x_axis == self.p_axis:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
-            low, high = (float(v) for v in getattr(self, name))
-            if not -np.inf < low < high < np.inf:
-                raise ParameterError(name, (low, high), "two finite ascending numbers")
-            object.__setattr__(self, name, (low, high))
-        if "omega" not in (self.x_axis, self.p_axis) and (self.omega is None or not 0.0 < self.omega < np.inf):
-            raise ParameterError("omega", self.omega, "a finite number above 0, as no axis is the frequency")
+            object.__setattr__(self, name, value_range(name, getattr(self, name)))
+        if "omega" not in (self.x_axis, self.p_axis):
+            frequency(self.omega)
+        for axis, (low, _) in ((self.x_axis, self.x_range), (self.p_axis, self.p_range)):
+            if axis == "omega":
+                frequency(low)
 
     def system_at(self, p: float) -> Model | ContactSystem:
         """The system of the row p, in the middle of the range of x."""
@@ -128,6 +142,29 @@ class Plane:
     def scale(self) -> list[float]:
         """Typical step of x and of p."""
         return [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
+
+
+def checked_events(name: str, events, size: int) -> list[tuple[Event, np.ndarray]]:
+    """Kinds and points (size,) of events.
+
+    Parameters
+    ----------
+    name : str
+        The parameter as the user knows it.
+    events : iterable of (Event, (size,) array_like)
+    size : int
+
+    Raises
+    ------
+    ParameterError
+        If one is no pair of a kind and so many finite numbers.
+    """
+    found = []
+    for event in instances_of(name, events, object):
+        if list_length(event) != 2 or not isinstance(event[0], int | np.integer) or event[0] not in _KINDS:
+            raise ParameterError(name, event, "pairs of an Event and a point")
+        found.append((Event(event[0]), finite_array(name, event[1], (size,))))
+    return found
 
 
 def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:

@@ -18,12 +18,13 @@ from solver.boundaries.problem import (
     Guess,
     Plane,
     Stretch,
+    checked_events,
     curve_tangent,
 )
 from solver.continuation.continuation import Continuation, Curve, EndReason, Event
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, has_methods, instance_of, instances_of
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
@@ -52,8 +53,14 @@ def row_events(
     -------
     list of (Event, (n + 2,) array)
         Kind and (u, x, p): at first order lambda_m, lambda_c, lambda_s, x, p.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
-    wanted = [int(kind) for kind in kinds]
+    curves, parameter = instances_of("curves", curves, Curve), finite_number("parameter", parameter)
+    wanted = [int(kind) for kind in instances_of("kinds", kinds, Event)]
     return [
         (Event(curve.event[i]), np.append(curve.points[i], parameter))
         for curve in curves
@@ -112,7 +119,8 @@ def boundary_curves(
     not found, neither by a hop nor from a start, the boundary ends for STEP_TOO_SMALL.
     """
     plane = Plane(system, x_axis, p_axis, x_range, p_range, omega)
-    balance, continuation = balance or DescribingFunction(), continuation or Continuation()
+    balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
+    continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
     kinds, points = _sorted(plane, balance.unknowns, starts)
     curves: list[BoundaryCurve] = []
     boundary = FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
@@ -127,20 +135,17 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
     By kind, p, x and unknowns, but those on the plane's border last: a boundary that ends there may do so at a
     singular point (b = 0).
     """
-    starts, size = list(starts), unknowns + 2
+    size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
+    starts = checked_events("starts", starts, size)
     kinds = np.array([kind for kind, _ in starts], dtype=np.int64)
-    allowed = (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
     for kind in np.unique(kinds):
         if kind not in allowed:
             raise ParameterError("starts", int(kind), f"of the kinds {', '.join(k.name for k in allowed)}")
-    for _, point in starts:
-        if np.shape(point) != (size,):
-            raise ParameterError("starts", point, f"points (u, x, p) of {size} numbers")
     points = np.array([point for _, point in starts], dtype=float).reshape(-1, size)
     low, high = np.transpose([plane.x_range, plane.p_range])
-    outside = ~np.all(np.isfinite(points), axis=1) | np.any((points[:, -2:] < low) | (points[:, -2:] > high), axis=1)
+    outside = np.any((points[:, -2:] < low) | (points[:, -2:] > high), axis=1)
     if np.any(outside):
-        raise ParameterError("starts", points[np.argmax(outside)].tolist(), "finite points inside the plane")
+        raise ParameterError("starts", points[np.argmax(outside)].tolist(), "inside the plane")
     border = np.any((points[:, -2:] == low) | (points[:, -2:] == high), axis=1)
     order = np.lexsort((*points[:, [*range(size - 2)[::-1], -2, -1]].T, border, kinds))
     return kinds[order], points[order]

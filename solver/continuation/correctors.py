@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.checks import ParameterError
+from solver.model.checks import finite_number, whole_number
 
 __all__ = ["Broyden", "Newton", "advance", "bordered", "workspace_rows"]
 
@@ -127,10 +127,8 @@ class _Corrector:
     max_iterations: int = 6
 
     def __post_init__(self):
-        if not 0.0 < self.tolerance <= 1e-6:
-            raise ParameterError("tolerance", self.tolerance, "above 0 and at most 1e-6")
-        if not 2 <= self.max_iterations <= 100:
-            raise ParameterError("max_iterations", self.max_iterations, "from 2 to 100")
+        finite_number("tolerance", self.tolerance, above=0.0, at_most=1e-6)
+        whole_number("max_iterations", self.max_iterations, 2, 100)
 
 
 @dataclass(frozen=True)

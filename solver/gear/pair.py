@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.model.checks import ParameterError, finite_number, finite_numbers
+from solver.model.checks import ParameterError, finite_number, finite_numbers, list_length, whole_number
 from solver.model.gear_model import GEOMETRIC, Harmonics, Model, harmonic_pairs
 
 __all__ = ["GearPair"]
@@ -185,7 +185,14 @@ class GearPair:
         return self.torque, float(self.torque * second / first) if self.load_torque is None else self.load_torque
 
     def load(self, drive: float, load: float) -> float:
-        """a_3 m_e (r_1 T_1/J_1 + r_2 T_2/J_2)/(k_m b_c), the dimensionless load of two torques (N m)."""
+        """a_3 m_e (r_1 T_1/J_1 + r_2 T_2/J_2)/(k_m b_c), the dimensionless load of two torques (N m).
+
+        Raises
+        ------
+        ParameterError
+            If a torque is no finite number.
+        """
+        drive, load = finite_number("drive", drive), finite_number("load", load)
         shares = self.mean_radii * (drive, load) / self.inertia
         return float(self.tangential * self.equivalent_mass * shares.sum() / (self.mesh_stiffness * self.length_unit))
 
@@ -220,13 +227,9 @@ class GearPair:
 
 
 def _teeth(value) -> tuple[int, int]:
-    allowed = "two whole numbers above 0"
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
-        raise ParameterError("teeth", value, allowed)
-    for count in value:
-        if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= 10_000:
-            raise ParameterError("teeth", value, allowed)
-    return tuple(value)
+    if list_length(value) != 2:
+        raise ParameterError("teeth", value, "two whole numbers above 0")
+    return tuple(whole_number(f"teeth[{i}]", count, 1, 10_000) for i, count in enumerate(value))
 
 
 def _scaled(harmonics: Harmonics, unit: float) -> list[tuple[float, float]]:

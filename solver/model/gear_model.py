@@ -13,7 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.model.checks import ParameterError, finite_number, finite_numbers
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    finite_number,
+    finite_numbers,
+    frequency,
+    list_length,
+    whole_number,
+)
 
 __all__ = ["GEOMETRIC", "Harmonics", "Model", "SCALAR_PARAMETERS", "harmonic_pairs"]
 
@@ -131,7 +139,16 @@ class Model:
         object.__setattr__(self, name, value)
 
     def replace(self, **changes) -> "Model":
-        """The same gear pair with some parameters changed; a single number stands for all gears and axes."""
+        """The same gear pair with some parameters changed; a single number stands for all gears and axes.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such parameter, or its value is not allowed.
+        """
+        for name in changes:
+            if name not in self.__dataclass_fields__:
+                raise ParameterError(name, changes[name], f"one of {', '.join(self.__dataclass_fields__)}")
         return dataclasses.replace(self, **changes)
 
     @property
@@ -172,8 +189,14 @@ class Model:
         return ((self.f_e, self.f_e_phase), *self.f_e_harmonics)
 
     def stiffness_variation(self, angle) -> np.ndarray:
-        """s(theta) = sum_l alpha_l cos(l theta + Phi_kl) at mesh phases `angle` (rad, any shape)."""
-        angle = np.asarray(angle, dtype=float)
+        """s(theta) = sum_l alpha_l cos(l theta + Phi_kl) at mesh phases `angle` (rad, any shape).
+
+        Raises
+        ------
+        ParameterError
+            If an angle is no finite number.
+        """
+        angle = finite_array("angle", angle, None)
         terms = (a * np.cos(l * angle + p) for l, (a, p) in enumerate(self.stiffness_harmonics(), start=1))
         return sum(terms, np.zeros_like(angle))
 
@@ -208,7 +231,14 @@ class Model:
         return translation, rotation
 
     def load_harmonics(self, omega: float, order: int = 1) -> np.ndarray:
-        """One-sided harmonics F_0 ... F_order of the right-hand side of the mesh row, complex (order + 1,)."""
+        """One-sided harmonics F_0 ... F_order of the right-hand side of the mesh row, complex (order + 1,).
+
+        Raises
+        ------
+        ParameterError
+            If the frequency is not a finite number above 0, or the order is not a whole number from 0.
+        """
+        omega, order = frequency(omega), whole_number("order", order, 0, 10_000)
         load = np.zeros(order + 1, dtype=complex)
         load[0] = self.f_pm
         if order >= 1:
@@ -223,7 +253,13 @@ class Model:
 
         Gain 1 is permanent contact with the mean stiffness. Supports that are alike leave only two modes that involve
         lambda, the lowest and the highest; the others lie at sqrt(k_j).
+
+        Raises
+        ------
+        ParameterError
+            If the gain is no finite number.
         """
+        gain = finite_number("gain", gain)
         mass, _, stiffness = self.matrices()
         translation, rotation = self.mesh_vectors()
         stiffness[:, 6] += gain * (translation + rotation)
@@ -239,10 +275,10 @@ class Model:
 def harmonic_pairs(name: str, value) -> Harmonics:
     """`value` as pairs of finite numbers (amplitude, phase); raises ParameterError with `name` otherwise."""
     allowed = "a list of [amplitude, phase] pairs"
-    if isinstance(value, str) or not hasattr(value, "__len__"):
+    if list_length(value) < 0:
         raise ParameterError(name, value, allowed)
     for pair in value:
-        if isinstance(pair, str) or not hasattr(pair, "__len__") or len(pair) != 2:
+        if list_length(pair) != 2:
             raise ParameterError(name, value, allowed)
     return tuple((finite_number(name, a), finite_number(name, p)) for a, p in value)
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from solver.continuation.continuation import Curve, EndReason, Event
 from solver.harmonic.galerkin import Galerkin
-from solver.model.checks import ParameterError
+from solver.model.checks import whole_number
 from solver.rows.crossings import Crossings, crossings
 from solver.rows.seeds import Branches, grown_solution, missing_degree, proven_solutions
 from solver.rows.span import RowSpan, ends_notes, runs
@@ -42,8 +42,7 @@ class LiftedSeeds:
     columns: int = 197
 
     def __post_init__(self):
-        if not 2 <= self.columns <= 10**6:
-            raise ParameterError("certify_columns", self.columns, "from 2 to 1000000")
+        whole_number("certify_columns", self.columns, 2, 10**6)
 
     def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
         """All branches found."""
