@@ -11,7 +11,7 @@ from solver.boundaries.refine import refined
 from solver.boundaries.special_points import SpecialPoint, end_of, joint, named_points
 from solver.continuation.continuation import Continuation, EndReason, Event
 from solver.continuation.on_curve import curve_crossings
-from solver.model.checks import ascending_grid, finite_array, finite_number, instance_of
+from solver.model.checks import ParameterError, ascending_grid, finite_array, finite_number, instance_of
 
 __all__ = ["BoundaryCurve", "assembled", "unfollowed"]
 
@@ -163,7 +163,10 @@ class BoundaryCurve:
             If an argument is not allowed.
         """
         x_step, p_step = finite_number("x_step", x_step, above=0.0), finite_number("p_step", p_step, above=0.0)
-        window = None if window is None else finite_array("window", window, (4,))
+        if window is not None:
+            window = finite_array("window", window, (4,))
+            if window[0] > window[1] or window[2] > window[3]:
+                raise ParameterError("window", window.tolist(), "ascending along x and along p")
         continuation = _settings(continuation)
         parts = [self.points[:1]] if not self.stretches else []
         for stretch in self.stretches:

@@ -115,11 +115,14 @@ class Plane:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
             object.__setattr__(self, name, value_range(name, getattr(self, name)))
-        if "omega" not in (self.x_axis, self.p_axis):
+        if "omega" not in (self.x_axis, self.p_axis) or self.omega is not None:
             frequency(self.omega)
-        for axis, (low, _) in ((self.x_axis, self.x_range), (self.p_axis, self.p_range)):
+        for axis, ends in ((self.x_axis, self.x_range), (self.p_axis, self.p_range)):
             if axis == "omega":
-                frequency(low)
+                frequency(ends[0])
+            elif isinstance(axis, str) and isinstance(self.system, Model):
+                for end in ends:
+                    self.system.replace(**{axis: end})
 
     def system_at(self, p: float) -> Model | ContactSystem:
         """The system of the row p, in the middle of the range of x."""

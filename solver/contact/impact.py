@@ -94,7 +94,7 @@ def impact_state(lowest, highest, b) -> np.ndarray:
 
 
 _STATES = len(ImpactState)
-_MOST = (2**16 - 2) >> _STATES
+_MOST = ((2**16 - 1) >> _STATES) - 1
 
 
 def domain_code(n, states):

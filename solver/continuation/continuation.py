@@ -100,11 +100,12 @@ class Continuation:
         Predictor along the tangent, corrector across it: H. B. Keller, "Numerical solution of bifurcation and nonlinear
         eigenvalue problems", Applications of Bifurcation Theory (1977) 359-384.
         """
-        return self._trace(problem, start, low, high, heading, np.empty((0, arclength.PLACE + problem.unknowns + 1)))
+        n = instance_of("problem", problem, Problem).unknowns
+        return self._trace(problem, start, low, high, heading, np.empty((0, arclength.PLACE + n + 1)))
 
     def _trace(self, problem: Problem, start: np.ndarray, low, high, heading, log: np.ndarray) -> Curve:
         """As `trace`; notes what became of every step in a row of `log`, as many as it has."""
-        n, room = instance_of("problem", problem, Problem).unknowns, self.max_points
+        n, room = problem.unknowns, self.max_points
         start = finite_array("start", start, (n + 1,))
         low, high, along = _box("low", low, n, -np.inf), _box("high", high, n, np.inf), _box("heading", heading, n, 0.0)
         if not -np.inf < low[n] < high[n] < np.inf or np.any(low > high):

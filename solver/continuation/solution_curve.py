@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.explained import Explained
-from solver.model.checks import instance_of, instances_of, whole_number
+from solver.model.checks import ParameterError, instance_of, instances_of, whole_number
 
 __all__ = ["Curve", "EndReason", "Event", "Outcome"]
 
@@ -129,6 +129,8 @@ class Curve:
         last = whole_number("last", last, 0, len(self.points) - 1)
         first = whole_number("first", first, 0, last)
         ends = instances_of("ends", ends, EndReason)
+        if len(ends) != 2:
+            raise ParameterError("ends", ends, "two reasons")
         part = slice(first, last + 1)
         return replace(
             self,

@@ -261,7 +261,7 @@ def enumerate_row(
     instance_of("model", model, Model)
     one_of("axis", axis, AXES)
     grid = finite_array("grid", grid, (None,))
-    if axis != "omega":
+    if axis != "omega" or omega is not None:
         omega = frequency(omega)
     for value in (grid.min(), grid.max()) if grid.size else ():
         if axis == "omega":

@@ -64,8 +64,10 @@ def check_axis(system: Model | ContactSystem, axis: str, low: float, high: float
     finite_number("high", high, above=finite_number("low", low))
     if axis == "omega":
         frequency(low)
+    if axis != "omega" or omega is not None:
+        frequency(omega)
+    if axis == "omega":
         return
-    frequency(omega)
     if gear:
         for value in (low, high):
             system.replace(**{axis: value})

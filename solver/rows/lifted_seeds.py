@@ -14,7 +14,7 @@ import numpy as np
 
 from solver.continuation.continuation import Curve, EndReason, Event
 from solver.harmonic.galerkin import Galerkin
-from solver.model.checks import whole_number
+from solver.model.checks import ParameterError, instance_of, whole_number
 from solver.rows.crossings import Crossings, crossings
 from solver.rows.seeds import Branches, grown_solution, missing_degree, proven_solutions
 from solver.rows.span import RowSpan, ends_notes, runs
@@ -45,7 +45,10 @@ class LiftedSeeds:
         whole_number("certify_columns", self.columns, 2, 10**6)
 
     def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
-        """All branches found."""
+        """All branches found; raises ParameterError if the balance is none of `Galerkin`."""
+        instance_of("span", span, RowSpan)
+        if not isinstance(span.balance, Galerkin):
+            raise ParameterError("seeds", self, f"ProvenSeeds or LinearSeeds for {span.balance}")
         probes = np.linspace(span.low, span.high, self.columns)
         order = [0, self.columns - 1, *range(1, self.columns - 1)]
         if span.balance.period > 1:

@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.continuation.continuation import Curve, EndReason
 from solver.enumeration.solutions import Proof, RowSolutions, enumerate_values
-from solver.model.checks import ascending_grid, instance_of, whole_number
+from solver.model.checks import ParameterError, ascending_grid, instance_of, whole_number
 from solver.rows.crossings import Crossings, Known, crossings
 from solver.rows.span import RowError, RowSpan, ends_notes, runs
 
@@ -103,10 +103,14 @@ class ProvenSeeds:
 
         Raises
         ------
+        ParameterError
+            If the balance is not the describing function of first order, or the grid is not allowed.
         RowError
             If somewhere the balance leaves the mean open: a continuum of solutions.
         """
         grid = _checked(span, grid)
+        if not span.balance.truncated:
+            raise ParameterError("seeds", self, f"LiftedSeeds for {span.balance}, whose solutions nothing proves")
         if self.every_column:
             probes, place = spread_columns(grid, self.columns)
         else:

@@ -180,9 +180,9 @@ def _checked(system, axis: str, values, motions, omega, order: int, period: int)
     instance_of("system", system, Model, ContactSystem)
     one_of("axis", axis, AXES if isinstance(system, Model) else SYSTEM_AXES)
     values, period = finite_array("values", values, (None,)), whole_number("period", period, 1, 10_000)
-    if axis != "omega":
+    if axis != "omega" or omega is not None:
         frequency(omega)
-    elif values.size:
+    if axis == "omega" and values.size:
         frequency(float(values.min()))
     if isinstance(system, Model) and axis != "omega" and values.size:
         for value in (values.min(), values.max()):
@@ -290,7 +290,7 @@ def motion_multipliers(system: Model | ContactSystem, omega, motions, period: in
         If an argument is not allowed.
     """
     many, frequencies = np.atleast_2d(number_array("motions", motions)), number_array("omega", omega)
-    if many.ndim != 2:
+    if np.ndim(motions) not in (1, 2):
         raise ParameterError("motions", f"array of shape {many.shape}", "of shape (2 H + 1,) or (k, 2 H + 1)")
     if frequencies.shape not in ((), (1,), (len(many),)) or not np.all((frequencies > 0.0) & (frequencies < np.inf)):
         raise ParameterError("omega", omega, f"one or {len(many)} finite numbers above 0")
