@@ -4,6 +4,7 @@ import enum
 import functools
 import importlib
 import inspect
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, is_dataclass
@@ -24,9 +25,13 @@ __all__ = [
     "argument",
     "array",
     "assert_wrong_calls_are_refused",
+    "documented",
     "optional",
     "public",
+    "section",
 ]
+
+_SECTION = r"^{}\n-+\n(.*?)(?=^\w+\n-+\n|\Z)"
 
 
 @dataclass(frozen=True)
@@ -120,6 +125,18 @@ def array(right, *further, finite: bool = True, any_shape: bool = False, empty: 
     if not any_shape:
         wrong += [1.0, right[None, None], np.append(right.ravel(), 1.0)[None, None]] + ([] if empty else [[]])
     return (*wrong, *further)
+
+
+def section(function: Callable, title: str) -> str:
+    """A section of a docstring; empty where there is none."""
+    found = re.search(_SECTION.format(title), inspect.getdoc(function) or "", flags=re.MULTILINE | re.DOTALL)
+    return found[1] if found else ""
+
+
+def documented(function: Callable) -> set[str]:
+    """Names in the section Parameters of a docstring."""
+    heads = [line.partition(" : ")[0] for line in section(function, "Parameters").splitlines() if line[:1].strip()]
+    return {name.strip(" *") for head in heads for name in head.split(",")}
 
 
 def assert_wrong_calls_are_refused(function: Callable, arguments: dict, *errors: type[Exception]) -> None:

@@ -189,7 +189,15 @@ def _settings(continuation: Continuation | None) -> Continuation:
 
 
 def unfollowed(boundary: BoundaryProblem, kind: Event, point: np.ndarray) -> BoundaryCurve:
-    """A start (u, x, p) from which no boundary could be followed, as a curve of one point."""
+    """A start from which no boundary could be followed, as a curve of one point.
+
+    Parameters
+    ----------
+    boundary : BoundaryProblem
+    kind : Event
+    point : (n + 2,) array
+        (u, x, p).
+    """
     nothing, shown, components = np.zeros(1, np.int8), boundary.shown(kind), boundary.components(kind)
     points = point[[components.index(i) for i in shown]][None]
     ends = (EndReason.STEP_TOO_SMALL,) * 2
@@ -197,7 +205,14 @@ def unfollowed(boundary: BoundaryProblem, kind: Event, point: np.ndarray) -> Bou
 
 
 def assembled(boundary: BoundaryProblem, kind: Event, chain: Chain) -> BoundaryCurve:
-    """One curve of the stretches of a chain, with its special points named."""
+    """One curve of the stretches of a chain, with its special points named.
+
+    Parameters
+    ----------
+    boundary : BoundaryProblem
+    kind : Event
+    chain : Chain
+    """
     shown, stretches, ends = boundary.shown(kind), chain.stretches, chain.ends
     columns, travelled = list(shown), 0.0
     points, slopes, lengths, special, stable = [], [], [], [], []

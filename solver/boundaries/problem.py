@@ -171,7 +171,14 @@ def checked_events(name: str, events, size: int) -> list[tuple[Event, np.ndarray
 
 
 def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
-    """`theta`, of its header only the steps, and `direction` of a plane for a balance of this order and period."""
+    """`theta`, of its header only the steps, and `direction` of a plane.
+
+    Parameters
+    ----------
+    plane : Plane
+    order, period : int
+        Of the balance: harmonics of the mesh frequency, and nu.
+    """
 
     def vectors(axis: str, p: float):
         return packed(plane.system_at(p), axis, plane.omega or 0.0, order, period)
@@ -184,7 +191,15 @@ def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.n
 
 @dataclass(frozen=True)
 class Stretch:
-    """The part of a boundary along which the contact stays the same, smooth to its ends."""
+    """The part of a boundary along which the contact stays the same, smooth to its ends.
+
+    Parameters
+    ----------
+    contact : Contact
+    problem : Problem
+    curve : Curve
+        Of that problem.
+    """
 
     contact: Contact
     problem: Problem

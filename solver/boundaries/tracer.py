@@ -117,6 +117,10 @@ def boundary_curves(
     Away from the contact angles of first order a boundary has a corner with an infinite gradient where its motion
     begins to touch a flank. Continuation stops there on either side, and what meets is joined; where the other side is
     not found, neither by a hop nor from a start, the boundary ends for STEP_TOO_SMALL.
+
+    Folds, period doublings and Neimark-Sackers are curves of minimally augmented and squared systems (W. J. F.
+    Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000; docs/physics.md, sections 5.5 and
+    6.4).
     """
     plane = Plane(system, x_axis, p_axis, x_range, p_range, omega)
     balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")

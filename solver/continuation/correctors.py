@@ -142,6 +142,11 @@ class Newton(_Corrector):
         once more when it computes the tangent.
     max_iterations : int
         A point that needs more is refused, and the step is halved.
+
+    Raises
+    ------
+    ParameterError
+        If the tolerance is not above 0 and at most 1e-6, or max_iterations is not a whole number from 2 to 100.
     """
 
     @property
@@ -160,6 +165,16 @@ class Broyden(_Corrector):
     ----------
     tolerance, max_iterations
         As for `Newton`; convergence is superlinear, so that more iterations are allowed by default.
+
+    Raises
+    ------
+    ParameterError
+        As `Newton`.
+
+    Notes
+    -----
+    C. G. Broyden, "A class of methods for solving nonlinear simultaneous equations", Mathematics of Computation 19
+    (1965) 577-593.
     """
 
     max_iterations: int = 12

@@ -63,7 +63,13 @@ class Problem:
         return self.scale.size - 1
 
     def setup(self, corrector: Newton | Broyden) -> Setup:
-        """What kernels are told about this problem and the corrector that is to solve it."""
+        """What kernels are told about this problem and the corrector that is to solve it.
+
+        Raises
+        ------
+        ParameterError
+            If it is no corrector.
+        """
         instance_of("corrector", corrector, Newton, Broyden)
         n, m = self.unknowns, self.monitors
         return Setup(
@@ -158,7 +164,23 @@ class Balance(Protocol):
     """Slots of the cosine and sine amplitude of the mesh frequency."""
 
     def problem(self, model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
-        """The balance as a curve over one axis."""
+        """The balance as a curve over one axis.
+
+        Parameters
+        ----------
+        model : Model
+            Or what else the balance is of.
+        axis : str
+        low, high : float
+            Range of the axis, for scaling.
+        omega : float, optional
+            The mesh frequency; needed unless it is the axis.
+
+        Raises
+        ------
+        ParameterError
+            If the axis is unknown, its ends do not ascend or are not allowed, or the frequency is missing.
+        """
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest lambda of motions (..., n)."""

@@ -99,7 +99,13 @@ class Curve:
         )
 
     def followed_by(self, other: "Curve") -> "Curve":
-        """This curve and one that starts at its last point, as one; what it says of that point is the other's."""
+        """This curve and one that starts at its last point, as one; what it says of that point is the other's.
+
+        Raises
+        ------
+        ParameterError
+            If the other is no curve.
+        """
         instance_of("other", other, Curve)
         return Curve(
             np.concatenate([self.points[:-1], other.points]),

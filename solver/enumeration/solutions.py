@@ -209,6 +209,12 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
         If the model, the frequency or the ceiling is not allowed.
     ArithmeticError
         If two proofs contradict each other, which would be a defect of the program.
+
+    Notes
+    -----
+    An interval without a zero of an enclosure holds no root; one on which the slope keeps its sign holds exactly one if
+    the signs at its ends differ (intermediate value theorem), which R. E. Moore's interval Newton step then narrows
+    (docs/physics.md, section 4.7).
     """
     instance_of("model", model, Model)
     omega, ceiling = frequency(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
@@ -273,5 +279,14 @@ def enumerate_row(
 
 
 def enumerate_values(theta: np.ndarray, direction: np.ndarray, grid: np.ndarray, ceiling: float) -> RowSolutions:
-    """`enumerate_row` of `solver.model.condensation.axis_vectors`, for callers that have these; nothing is checked."""
+    """`enumerate_row` for callers that have the vectors of the axis; nothing is checked.
+
+    Parameters
+    ----------
+    theta, direction : (34,) arrays
+        `solver.model.condensation.axis_vectors`.
+    grid : (X,) array
+    ceiling : float
+        `amplitude_max`.
+    """
     return RowSolutions(*enumerate_points(theta, direction, grid, float(ceiling)))

@@ -53,7 +53,7 @@ class Scale:
         return value * self.size
 
     def dimensionless(self, value):
-        """The other way round."""
+        """Dimensionless value of an SI one, numbers or arrays; raises ParameterError if it is neither."""
         number_array("value", value)
         return value / self.size
 

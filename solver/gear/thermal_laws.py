@@ -293,6 +293,15 @@ LAWS = {
 def law_of(role: str, law: str, **parameters) -> Law:
     """The law of a role under its name.
 
+    Parameters
+    ----------
+    role : str
+        One of `LAWS`.
+    law : str
+        Name of the law.
+    **parameters
+        Its fields.
+
     Raises
     ------
     ParameterError

@@ -49,7 +49,7 @@ def backbone(model: Model, amplitudes) -> Backbone:
     Raises
     ------
     ParameterError
-        If f_pm is 0, or an amplitude is below 0.
+        If there is no model or its f_pm is 0, or an amplitude is below 0.
     """
     # scipy.optimize takes 0.3 s to import, which every worker would pay.
     from scipy.optimize import brentq

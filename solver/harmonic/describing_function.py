@@ -230,6 +230,10 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     ------
     ParameterError
         If the axis is unknown, its ends do not ascend or are not allowed, or the frequency is missing.
+
+    Notes
+    -----
+    The balance is that of docs/physics.md, section 4.5.
     """
     check_axis(instance_of("model", model, Model), axis, low, high, omega)
     theta, direction = axis_vectors(model, axis, omega)
@@ -274,19 +278,37 @@ class DescribingFunction:
         return first_order_problem(model, axis, low, high, omega)
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest lambda over the period of motions (..., 3): two (...) arrays."""
+        """Lowest and highest lambda over the period of motions (..., 3): two (...) arrays.
+
+        Raises
+        ------
+        ParameterError
+            If they are no numbers of that shape.
+        """
         motions = number_array("motions", motions, last=3)
         size = np.hypot(motions[..., 1], motions[..., 2])
         return motions[..., 0] - size, motions[..., 0] + size
 
     def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
-        """Degree of the balance and solution (3,) without backlash at one axis value."""
+        """Degree of the balance and solution (3,) without backlash at one axis value.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
         p, unknowns = finite_number("p", p), np.empty(3)
         _check(problem)
         return float(np.sign(linear_solution(problem.theta, problem.direction, p, unknowns))), unknowns
 
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
-        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions."""
+        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
         _check(problem)
         grid = finite_array("grid", grid, (None,))
         signs = np.empty(grid.size)
@@ -295,7 +317,26 @@ class DescribingFunction:
 
 
 def evaluate(model: Model, omega: float, unknowns) -> tuple[np.ndarray, np.ndarray]:
-    """Residual (3,) and Jacobian (3, 3) of the balance at (lambda_m, lambda_c, lambda_s), one model and frequency."""
+    """Residual and Jacobian of the balance at one motion (docs/physics.md, section 4.5).
+
+    Parameters
+    ----------
+    model : Model
+    omega : float
+        Frequency, > 0.
+    unknowns : (3,) array_like
+        lambda_m, lambda_c, lambda_s.
+
+    Returns
+    -------
+    residual : (3,) array
+    jacobian : (3, 3) array
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
+    """
     theta, direction = axis_vectors(instance_of("model", model, Model), "omega")
     residual, jacobian = np.empty(3), np.empty((3, 4))
     y = np.append(finite_array("unknowns", unknowns, (3,)), frequency(omega))

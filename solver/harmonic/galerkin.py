@@ -205,6 +205,15 @@ class Galerkin:
     period : int
         nu: motions may repeat after that many forcing periods only; 1 to 4. There are then nu * order harmonics of
         Omega/nu.
+
+    Raises
+    ------
+    ParameterError
+        If either is not a whole number within these bounds.
+
+    Notes
+    -----
+    Force and products of force and stiffness have their exact harmonics (docs/physics.md, sections 4.1 and 4.4).
     """
 
     order: int = 5
@@ -262,18 +271,43 @@ class Galerkin:
 
     @staticmethod
     def balance_problem(theta: np.ndarray, direction: np.ndarray, scale: np.ndarray) -> Problem:
-        """The balance as a curve for vectors of `solver.harmonic.layout.packed`."""
+        """The balance as a curve for vectors of `solver.harmonic.layout.packed`.
+
+        Parameters
+        ----------
+        theta, direction : arrays
+            Parameters at p = 0 and what p adds to them.
+        scale : (n + 1,) array
+            Typical size of each unknown and of p.
+
+        Raises
+        ------
+        ParameterError
+            If one is no vector of numbers, or a scale is not above 0.
+        """
         return Problem(balance, monitor, theta, direction, scale, monitors=5, contacts=contacts)
 
     def lifted(self, motions: np.ndarray) -> np.ndarray:
-        """First-order motions (..., 3) as starting values (..., n) of this balance."""
+        """First-order motions (..., 3) as starting values (..., n) of this balance.
+
+        Raises
+        ------
+        ParameterError
+            If they are no numbers of that shape.
+        """
         motions = number_array("motions", motions, last=3)
         found = np.zeros((*motions.shape[:-1], self.unknowns))
         found[..., [0, *self.fundamental]] = motions
         return found
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest lambda over the period of motions (..., n): two (...) arrays; nan where motions are."""
+        """Lowest and highest lambda over the period of motions (..., n): two (...) arrays; nan where motions are.
+
+        Raises
+        ------
+        ParameterError
+            If they are no numbers of that shape.
+        """
         motions = number_array("motions", motions, last=self.unknowns).astype(float)
         found = np.full((*motions.shape[:-1], 2), np.nan)
         known = ~np.isnan(motions[..., 0])
@@ -283,13 +317,25 @@ class Galerkin:
         return found[..., 0], found[..., 1]
 
     def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
-        """Degree of the balance and solution (n,) without backlash at one axis value."""
+        """Degree of the balance and solution (n,) without backlash at one axis value.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
         p, unknowns = finite_number("p", p), np.empty(self.unknowns)
         self._check(problem)
         return linear_solution(problem.theta, problem.direction, p, unknowns), unknowns
 
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
-        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions."""
+        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
         self._check(problem)
         grid = finite_array("grid", grid, (None,))
         signs = np.empty(grid.size)
@@ -297,7 +343,13 @@ class Galerkin:
         return signs
 
     def displacement(self, motion: np.ndarray, angle) -> np.ndarray:
-        """lambda of one motion (n,) at base angles Omega tau/nu of any shape."""
+        """lambda of one motion (n,) at base angles Omega tau/nu of any shape.
+
+        Raises
+        ------
+        ParameterError
+            If they are no finite numbers of that shape.
+        """
         motion, angle = finite_array("motion", motion, (self.unknowns,)), finite_array("angle", angle, None)
         k = np.arange(1, self.harmonics + 1)
         turns = angle[..., None] * k

@@ -239,7 +239,13 @@ def has_methods(name: str, value, *methods: str):
     return value
 
 
-_KINDS = {int: ("iu", "whole numbers"), float: ("iuf", "real numbers"), complex: ("iufc", "numbers")}
+# Letters of numpy's kinds, and what they are called.
+_KINDS = {
+    bool: ("biuf", "truth values or real numbers"),
+    int: ("iu", "whole numbers"),
+    float: ("iuf", "real numbers"),
+    complex: ("iufc", "numbers"),
+}
 
 
 def number_array(name: str, values, *, kind: type = float, last: int | None = None) -> np.ndarray:
@@ -251,7 +257,8 @@ def number_array(name: str, values, *, kind: type = float, last: int | None = No
         The parameter as the user knows it.
     values : array_like
     kind : type
-        What is allowed: int (whole numbers only), float (these and real numbers) or complex (any).
+        What is allowed: int (whole numbers only), float (real numbers), complex (any), or bool (real ones and truth
+        values).
     last : int, optional
         Expected length of the last axis.
 

@@ -267,7 +267,13 @@ class Model:
         return np.sqrt(np.maximum(np.sort(values.real), 0.0))
 
     def mesh_modes(self, gain: float = 1.0) -> tuple[float, float]:
-        """Lowest and highest natural frequency: the mesh-frequency and the shaft-frequency resonance of the study."""
+        """Lowest and highest natural frequency: the mesh-frequency and the shaft-frequency resonance of the study.
+
+        Raises
+        ------
+        ParameterError
+            If the gain is no finite number.
+        """
         frequencies = self.linear_frequencies(gain)
         return float(frequencies[0]), float(frequencies[-1])
 

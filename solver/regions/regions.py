@@ -120,7 +120,7 @@ class Regions:
     _windows: dict = field(default_factory=dict, init=False, repr=False)
 
     def thresholds(self, label: str, x_window: tuple[float, float] | None = None) -> tuple[tuple[float, float], ...]:
-        """The ranges (appears, disappears) of p in which a label occurs; see `occurrences`, also for what it raises.
+        """The ranges (appears, disappears) of p in which a label occurs; takes and raises what `occurrences` does.
 
         In the plane of omega and b of the published gear, "2/0-2" gives ((0.047920441, 1.010829919),).
         """
@@ -247,6 +247,11 @@ def regions(
     RegionError
         If the boundaries do not divide the plane into regions of one label: one of them is missing or ends early, or
         solutions can nowhere be told apart.
+
+    Notes
+    -----
+    Labels change only where a boundary crosses a row, and the order of crossings only at critical values of p
+    (docs/physics.md, section 5.6).
     """
     plane = Plane(instance_of("model", model, Model), x_axis, p_axis, x_range, p_range, omega)
     curves = instances_of("curves", curves, BoundaryCurve)

@@ -179,7 +179,16 @@ def shifted(motion: np.ndarray, periods: int, period: int) -> np.ndarray:
 
 
 def equal_motions(left: np.ndarray, right: np.ndarray, scale, period: int) -> bool:
-    """Whether two solutions (n,) are one motion, perhaps some forcing periods later."""
+    """Whether two solutions are one motion, perhaps some forcing periods later.
+
+    Parameters
+    ----------
+    left, right : (n,) arrays
+    scale : float or (n,) array
+        Size of the unknowns.
+    period : int
+        nu, forcing periods of the balance.
+    """
     return any(np.max(np.abs(shifted(left, shift, period) - right) / scale) <= _SAME for shift in range(period))
 
 

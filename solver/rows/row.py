@@ -102,12 +102,24 @@ class Row:
         return self.balance.extremes(self.motions)
 
     def branch_motions(self, curve: Curve) -> np.ndarray:
-        """lambda_m, lambda_c and lambda_s at the points of one of the curves, (3, points)."""
+        """lambda_m, lambda_c and lambda_s at the points of one of the curves, (3, points).
+
+        Raises
+        ------
+        ParameterError
+            If it is no curve.
+        """
         instance_of("curve", curve, Curve)
         return curve.points[:, [0, *self.balance.fundamental]].T
 
     def branch_impact(self, curve: Curve) -> np.ndarray:
-        """`ImpactState` at the points of one of the curves, int8."""
+        """`ImpactState` at the points of one of the curves, int8.
+
+        Raises
+        ------
+        ParameterError
+            If it is no curve.
+        """
         instance_of("curve", curve, Curve)
         b = curve.points[:, -1] if self.axis == "b" else self.b[0]
         return impact_state(*self.balance.extremes(curve.points[:, :-1]), b)

@@ -278,7 +278,13 @@ class LinearSeeds:
     """Starts from the linear pair without backlash at both ends of the range, and where the degree does not add up."""
 
     def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
-        """The branches found; isolas, whose signs cancel, are not among them."""
+        """The branches found; isolas, whose signs cancel, are not among them.
+
+        Raises
+        ------
+        ParameterError
+            If it is no row, or the grid is not ascending.
+        """
         _checked(span, grid)
         probes = np.linspace(span.low, span.high, _PROBES)
         curves: list[Curve] = []

@@ -194,7 +194,7 @@ def _checked(system, axis: str, values, motions, omega, order: int, period: int)
 
 
 def _checked_static(static, count: int):
-    if static is not None and number_array("static", static).shape != (count,):
+    if static is not None and number_array("static", static, kind=bool).shape != (count,):
         raise ParameterError("static", f"array of shape {np.shape(static)}", f"of shape ({count},)")
     return static
 
@@ -229,6 +229,11 @@ def monodromies(
     ------
     ParameterError
         If the axis, a value of it, the frequency or the motions are not allowed, or n is not the same for all values.
+
+    Notes
+    -----
+    The contact force is continuous, so that the matrices of the smooth pieces between contact switches multiply,
+    without jumps (docs/physics.md, section 6.2).
     """
     theta, direction, values, motions = _checked(system, axis, values, motions, omega, 1, period)
     if values.size == 0:
@@ -260,6 +265,10 @@ def multipliers(
     ------
     ParameterError
         As `monodromies`.
+
+    Notes
+    -----
+    G. Floquet's theory, as in R. Seydel, Practical Bifurcation and Stability Analysis (3rd ed., 2010), chapter 7.
     """
     matrices = monodromies(system, axis, values, motions, omega=omega, period=period)
     real, imaginary = np.empty(matrices.shape[:2]), np.empty(matrices.shape[:2])

@@ -50,10 +50,23 @@ def wilson_interval(count: int, total: int, quantile: float = 1.959963984540054)
     (E. B. Wilson, "Probable inference, the law of succession, and statistical inference", Journal of the American
     Statistical Association 22 (1927) 209-212).
 
+    Parameters
+    ----------
+    count : int
+        From 0 to total.
+    total : int
+        From 1.
+    quantile : float
+        z, > 0.
+
+    Returns
+    -------
+    (low, high)
+
     Raises
     ------
     ParameterError
-        If count is not an integer from 0 to total.
+        If an argument is not allowed.
 
     Examples
     --------
@@ -100,6 +113,17 @@ def same_attractor(one: Attractor, other: Attractor, tolerance: float = 1e-5) ->
     Periodic motions are compared by their sections, whichever comes first. Aperiodic ones are one attractor when mean
     and amplitude agree to a twentieth of their range of lambda: over finite windows no more can be said. Failures and
     unbounded motions count as one outcome each.
+
+    Parameters
+    ----------
+    one, other : Attractor
+    tolerance : float
+        Largest distance of sections, as a share of the motion's size.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
     instance_of("one", one, Attractor)
     instance_of("other", other, Attractor)

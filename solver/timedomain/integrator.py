@@ -207,6 +207,14 @@ class Trajectory:
 def checked_states(system: ContactSystem, states, name: str = "states") -> np.ndarray:
     """Initial states as a fresh (k, 2 n) array; one state may come as (2 n,).
 
+    Parameters
+    ----------
+    system : ContactSystem
+    states : (k, 2 n) or (2 n,) array_like
+        y, then y'.
+    name : str
+        The parameter as the user knows it.
+
     Raises
     ------
     ParameterError
@@ -220,7 +228,21 @@ def checked_states(system: ContactSystem, states, name: str = "states") -> np.nd
 
 
 def checked_state(system: ContactSystem, state, name: str = "state") -> np.ndarray:
-    """One initial state as a fresh (2 n,) array; raises ParameterError if it is none."""
+    """One initial state as a fresh (2 n,) array.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    state : (2 n,) array_like
+        y, then y'.
+    name : str
+        The parameter as the user knows it.
+
+    Raises
+    ------
+    ParameterError
+        If it is none.
+    """
     states = checked_states(system, state, name)
     if len(states) != 1:
         raise ParameterError(name, state, "one state")

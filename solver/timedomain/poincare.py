@@ -281,6 +281,23 @@ def measure(
     The harmonics are those of the multiples of Omega / divisor; they are amplitudes of lines of the spectrum where
     `periods` is a multiple of `divisor`.
 
+    Parameters
+    ----------
+    system, omega, tolerance, ceiling
+        As for `advance`.
+    state : (2 n,) array_like
+        y, then y', at tau = 0.
+    periods : int
+        Forcing periods.
+    divisor : int
+        The lowest harmonic is that of Omega / divisor.
+    order : int
+        Highest harmonic.
+
+    Returns
+    -------
+    Measurement
+
     Raises
     ------
     ParameterError
@@ -315,10 +332,30 @@ def monodromy(
 ) -> tuple[np.ndarray, np.ndarray, Status]:
     """The state (2 n,) after some periods from tau = 0 and its derivative (2 n, 2 n) by the initial state.
 
+    Parameters
+    ----------
+    system, omega, tolerance, ceiling
+        As for `advance`.
+    state : (2 n,) array_like
+        y, then y', at tau = 0.
+    periods : int
+        Forcing periods.
+
+    Returns
+    -------
+    state : (2 n,) array
+    matrix : (2 n, 2 n) array
+    status : Status
+        Where it is not COMPLETE, the others are of no use.
+
     Raises
     ------
     ParameterError
         If an argument is not allowed.
+
+    Notes
+    -----
+    The contact force is continuous, so that the matrices of the smooth pieces multiply (docs/physics.md, section 6.2).
     """
     current = checked_state(system, state)
     # Rows of the kernel's array are columns of the matrix.

@@ -42,7 +42,13 @@ class AttractorSweep:
 
 
 def resting_state(system: ContactSystem) -> np.ndarray:
-    """State (2 n,) at rest under the mean load with the front contact closed."""
+    """State (2 n,) at rest under the mean load with the front contact closed.
+
+    Raises
+    ------
+    ParameterError
+        If it is no ContactSystem.
+    """
     instance_of("system", system, ContactSystem)
     closed = system.stiffness + np.outer(system.force, system.contact)
     right = system.load[0].real + system.force * system.front_gap
