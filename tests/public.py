@@ -57,14 +57,14 @@ class Public:
         return list(inspect.signature(self.function).parameters.values())[int(self.method) :]
 
 
-def public(modules: tuple[str, ...]) -> dict[str, Public]:
-    """Everything that a user of some modules can call, by name."""
-    return {found.name: found for module in modules for found in _of_module(module)}
+def public(modules: tuple[str, ...], *only: str) -> dict[str, Public]:
+    """Everything that a user of some modules can call, by name; of their names all unless some are given."""
+    return {found.name: found for module in modules for found in _of_module(module, only)}
 
 
-def _of_module(name: str) -> Iterator[Public]:
+def _of_module(name: str, only: tuple[str, ...]) -> Iterator[Public]:
     module = importlib.import_module(name)
-    for key in module.__all__:
+    for key in only or module.__all__:
         value = getattr(module, key)
         if inspect.isfunction(value):
             yield Public(f"{name}.{key}", value, False)

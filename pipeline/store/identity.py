@@ -140,7 +140,10 @@ def read_plan(path: Path) -> Plan:
     ------
     StoreError
         If there is no store, or it is not one of ours or of this version, or names and metadata show it to be damaged.
+    solver.ParameterError
+        If the path is none.
     """
+    path = store_path("path", path)
     attributes = root_attributes(path)
     plan = plan_from(attributes, path)
     validate_layout(path, plan, attributes)

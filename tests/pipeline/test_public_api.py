@@ -9,16 +9,20 @@ import pytest
 import pipeline
 from pipeline.analysis import boundaries
 from pipeline.errors import StoreError
+from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
 from tests.pipeline.planes import small_plan, small_store
 from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, assert_wrong_calls_are_refused, optional, public
 
 PUBLIC = public(("pipeline", "pipeline.api"))
+#: What the documentation calls besides.
+PUBLIC |= public(("pipeline.store",), "read_plan") | public(("pipeline.study.statements",), "evaluate", "evaluate_all")
 #: Made by `open_plane`; the others are given by both names.
 RESULTS = {"pipeline.api.OpenPlane"}
 TWICE = {"pipeline.api.open_plane"}
 
 PATHS = (None, 1, True, [], {}, b"omega_fe", "", "a\0b", "x" * 5000, "nowhere.zarr")
+WRONG_PLANES = (None, 1, "omega_fe", ["omega_fe"], *({"omega_fe": path} for path in PATHS[:-1]))
 LABELS = (*(value for value in NAME if value is not None), "2/7", "2/1-0", "0/0", "1/-")
 
 
@@ -55,6 +59,12 @@ CALLS = {
         "root": argument("outputs", PATHS[:-1]),
     },
     "pipeline.scales_of": lambda plane: {"plan": argument(plane.plan, OBJECT)},
+    "pipeline.store.read_plan": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr")},
+    "pipeline.study.statements.evaluate": lambda plane: {
+        "statement": argument(STATEMENTS[0], OBJECT),
+        "planes": argument({}, WRONG_PLANES),
+    },
+    "pipeline.study.statements.evaluate_all": lambda plane: {"planes": argument({}, WRONG_PLANES)},
     "pipeline.thresholds": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr"), **window(plane)},
     "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row()},
     "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row()},
