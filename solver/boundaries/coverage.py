@@ -42,7 +42,7 @@ def missed_events(
     """
     curves, parameters = instances_of("curves", curves, BoundaryCurve), ascending_grid("parameters", parameters)
     known: dict[tuple[int, float], list[np.ndarray]] = {}
-    for kind, point in checked_events("starts", starts, 5):
+    for kind, point in zip(*checked_events("starts", starts, 5), strict=True):
         known.setdefault((int(kind), float(point[4])), []).append(point[:4])
     missed = []
     for curve in curves:

@@ -134,7 +134,8 @@ class Plane:
         """b of a gear at places x, a number or an array, of the row p."""
         if self.x_axis == "b":
             return x
-        return np.broadcast_to(place_on(self.p_axis, p, self.system)[0].b, np.shape(x))
+        moves = self.p_axis == "b" or isinstance(self.p_axis, ParameterPath)
+        return np.broadcast_to(place_on(self.p_axis, p, self.system)[0].b if moves else self.system.b, np.shape(x))
 
     @property
     def motion_size(self) -> float:
@@ -147,8 +148,8 @@ class Plane:
         return [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
 
 
-def checked_events(name: str, events, size: int) -> list[tuple[Event, np.ndarray]]:
-    """Kinds and points (size,) of events.
+def checked_events(name: str, events, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Kinds (k,) and points (k, size) of events.
 
     Parameters
     ----------
@@ -162,12 +163,14 @@ def checked_events(name: str, events, size: int) -> list[tuple[Event, np.ndarray
     ParameterError
         If one is no pair of a kind and so many finite numbers.
     """
-    found = []
-    for event in instances_of(name, events, object):
+    events = instances_of(name, events, object)
+    for event in events:
         if list_length(event) != 2 or not isinstance(event[0], int | np.integer) or event[0] not in _KINDS:
             raise ParameterError(name, event, "pairs of an Event and a point")
-        found.append((Event(event[0]), finite_array(name, event[1], (size,))))
-    return found
+    if not events:
+        return np.empty(0, np.int64), np.empty((0, size))
+    kinds, points = zip(*events, strict=True)
+    return np.array(kinds, dtype=np.int64), finite_array(name, points, (None, size))
 
 
 def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:

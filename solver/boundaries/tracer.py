@@ -140,12 +140,10 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
     singular point (b = 0).
     """
     size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
-    starts = checked_events("starts", starts, size)
-    kinds = np.array([kind for kind, _ in starts], dtype=np.int64)
+    kinds, points = checked_events("starts", starts, size)
     for kind in np.unique(kinds):
         if kind not in allowed:
             raise ParameterError("starts", int(kind), f"of the kinds {', '.join(k.name for k in allowed)}")
-    points = np.array([point for _, point in starts], dtype=float).reshape(-1, size)
     low, high = np.transpose([plane.x_range, plane.p_range])
     outside = np.any((points[:, -2:] < low) | (points[:, -2:] > high), axis=1)
     if np.any(outside):
