@@ -19,9 +19,10 @@ from tests.conftest import antiphase, consistent, published
 
 GEARS = {"published": published, "consistent": consistent, "antiphase": antiphase}
 UNSTABLE = (Instability.PERIOD_DOUBLING, Instability.NEIMARK_SACKER)
-#: Order, the share of motions that must agree, and how close to the circle the orbit's multipliers may come where
-#: nothing is asked: the truncated motion's are off by as much (1 % at order 5 and 0.1 % at order 9 were measured).
-ORDERS = [(1, 0.96, 0.0), (3, 0.99, 0.0), (5, 1.0, 0.02), (9, 1.0, 0.002)]
+#: Order; the share of motions that must agree; how far an orbit's amplitude may be off for it to be the motion's own;
+#: and how close to the circle the orbit's multipliers may come where nothing is asked: the truncated motion's are off
+#: by as much (1 % at order 5 and 0.1 % at order 9 were measured).
+ORDERS = [(1, 0.96, 0.25, 0.0), (3, 0.99, 0.02, 0.0), (5, 1.0, 0.02, 0.02), (9, 1.0, 0.02, 0.002)]
 
 
 def losing_contact(make, order: int, seed: int, rows: int):
@@ -41,7 +42,7 @@ def from_circle(multipliers) -> float:
     return np.min(np.abs(np.abs(passing) - 1.0), initial=np.inf)
 
 
-def agreement(make, order: int, margin: float, seed: int, rows: int) -> np.ndarray:
+def agreement(make, order: int, near: float, margin: float, seed: int, rows: int) -> np.ndarray:
     """Numbers of motions: all, those with a true orbit next to them, of these those further from the circle than the
     margin, and of these those that are what the orbit is."""
     counts = np.zeros(4, np.int64)
@@ -51,7 +52,7 @@ def agreement(make, order: int, margin: float, seed: int, rows: int) -> np.ndarr
         orbit = shoot(system, omega, orbit_state(system, omega, motion))
         if orbit.status is not ShootingStatus.CONVERGED:
             continue
-        if abs(abs(orbit.harmonics[1]) - np.hypot(motion[1], motion[2])) >= 0.25:
+        if abs(abs(orbit.harmonics[1]) - np.hypot(motion[1], motion[2])) >= near:
             continue
         counts[1] += 1
         if from_circle(orbit.multipliers) <= margin:
@@ -61,40 +62,44 @@ def agreement(make, order: int, margin: float, seed: int, rows: int) -> np.ndarr
     return counts
 
 
-def check(order: int, share: float, margin: float, seed: int, rows: int, least: int):
-    found = {name: agreement(make, order, margin, seed, rows) for name, make in GEARS.items()}
+def check(order: int, share: float, near: float, margin: float, seed: int, rows: int, least: int):
+    found = {name: agreement(make, order, near, margin, seed, rows) for name, make in GEARS.items()}
     motions, orbits, counted, agreed = sum(found.values())
     assert counted >= least and agreed >= share * counted, found
-    # What is left out must not be what is wrong: few orbits lie within the margin, and from order 3 all motions have
-    # one. At order 1 one motion in five is none of a true one.
-    assert counted >= 0.96 * orbits and orbits >= (0.8 if order == 1 else 0.97) * motions, found
+    # What is left out must not be what is wrong: few orbits lie within the margin, and from order 3 nearly every motion
+    # has one. At order 1 one motion in five is none of a true one.
+    assert counted >= 0.94 * orbits and orbits >= (0.8 if order == 1 else 0.93) * motions, found
 
 
-@pytest.mark.parametrize("order, share, margin", ORDERS)
-def test_motions_are_what_true_orbits_are(order, share, margin):
-    check(order, share, margin, seed=11, rows=12, least=350)
+@pytest.mark.parametrize("order, share, near, margin", ORDERS)
+def test_motions_are_what_true_orbits_are(order, share, near, margin):
+    check(order, share, near, margin, seed=11, rows=12, least=350)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("order, share, margin", ORDERS)
-def test_many_motions_are_what_true_orbits_are(order, share, margin):
-    check(order, share, margin, seed=5, rows=50, least=1400)
+@pytest.mark.parametrize("order, share, near, margin", ORDERS)
+def test_many_motions_are_what_true_orbits_are(order, share, near, margin):
+    check(order, share, near, margin, seed=5, rows=50, least=1400)
 
 
 @pytest.mark.parametrize("gear", GEARS)
 def test_monodromy_of_a_true_orbit_is_that_of_the_integrator(gear):
     """Truncating an orbit that loses contact after H harmonics moves its switches by some H^-3."""
     harmonics, looked = 2047, 0
-    for model, omega, motion, _ in list(losing_contact(GEARS[gear], 9, 2, 3))[::4]:
+    for model, omega, motion, _ in list(losing_contact(GEARS[gear], 9, 2, 2))[::6]:
         system = gear_system(model)
         orbit = shoot(system, omega, orbit_state(system, omega, motion), order=harmonics)
         assert orbit.status is ShootingStatus.CONVERGED
         exact = np.empty(2 * harmonics + 1)
-        exact[0], exact[1::2], exact[2::2] = orbit.harmonics[0].real, orbit.harmonics[1:].real, -orbit.harmonics[1:].imag
+        exact[0], exact[1::2], exact[2::2] = (
+            orbit.harmonics[0].real,
+            orbit.harmonics[1:].real,
+            -orbit.harmonics[1:].imag,
+        )
         _, expected, _ = monodromy(system, omega, orbit.state, 1, tolerance=1e-13)
         size = np.max(np.abs(expected))
         # Truncation error of the series of deviations: 1e-10 of a step.
         (found,) = monodromies(system, "omega", [omega], exact[None])
         assert np.max(np.abs(found - expected)) < 1e-9 * size
         looked += 1
-    assert looked >= 4
+    assert looked >= 2
