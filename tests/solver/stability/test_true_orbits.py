@@ -86,7 +86,7 @@ def test_many_motions_are_what_true_orbits_are(order, share, near, margin):
 def test_monodromy_of_a_true_orbit_is_that_of_the_integrator(gear):
     """Truncating an orbit that loses contact after H harmonics moves its switches by some H^-3."""
     harmonics, looked = 2047, 0
-    for model, omega, motion, _ in list(losing_contact(GEARS[gear], 9, 2, 2))[::6]:
+    for model, omega, motion, _ in list(losing_contact(GEARS[gear], 9, 2, 2))[:8:4]:
         system = gear_system(model)
         orbit = shoot(system, omega, orbit_state(system, omega, motion), order=harmonics)
         assert orbit.status is ShootingStatus.CONVERGED
@@ -102,4 +102,4 @@ def test_monodromy_of_a_true_orbit_is_that_of_the_integrator(gear):
         (found,) = monodromies(system, "omega", [omega], exact[None])
         assert np.max(np.abs(found - expected)) < 1e-9 * size
         looked += 1
-    assert looked >= 2
+    assert looked == 2
