@@ -28,6 +28,7 @@ _ROWS = {
         "solver.harmonic.galerkin.monitor",
         "solver.harmonic.galerkin._extremes",
         "solver.continuation.correctors._newton",
+        "solver.continuation.correctors.correct_all",
     ),
 }
 
