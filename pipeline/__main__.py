@@ -60,37 +60,67 @@ def _run(arguments: list[str], reporter) -> int:
     from pipeline.config.folders import quoted_home
 
     asked = parse([quoted_home(argument) for argument in arguments])
+    text = _answer(asked)
+    if text is None:
+        return _run_overrides(asked, reporter)
+    print(text, end="")
+    return 0
+
+
+def _answer(asked) -> str | None:
+    """What is printed where nothing is to be run."""
     if asked.usage:
         from pipeline.cli.help import usage
 
-        print(usage(asked.config_dir), end="")
-        return 0
+        return usage(asked.config_dir)
+    if asked.version:
+        from pipeline.cli.information import version
+
+        return f"{version()}\n"
     if asked.complete is not None:
         from pipeline.cli.completion import candidates
 
-        print("\n".join(candidates(asked.complete)))
-        return 0
+        return "\n".join([*candidates(asked.complete), ""])
     if asked.shell is not None:
         from pipeline.cli.completion import script
 
-        print(script(asked.shell), end="")
-        return 0
-    return _run_overrides(asked, reporter)
+        return script(asked.shell)
+    return None
 
 
 def _run_overrides(asked, reporter) -> int:
     from pipeline.config.compose import compose, expand
-    from pipeline.errors import ConfigurationError
+    from pipeline.errors import ConfigurationError, shown
 
-    combinations = expand(asked.overrides)
+    combinations = expand(asked.overrides, asked.config_dir)
     if len(combinations) > 1 and not asked.multirun:
-        raise ConfigurationError(f"{' '.join(asked.overrides)}: several values need -m")
+        raise ConfigurationError(f"{shown(' '.join(asked.overrides))}: several values need -m")
     all_settings = [compose(combination, asked.config_dir) for combination in combinations]
-    if asked.show:
+    if asked.show or asked.info:
+        from pipeline.cli.information import configuration, information
+
         for settings in all_settings:
-            print(settings.yaml(), end="")
+            print(information(settings) if asked.info else configuration(settings, asked.package), end="")
         return 0
     return _run_all(all_settings, reporter)
+
+
+def _check_names(all_settings) -> None:
+    """Raise ConfigurationError unless every plane of a multirun has a store of its own."""
+    from pipeline.config.typed import key_of
+    from pipeline.errors import ConfigurationError
+
+    by_path = {}
+    for settings in all_settings:
+        other = by_path.setdefault(settings.store_path.resolve(), settings)
+        if other is settings or not ("sweep" in settings.config.stages or "sweep" in other.config.stages):
+            continue
+        varied = [key_of(mine) for mine, its in zip(settings.overrides, other.overrides, strict=True) if mine != its]
+        name = "-".join([other.default_name, *(f"${{{key}}}" for key in varied if key != "store.name")])
+        raise ConfigurationError(
+            f"store.name = {other.store_name!r} is not allowed here: several planes would share that store; "
+            f"store.name='{name}' gives each its own"
+        )
 
 
 def _run_all(all_settings, reporter) -> int:
@@ -105,11 +135,7 @@ def _run_all(all_settings, reporter) -> int:
     from pipeline.run.workforce import Workforce
 
     status, jobs = 0, []
-    names = [settings.store_name for settings in all_settings]
-    if len(set(names)) < len(names) and any("sweep" in settings.config.stages for settings in all_settings):
-        raise ConfigurationError(
-            f"store.name = {names[0]!r} is not allowed here: several planes would share that store"
-        )
+    _check_names(all_settings)
     for settings in all_settings:
         try:
             jobs.append(prepare(settings))

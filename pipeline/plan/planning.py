@@ -16,7 +16,7 @@ from pipeline.plan.scales import cycle_note
 from pipeline.plan.thermal import thermal_numbers
 from solver import SCALAR_PARAMETERS, GearPair, ParameterError, Scales
 
-__all__ = ["check_numbers", "gear_of", "plan", "warnings"]
+__all__ = ["asked_numbers", "check_numbers", "gear_of", "plan", "warnings"]
 
 #: Values of an axis, and rows of all layers together; and blocks of rows, each of which has a file per array.
 _MOST_VALUES, _MOST_BLOCKS = 10**6, 10**5
@@ -40,15 +40,10 @@ def plan(settings: Settings) -> Plan:
     ConfigurationError
         Naming the key, its value and what is allowed.
     """
-    config = settings.config
-    gear, physical = gear_of(config.gear)
-    scales = None if physical is None else _scales(physical)
-    axes = axes_of(config.plane, SCALAR_PARAMETERS, scales)
-    thermal = _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None
-    names = {axis.name for axis in axes.values()}
-    omega = config.plane.omega
-    if omega is not None:
-        omega = value_of("plane.omega", "omega", omega, scales)
+    config, found = settings.config, _parts(settings)
+    gear, physical = found["gear"], found["physical"]
+    names = {axis.name for role in ROLES if (axis := found.get(role)) is not None}
+    omega = found["omega"]
     if "omega" in names and omega is not None:
         raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
     if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
@@ -70,19 +65,41 @@ def plan(settings: Settings) -> Plan:
                 f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number"
             )
     # What an axis replaces does not belong to the configuration.
-    result = Plan(
-        gear={key: value for key, value in gear.items() if key not in names},
-        **axes,
-        omega=omega,
-        solver=asdict(config.solver),
-        max_solutions=config.store.max_solutions,
-        max_branches=config.store.max_branches,
-        max_points=config.store.max_points,
-        physical=physical,
-        thermal=thermal,
-    )
+    result = Plan(**{**found, "gear": {key: value for key, value in gear.items() if key not in names}})
     check_numbers(result)
     return result
+
+
+def _parts(settings: Settings) -> dict:
+    """Keyword arguments of the plan, each for itself; the gear still has what an axis replaces."""
+    config = settings.config
+    gear, physical = gear_of(config.gear)
+    scales = None if physical is None else _scales(physical)
+    axes = axes_of(config.plane, SCALAR_PARAMETERS, scales)
+    omega = config.plane.omega
+    return {
+        "gear": gear,
+        **axes,
+        "omega": None if omega is None else value_of("plane.omega", "omega", omega, scales),
+        "solver": asdict(config.solver),
+        **{name: getattr(config.store, name) for name in ("max_solutions", "max_branches", "max_points")},
+        "physical": physical,
+        "thermal": _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None,
+    }
+
+
+def asked_numbers(settings: Settings) -> dict:
+    """What a configuration asks for, as `Plan.numbers` has it, whether or not it makes a plane as a whole.
+
+    The gear still has what an axis replaces.
+
+    Raises
+    ------
+    ConfigurationError
+        If one of its parts is not allowed.
+    """
+    parts = _parts(settings)
+    return json.loads(json.dumps({name: asdict(part) if name in ROLES else part for name, part in parts.items()}))
 
 
 def gear_of(config) -> tuple[dict, dict | None]:

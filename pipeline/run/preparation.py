@@ -1,5 +1,6 @@
 """Preparing and running the stages that were asked for. Checks come first and write nothing."""
 
+import contextlib
 import os
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,10 +9,12 @@ from pathlib import Path
 from pipeline import store
 from pipeline.config.compose import Settings
 from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan.differences import by_key, differences, of_typed
 from pipeline.plan.layers import layer_of, of_layer
+from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from pipeline.run.cluster_settings import check_cluster
-from pipeline.run.job import Job, sweep_command
+from pipeline.run.job import Job, command, other_numbers
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
@@ -19,7 +22,7 @@ from pipeline.stages import STAGES
 from pipeline.store.extraction import extract_layer
 from pipeline.store.lock import holding
 
-__all__ = ["prepare", "run_plane_stages", "run_shared_stages"]
+__all__ = ["prepare", "run_plane_stages", "run_shared_stages", "stored_plan"]
 
 
 def _asked(job: Job, several_planes: bool) -> list[Stage]:
@@ -52,15 +55,21 @@ def prepare(settings: Settings) -> Job:
     if any(stage.on_workers for stage in asked):
         check_cluster(config.cluster)
     layered = config.plane.layer is not None
-    if job.asks("sweep"):
-        job = Job(settings, plan(settings))
-    elif job.asks("debug") and not job.store_path.exists():
+    reads = any(stage.needs_plan or layered for stage in plane_stages)
+    if job.asks("sweep") or (job.asks("debug") and not job.store_path.exists()):
         # A row can be looked at before there is a store.
         job = Job(settings, plan(settings))
-    elif any(stage.needs_plan or layered for stage in plane_stages):
-        if not job.store_path.exists():
-            raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
-        job = Job(settings, store.read_plan(job.store_path))
+        if job.asks("sweep") and not layered and not config.store.overwrite:
+            _refuse_other(settings, job.store_path, job.plan)
+    elif reads:
+        job = Job(settings, stored_plan(settings))
+    elif plane_stages and job.store_path.exists():
+        # What is damaged is for the stage to say.
+        found = None
+        with contextlib.suppress(StoreError):
+            found = store.read_plan(job.store_path)
+        if found is not None:
+            _check_typed(settings, job.store_path, found)
     if job.plan is not None:
         job = _of_layer(job) if layered else _of_volume(job, plane_stages)
     for stage in asked:
@@ -69,13 +78,44 @@ def prepare(settings: Settings) -> Job:
     return job
 
 
+def stored_plan(settings: Settings) -> Plan:
+    """The plan of the store of some settings, for which everything holds that the user typed.
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no such store, or it was made with other numbers; the message has the ways on.
+    """
+    path = settings.store_path.resolve()
+    if not path.exists():
+        raise StoreError(f"there is no store at {path}: {command(settings)} makes it")
+    found = store.read_plan(path)
+    _check_typed(settings, path, found)
+    return found
+
+
+def _check_typed(settings: Settings, path: Path, found: Plan) -> None:
+    if changes := of_typed(settings, found):
+        raise other_numbers(settings, path, changes)
+
+
+def _refuse_other(settings: Settings, path: Path, wanted: Plan) -> None:
+    """Raise unless there is no store, or the one of exactly this plan."""
+    try:
+        store.check(path, wanted)
+    except StoreError:
+        # What is there may be no store at all, which is then what there is to say.
+        changes = differences(by_key(store.read_numbers(path)), by_key(wanted.numbers))
+        raise other_numbers(settings, path, changes) from None
+
+
 def _of_layer(job: Job) -> Job:
     """The plane of one layer; what is stored under the names of the volume and of the plane must be these."""
     layer = layer_of(job.settings, job.plan)
-    store.check(layer.volume, job.plan)
+    _refuse_other(job.settings, layer.volume, job.plan)
     found = Job(of_layer(job.settings, job.plan, layer), job.plan.layer(layer.index), layer)
     if not job.settings.config.store.overwrite:
-        store.check(found.store_path, found.plan)
+        _refuse_other(found.settings, found.store_path, found.plan)
     return found
 
 
