@@ -1,6 +1,6 @@
 """What a user can get wrong and what can be wrong with a store, as exceptions with a one-line message."""
 
-__all__ = ["ConfigurationError", "DamagedError", "StoreError", "WorkerLost"]
+__all__ = ["ComputationError", "ConfigurationError", "DamagedError", "StoreError", "WorkerLost"]
 
 
 class ConfigurationError(Exception):
@@ -19,6 +19,10 @@ class DamagedError(StoreError):
 
     status = 1
     what = ""
+
+
+class ComputationError(RuntimeError):
+    """Something could not be computed; what could is stored."""
 
 
 class WorkerLost(RuntimeError):

@@ -9,6 +9,7 @@ out.
 import contextlib
 import logging
 import signal
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
@@ -62,9 +63,9 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
     """
     # Workers import and read what is in their folders; dask's usual place for them may belong to somebody else.
     with tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True) as folder:
-        with _deaf_to_interrupts():
+        with _deaf_to_interrupts(), _main_module_hidden():
             cluster = _started(workers, memory, dashboard, folder)
-        with contextlib.closing(cluster):
+        with contextlib.closing(cluster), _main_module_hidden():
             yield cluster
 
 
@@ -97,6 +98,22 @@ def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecClu
             security=security,
             silence_logs=logging.CRITICAL,
         )
+
+
+@contextlib.contextmanager
+def _main_module_hidden() -> Iterator[None]:
+    """Processes started inside do not run the user's script again, as they would to find what is defined there.
+
+    Workers are given functions of this package alone, and a script without `if __name__ == "__main__"` would start
+    itself without end.
+    """
+    main = sys.modules["__main__"]
+    kept = {name: vars(main).pop(name) for name in ("__spec__", "__file__") if name in vars(main)}
+    main.__spec__ = None
+    try:
+        yield
+    finally:
+        vars(main).update(kept)
 
 
 @contextlib.contextmanager
