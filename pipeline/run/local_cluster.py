@@ -44,6 +44,16 @@ class _QuietWorker(_WithoutHttp, Worker):
     pass
 
 
+class _HastyNanny(Nanny):
+    """Ends its worker at once, as nobody waits for it any more: what it has computed is stored."""
+
+    async def close(self, *arguments, **options):
+        self.auto_restart = False
+        if self.process is not None and self.process.process is not None:
+            await self.process.process.kill()
+        return await super().close(*arguments, **options)
+
+
 @contextlib.contextmanager
 def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCluster]:
     """A scheduler in this process and workers as processes of their own, one thread each.
@@ -74,7 +84,7 @@ def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecClu
     common = {"host": _LOOPBACK, "protocol": "tls://", "security": security}
     pages = {"dashboard": True, "dashboard_address": f"{_LOOPBACK}:0"} if dashboard else {"dashboard": False}
     worker = {
-        "cls": Nanny,
+        "cls": _HastyNanny,
         "options": {
             **common,
             "worker_class": _QuietWorker,
