@@ -125,12 +125,10 @@ def _check_names(all_settings) -> None:
 
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
-    from pipeline.cli.warmup import warm_up
     from pipeline.errors import ConfigurationError
     from pipeline.run.libraries import load_zarr
 
     load_zarr()
-    from pipeline.run.kernels import kernels_for
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce
 
@@ -144,9 +142,6 @@ def _run_all(all_settings, reporter) -> int:
             status = max(status, error.status)
     if not jobs:
         return status
-    # Workers of a running scheduler have a cache of their own.
-    configs = [job.settings.config for job in jobs if job.settings.config.cluster.kind != "scheduler"]
-    warm_up([name for config in configs for name in kernels_for(config.stages, config.solver.balance)], reporter)
     with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))

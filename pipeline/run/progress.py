@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeline.printable import printable
 
-__all__ = ["Reporter", "RowProgress"]
+__all__ = ["Reporter", "RowProgress", "SilentReporter"]
 
 
 class Reporter:
@@ -25,8 +25,16 @@ class Reporter:
 
     @property
     def on_terminal(self) -> bool:
-        """Whether a bar makes sense."""
+        """Whether somebody watches what is printed."""
         return self.stream.isatty()
+
+    def console(self):
+        """A `rich.console.Console` to draw a bar on; None where plain lines are better."""
+        if not self.on_terminal:
+            return None
+        from rich.console import Console
+
+        return Console(file=self.stream)
 
     def line(self, text: str) -> None:
         """One line for the reader, with its time in the log."""
@@ -56,6 +64,33 @@ class Reporter:
             print(f"note: the log cannot be written any more: {error}", file=sys.stderr, flush=True)
 
 
+class SilentReporter(Reporter):
+    """Says nothing and keeps errors; draws bars in a notebook and on a terminal, or as told.
+
+    Parameters
+    ----------
+    bars : bool, optional
+    """
+
+    def __init__(self, bars: bool | None = None):
+        super().__init__()
+        self.bars, self.errors = bars, []
+
+    def console(self):
+        from rich.console import Console
+
+        console = Console()
+        wanted = console.is_jupyter or console.is_terminal if self.bars is None else self.bars
+        return console if wanted else None
+
+    def line(self, text: str) -> None:
+        self._write(text)
+
+    def error(self, text: str) -> None:
+        self.errors.append(text)
+        self._write(f"error: {text}")
+
+
 class RowProgress:
     """Rows done, rate, time left and failures.
 
@@ -83,8 +118,8 @@ class RowProgress:
         self._bar = self._task = None
 
     def __enter__(self):
-        if self.reporter is not None and self.reporter.on_terminal:
-            from rich.console import Console
+        console = None if self.reporter is None else self.reporter.console()
+        if console is not None:
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             self._bar = Progress(
@@ -94,7 +129,7 @@ class RowProgress:
                 TextColumn("{task.fields[rate]}"),
                 TimeRemainingColumn(),
                 TextColumn("{task.fields[failed]} failed"),
-                console=Console(file=self.reporter.stream),
+                console=console,
             )
             self._task = self._bar.add_task(self.what, total=self.total, rate="", failed=0)
             self._bar.start()

@@ -12,6 +12,7 @@ from pipeline.plan.planning import warnings
 from pipeline.run.job import Job, open_log
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.stage import Stage
+from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.names import STORE_FILE
@@ -52,6 +53,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
+    warm_up_for(job, reporter)
     where = workforce.start()
     open_log(job, reporter)
     if present:

@@ -15,7 +15,7 @@ from queue import SimpleQueue
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError, WorkerLost
 from pipeline.run.admission import Admission, Unequal, call_if_equal, introduce
-from pipeline.run.cluster_settings import address_of, security_of, setting_of
+from pipeline.run.cluster_settings import address_of, check_start, security_of, setting_of
 
 __all__ = ["Task", "Workforce"]
 
@@ -84,6 +84,7 @@ class Workforce:
             return "tasks run in this process"
         local = self.config.kind == "local"
         if self._connection is None:
+            check_start(self.config)
             _silence()
             self._connection = self._start_local() if local else self._reach_scheduler()
             self._open.callback(self._connection.close)
