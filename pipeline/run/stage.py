@@ -34,6 +34,8 @@ class Stage:
         Whether it is given the plan of the plane.
     of_volumes : bool
         Whether it works on a volume, and not on a plane alone.
+    tells_map : bool
+        Whether it is about the map, so that a run ends with what that tells.
     """
 
     name: str
@@ -43,3 +45,4 @@ class Stage:
     writes: bool = False
     needs_plan: bool = True
     of_volumes: bool = False
+    tells_map: bool = False
