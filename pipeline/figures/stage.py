@@ -41,4 +41,4 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 0
 
 
-STAGE = Stage("figures", _run, _check_options, of_volumes=True)
+STAGE = Stage("figures", _run, _check_options, of_volumes=True, tells_map=True)

@@ -22,6 +22,8 @@ __all__ = ["asked_numbers", "check_numbers", "gear_of", "plan", "warnings"]
 _MOST_VALUES, _MOST_BLOCKS = 10**6, 10**5
 #: Temperatures at which a gear is tried before anything runs.
 _MOST_TEMPERATURES = 1000
+#: Parameters of which one mesh force makes two follow from the third.
+_DAMPING_PARTS = ("xi_mesh", "xi_translation", "kappa")
 
 
 def plan(settings: Settings) -> Plan:
@@ -204,8 +206,16 @@ def _key_of(error, plan: Plan) -> str:
     return f"gear.{error.name.replace('variation_', 'variation.')}"
 
 
-def warnings(plan: Plan) -> list[str]:
-    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics."""
+def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
+    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics.
+
+    Parameters
+    ----------
+    plan : Plan
+    settings : Settings, optional
+        What the user typed: that the published gear's own mesh damping breaks it is then left out, unless that was
+        changed or is an axis.
+    """
     lines = []
     corners = [
         model_at(plane, row, column)
@@ -218,13 +228,15 @@ def warnings(plan: Plan) -> list[str]:
         lines.append(
             f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical"
         )
+    names = {axis.name for axis in plan.axes}
+    changed = any(name in names or (settings and settings.overridden(f"gear.{name}")) for name in _DAMPING_PARTS)
+    if settings is not None and settings.choices["gear"] == "published" and not changed:
+        return lines
     model = corners[0]
     ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
     if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
         shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
-        parts = ("xi_mesh", "xi_translation", "kappa")
-        moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in parts]
-        names = {axis.name for axis in plan.axes}
+        moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in _DAMPING_PARTS]
         hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in names else ""
         lines.append(
             f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "

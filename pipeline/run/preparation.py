@@ -13,6 +13,7 @@ from pipeline.plan.differences import by_key, differences, of_typed
 from pipeline.plan.layers import layer_of, of_layer
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
+from pipeline.plane.result import result_line
 from pipeline.run.cluster_settings import check_cluster
 from pipeline.run.job import Job, command, other_numbers
 from pipeline.run.progress import Reporter
@@ -164,13 +165,21 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     # Nobody writes where nobody can.
     alone = any(stage.writes for stage in stages) and _is_writable(_existing(job.store_path.parent))
     if not (makes or alone):
-        return _run(stages, job, workforce, reporter)
+        return _run_with_result(stages, job, workforce, reporter)
     with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
         store.remove_left_overs(job.store_path)
         # What was checked before a wait may have become another store.
         job = prepare(job.settings) if waited else job
         _take_out_layer(job, reporter)
-        return _run(stages, job, workforce, reporter)
+        return _run_with_result(stages, job, workforce, reporter)
+
+
+def _run_with_result(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    """Run stages, and where they were about the map say at the end what it tells."""
+    status = _run(stages, job, workforce, reporter)
+    if any(stage.tells_map for stage in stages) and (text := result_line(job.store_path)):
+        reporter.line(f"{job.settings.store_name}: {text}")
+    return status
 
 
 def _take_out_layer(job: Job, reporter: Reporter) -> None:

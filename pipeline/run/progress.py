@@ -101,7 +101,7 @@ class RowProgress:
     total : int
         Rows to do.
     every : float
-        Seconds between plain lines; the first and the last always come.
+        Seconds between plain lines; what takes less has none.
     what : str
         The stage.
     unit : str
@@ -146,11 +146,25 @@ class RowProgress:
         elapsed = max(now - self._begin, 1e-9)
         rate = self.done / elapsed
         if self._bar is not None:
-            self._bar.update(self._task, completed=self.done, rate=f"{rate:.0f} {self.unit}/s", failed=self.failed)
-        elif self.reporter is not None and (self.done == self.total or now - self._said >= self.every):
+            self._bar.update(self._task, completed=self.done, rate=_rate(rate, self.unit), failed=self.failed)
+        elif self.reporter is not None and 0 < self.done < self.total and now - self._said >= self.every:
+            # The last one is the stage's own to say.
             self._said = now
-            left = (self.total - self.done) / rate if rate > 0.0 else float("inf")
+            failed = f", {self.failed} failed" if self.failed else ""
             self.reporter.line(
-                f"  {self.done}/{self.total} {self.unit}, {rate:.0f} {self.unit}/s, {left:.0f} s left, "
-                f"{self.failed} failed"
+                f"  {self.done}/{self.total} {self.unit}, {_rate(rate, self.unit)}, "
+                f"{(self.total - self.done) / rate:.0f} s left{failed}"
             )
+
+
+def _rate(rate: float, unit: str) -> str:
+    """How fast it goes, with two digits at least.
+
+    Examples
+    --------
+    >>> _rate(110.4, "rows"), _rate(1.34, "rows"), _rate(0.05, "rows")
+    ('110 rows/s', '1.3 rows/s', '20 s a row')
+    """
+    if rate >= 0.5:
+        return f"{rate:.0f} {unit}/s" if rate >= 10.0 else f"{rate:.2g} {unit}/s"
+    return f"{1.0 / rate:.2g} s a {unit.removesuffix('s')}" if rate > 0.0 else ""

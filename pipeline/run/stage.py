@@ -40,6 +40,8 @@ class Stage:
         Whether it is given the plan of the plane.
     of_volumes : bool
         Whether it works on a volume, and not on a plane alone.
+    tells_map : bool
+        Whether it is about the map, so that a run ends with what that tells.
     """
 
     name: str
@@ -50,3 +52,4 @@ class Stage:
     only_reads: Callable[[Job], bool] = _never
     needs_plan: bool = True
     of_volumes: bool = False
+    tells_map: bool = False

@@ -45,7 +45,7 @@ def _check_store(job: Job) -> None:
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     settings, path = job.settings, job.store_path
-    for text in warnings(job.plan):
+    for text in warnings(job.plan, settings):
         reporter.line(f"note: {text}")
     begin = perf_counter()
     present = store.check(path, job.plan) if not settings.config.store.overwrite else False
@@ -99,7 +99,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     store.read_layout(path)
     reporter.line(
         f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
-        f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"
+        f"(after {waited:.2f} s to get ready)" + (f", {len(failed)} rows failed" if failed else "")
     )
     proven = store.proven_cells(path)
     if proven is not None:
@@ -137,4 +137,4 @@ def _run_blocks(job: Job, blocks, workforce: Workforce, reporter: Reporter, prog
     return lost, points
 
 
-STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True, of_volumes=True)
+STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True, of_volumes=True, tells_map=True)

@@ -155,11 +155,20 @@ def test_glob_knows_the_files_of_a_users_own_folder(tmp_path):
     assert ["plane=omega_mine"] in expand(["plane=glob(*_mine)"], str(tmp_path))
 
 
+def _notes(*overrides: str) -> list[str]:
+    settings = compose(overrides)
+    return warnings(plan(settings), settings)
+
+
 def test_notes():
-    assert any("unphysical" in line for line in warnings(plan(compose(["gear.alpha=1.2"]))))
-    assert any("one mesh force" in line for line in warnings(plan(compose([]))))
-    consistent = plan(compose(["gear=consistent", "gear.xi_translation=0.025"]))
-    assert warnings(consistent) == []
+    assert any("unphysical" in line for line in _notes("gear.alpha=1.2"))
+    # The published gear is as it is: said where it is changed, and not on every run.
+    assert _notes() == []
+    axis = ["plane.parameter.name=kappa", "plane.parameter.min=0.1", "plane.parameter.max=1"]
+    for changed in (["gear.kappa=0.4"], ["gear.xi_mesh=0.1"], axis):
+        assert any("one mesh force" in line for line in _notes(*changed)), changed
+    assert any("one mesh force" in line for line in _notes("gear=consistent", "gear.xi_translation=0.02"))
+    assert _notes("gear=consistent", "gear.xi_translation=0.025") == []
 
 
 # What the user typed, and what the one line must say.
