@@ -45,7 +45,6 @@ NEEDED = {
         ),
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
-    "figures": {"describing_function": ("solver.contact.dead_zone.describing_functions",)},
     "debug": _ROWS,
 }
 
