@@ -119,7 +119,8 @@ class _Found:
 
     def motions(self, column: int) -> np.ndarray:
         """Solutions known at one probe, (k, n)."""
-        return np.concatenate([motions[columns == column] for columns, motions in self._at])
+        nothing = np.empty((0, self.span.problem.unknowns))
+        return np.concatenate([nothing, *(motions[columns == column] for columns, motions in self._at)])
 
     def missing(self) -> np.ndarray:
         """Where the degree does not add up, (probes,) bool."""

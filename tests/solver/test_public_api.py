@@ -29,6 +29,7 @@ RESULTS = {
     "solver.Row",
     "solver.RowSolutions",
     "solver.Solutions",
+    "solver.SteadyMotion",
     "solver.boundaries.BoundaryCurve",
     "solver.regions.Regions",
     "solver.stability.Stability",

@@ -135,6 +135,13 @@ CALLS = {
         "normal": argument(None, optional(array(np.ones(4), [1.0] * 3))),
         "max_iterations": argument(None, optional((*COUNT, 0))),
     },
+    "solver.Problem.corrected_all": lambda: {
+        "self": problem(),
+        "places": argument(row().curves[0].points[:2], array(row().curves[0].points[:2], [[1.0] * 3])),
+        "corrector": argument(CORRECTOR, OBJECT),
+        "normal": argument(None, optional(array(np.ones(4), [1.0] * 3))),
+        "max_iterations": argument(None, optional((*COUNT, 0))),
+    },
     "solver.Problem.evaluated": lambda: {
         "self": problem(),
         "y": argument(row().curves[0].points[0], array(row().curves[0].points[0], [1.0] * 3, finite=False)),
@@ -179,6 +186,13 @@ CALLS = {
         }
     ),
     "solver.first_order_problem": about,
+    "solver.solve": lambda: {
+        "system": argument(model(), OBJECT),
+        "guess": argument([1.6, 0.4, 0.1], array([1.6, 0.4, 0.1], [1.0, 0.0])),
+        "omega": argument(0.6, POSITIVE),
+        "balance": argument(None, optional((*OBJECT, Galerkin))),
+        "max_iterations": argument(20, (*COUNT, 0)),
+    },
     "solver.sweep_row": lambda: (
         about(ends=False)
         | {
