@@ -100,7 +100,7 @@ def _with_subharmonics(span: RowSpan, known: np.ndarray) -> np.ndarray:
         for amplitude in _SUBHARMONICS
         for phase in phases
     ]
-    starts = np.repeat(known, len(added), axis=0).reshape(len(known), len(added), -1)
+    starts = np.repeat(known[:, None], len(added), axis=1)
     for i, (k, pair) in enumerate(added):
         starts[:, i, 2 * k - 1 : 2 * k + 1] += pair
     return starts.reshape(-1, span.problem.unknowns)
