@@ -12,17 +12,18 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
     from pipeline.cli.process import ended_by_signals, unread_output
-
-    with unread_output(), ended_by_signals():
-        return _status(arguments)
-
-
-def _status(arguments: list[str]) -> int:
-    """The exit status; whatever ends the run is one line."""
-    from pipeline.errors import ConfigurationError
     from pipeline.run.progress import Reporter
 
-    reporter = Reporter()
+    with unread_output():
+        reporter = Reporter()
+        with ended_by_signals(lambda number: _end_abruptly(number, reporter)):
+            return _status(arguments, reporter)
+
+
+def _status(arguments: list[str], reporter) -> int:
+    """The exit status; whatever ends the run is one line."""
+    from pipeline.errors import ConfigurationError
+
     try:
         return _run(arguments, reporter)
     except ConfigurationError as error:
@@ -34,14 +35,31 @@ def _status(arguments: list[str]) -> int:
     except KeyboardInterrupt as error:
         # As a shell has it: 128 and the number of the signal.
         number = getattr(error, "number", signal.SIGINT)
-        reporter.error(f"interrupted{f' by {error}' if number != signal.SIGINT else ''}{_KEPT}")
+        reporter.error(_interrupted(number))
         return 128 + number
+
+
+def _interrupted(number: int) -> str:
+    return f"interrupted{f' by {signal.Signals(number).name}' if number != signal.SIGINT else ''}{_KEPT}"
+
+
+def _end_abruptly(number: int, reporter) -> None:
+    """What an interrupted run owes to others, where its own code has no turn any more."""
+    import multiprocessing
+
+    from pipeline.store.lock import let_go
+
+    for worker in multiprocessing.active_children():
+        worker.kill()
+    let_go()
+    reporter.error(_interrupted(number))
 
 
 def _run(arguments: list[str], reporter) -> int:
     from pipeline.cli.arguments import parse
+    from pipeline.config.folders import quoted_home
 
-    asked = parse(arguments)
+    asked = parse([quoted_home(argument) for argument in arguments])
     text = _answer(asked)
     if text is None:
         return _run_overrides(asked, reporter)
@@ -107,12 +125,10 @@ def _check_names(all_settings) -> None:
 
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
-    from pipeline.cli.warmup import warm_up
     from pipeline.errors import ConfigurationError
     from pipeline.run.libraries import load_zarr
 
     load_zarr()
-    from pipeline.run.kernels import kernels_for
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce
 
@@ -126,9 +142,6 @@ def _run_all(all_settings, reporter) -> int:
             status = max(status, error.status)
     if not jobs:
         return status
-    # Workers of a running scheduler have a cache of their own.
-    configs = [job.settings.config for job in jobs if job.settings.config.cluster.kind != "scheduler"]
-    warm_up([name for config in configs for name in kernels_for(config.stages, config.solver.balance)], reporter)
     with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))

@@ -2,7 +2,7 @@
 
 import re
 
-__all__ = ["ConfigurationError", "DamagedError", "StoreError", "WorkerLost", "shown"]
+__all__ = ["ComputationError", "ConfigurationError", "DamagedError", "StoreError", "WorkerLost", "shown"]
 
 
 _LONG_WORD = re.compile(r"(\S{120})\S{200,}")
@@ -43,6 +43,10 @@ class DamagedError(StoreError):
 
     status = 1
     what = ""
+
+
+class ComputationError(RuntimeError):
+    """Something could not be computed; what could is stored."""
 
 
 class WorkerLost(RuntimeError):

@@ -14,6 +14,7 @@ from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBase
 
 from pipeline.config.default_name import default_name, is_name
 from pipeline.config.files import check_files
+from pipeline.config.folders import local_folder
 from pipeline.config.schema import Configuration
 from pipeline.config.typed import GROUPS, conf_folder, expand, key_of
 from pipeline.errors import ConfigurationError, shown
@@ -123,6 +124,8 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
     for name in ("gear", "plane", "solver", "cluster", "quality", "output", "store"):
         if getattr(config, name) is None:
             raise ConfigurationError(f"{name} has no value")
+    config.output.root = local_folder("output.root", config.output.root)
+    config.store.root = local_folder("store.root", config.store.root)
     if config.debug.row is not None:
         # Looking at one row is then all that is done.
         config.stages = ["debug"]

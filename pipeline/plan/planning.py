@@ -18,6 +18,10 @@ from solver import SCALAR_PARAMETERS, GearPair, ParameterError, Scales
 
 __all__ = ["asked_numbers", "check_numbers", "gear_of", "plan", "warnings"]
 
+#: Values of an axis, and rows of all layers together; and blocks of rows, each of which has a file per array.
+_MOST_VALUES, _MOST_BLOCKS = 10**6, 10**5
+#: Temperatures at which a gear is tried before anything runs.
+_MOST_TEMPERATURES = 1000
 #: Parameters of which one mesh force makes two follow from the third.
 _DAMPING_PARTS = ("xi_mesh", "xi_translation", "kappa")
 
@@ -150,6 +154,7 @@ def _outer_planes(plan: Plan) -> list[Plan]:
 
 def check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
+    _check_sizes(plan)
     axis = row_axis(plan)
     if not isinstance(axis, str) and plan.sweep.name in axis.uses:
         raise ConfigurationError(
@@ -165,7 +170,8 @@ def check_numbers(plan: Plan) -> None:
     rows = [plan.parameter.low, plan.parameter.high]
     if plan.thermal is not None:
         # Gears may jam between temperatures at which they do not.
-        rows += plan.parameter.values[1:-1].tolist()
+        step = -(-plan.parameter.num // _MOST_TEMPERATURES)
+        rows += plan.parameter.values[step:-1:step].tolist()
     for plane in _outer_planes(plan):
         for row, column in product(rows, (plan.sweep.low, plan.sweep.high)):
             try:
@@ -174,6 +180,21 @@ def check_numbers(plan: Plan) -> None:
                 key = _key_of(error, plan)
                 message = str(error).replace(error.name, key, 1)
                 raise ConfigurationError(message) from None
+
+
+def _check_sizes(plan: Plan) -> None:
+    """Raise if a plane has more values, rows or blocks than memory should ever be asked for."""
+    for role, axis in zip(ROLES, plan.axes, strict=False):
+        if axis.num > _MOST_VALUES:
+            raise ConfigurationError(f"plane.{role}.num = {axis.num} is not allowed: it must be at most {_MOST_VALUES}")
+    roles = " x ".join(f"plane.{role}.num" for role, _ in zip(ROLES[1:], plan.row_axes, strict=False))
+    if plan.rows > _MOST_VALUES:
+        raise ConfigurationError(f"{roles} = {plan.rows} is not allowed: it must be at most {_MOST_VALUES} rows")
+    if plan.n_blocks > _MOST_BLOCKS:
+        raise ConfigurationError(
+            f"{roles} = {plan.rows} is not allowed: in chunks of {plan.rows_per_block} rows it must be at most "
+            f"{_MOST_BLOCKS * plan.rows_per_block}; fewer columns or store.max_points make room for more"
+        )
 
 
 def _key_of(error, plan: Plan) -> str:

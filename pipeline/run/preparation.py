@@ -46,11 +46,13 @@ def prepare(settings: Settings) -> Job:
             raise ConfigurationError(f"stages = {name!r} is not allowed: it must be a list of {', '.join(known)}")
     if not config.stages:
         raise ConfigurationError(f"stages = [] is not allowed: it must be a list of {', '.join(known)}")
-    for key, folder in (("output.root", config.output.root), ("store.root", config.store.root)):
-        _check_folder(key, Path(folder))
     job = Job(settings, None)
     plane_stages = _asked(job, several_planes=False)
     asked = [*plane_stages, *_asked(job, several_planes=True)]
+    if not all(stage.only_reads(job) for stage in asked):
+        _check_folder("output.root", Path(config.output.root))
+    if _write_into_store(asked, job):
+        _check_folder("store.root", Path(config.store.root))
     if any(stage.on_workers for stage in asked):
         check_cluster(config.cluster)
     layered = config.plane.layer is not None
@@ -132,12 +134,25 @@ def _of_volume(job: Job, plane_stages: Iterable[Stage]) -> Job:
     return replace(job, settings=replace(job.settings, config=replace(job.settings.config, stages=kept)))
 
 
-def _check_folder(key: str, folder: Path) -> None:
-    """Raise unless the folder exists and can be written, or can be made."""
+def _write_into_store(stages: Iterable[Stage], job: Job) -> bool:
+    return any(stage.writes and not stage.only_reads(job) for stage in stages)
+
+
+def _existing(folder: Path) -> Path:
+    """The folder, or what is there of the folders that it is in."""
     place = folder.resolve()
     while not place.exists() and place != place.parent:
         place = place.parent
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+    return place
+
+
+def _is_writable(folder: Path) -> bool:
+    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
+
+
+def _check_folder(key: str, folder: Path) -> None:
+    """Raise unless the folder exists and can be written, or can be made."""
+    if not _is_writable(place := _existing(folder)):
         raise ConfigurationError(
             f"{key} = {str(folder)!r} is not allowed: it must be a folder that can be written ({place})"
         )
@@ -146,7 +161,10 @@ def _check_folder(key: str, folder: Path) -> None:
 def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
     stages = _asked(job, several_planes=False)
-    if job.layer is None and not any(stage.writes for stage in stages):
+    makes = _write_into_store(stages, job) or (job.layer is not None and not job.store_path.exists())
+    # Nobody writes where nobody can.
+    alone = any(stage.writes for stage in stages) and _is_writable(_existing(job.store_path.parent))
+    if not (makes or alone):
         return _run_with_result(stages, job, workforce, reporter)
     with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
         store.remove_left_overs(job.store_path)

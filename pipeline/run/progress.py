@@ -5,7 +5,9 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-__all__ = ["Reporter", "RowProgress"]
+from pipeline.printable import printable
+
+__all__ = ["Reporter", "RowProgress", "SilentReporter"]
 
 
 class Reporter:
@@ -23,20 +25,30 @@ class Reporter:
 
     @property
     def on_terminal(self) -> bool:
-        """Whether a bar makes sense."""
+        """Whether somebody watches what is printed."""
         return self.stream.isatty()
+
+    def console(self):
+        """A `rich.console.Console` to draw a bar on; None where plain lines are better."""
+        if not self.on_terminal:
+            return None
+        from rich.console import Console
+
+        return Console(file=self.stream)
 
     def line(self, text: str) -> None:
         """One line for the reader, with its time in the log."""
+        text = printable(text)
         print(text, file=self.stream, flush=True)
         self._write(text)
 
     def note(self, text: str) -> None:
         """One line for the log alone."""
-        self._write(f"info {text}")
+        self._write(printable(f"info {text}"))
 
     def error(self, text: str) -> None:
         """One line on standard error."""
+        text = printable(text)
         print(f"error: {text}", file=sys.stderr, flush=True)
         self._write(f"error: {text}")
 
@@ -50,6 +62,33 @@ class Reporter:
             # What is wrong with the disk is for the stage to say, if it is the worse for it.
             self.log = None
             print(f"note: the log cannot be written any more: {error}", file=sys.stderr, flush=True)
+
+
+class SilentReporter(Reporter):
+    """Says nothing and keeps errors; draws bars in a notebook and on a terminal, or as told.
+
+    Parameters
+    ----------
+    bars : bool, optional
+    """
+
+    def __init__(self, bars: bool | None = None):
+        super().__init__()
+        self.bars, self.errors = bars, []
+
+    def console(self):
+        from rich.console import Console
+
+        console = Console()
+        wanted = console.is_jupyter or console.is_terminal if self.bars is None else self.bars
+        return console if wanted else None
+
+    def line(self, text: str) -> None:
+        self._write(text)
+
+    def error(self, text: str) -> None:
+        self.errors.append(text)
+        self._write(f"error: {text}")
 
 
 class RowProgress:
@@ -79,8 +118,8 @@ class RowProgress:
         self._bar = self._task = None
 
     def __enter__(self):
-        if self.reporter is not None and self.reporter.on_terminal:
-            from rich.console import Console
+        console = None if self.reporter is None else self.reporter.console()
+        if console is not None:
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             self._bar = Progress(
@@ -90,7 +129,7 @@ class RowProgress:
                 TextColumn("{task.fields[rate]}"),
                 TimeRemainingColumn(),
                 TextColumn("{task.fields[failed]} failed"),
-                console=Console(file=self.reporter.stream),
+                console=console,
             )
             self._task = self._bar.add_task(self.what, total=self.total, rate="", failed=0)
             self._bar.start()

@@ -8,11 +8,11 @@ import math
 from dataclasses import dataclass
 
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
+from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.checks import ParameterError
+from solver.model.checks import finite_number, whole_number
 
-__all__ = ["Broyden", "Newton", "advance", "bordered", "workspace_rows"]
+__all__ = ["Broyden", "Newton", "advance", "bordered", "correct_all", "workspace_rows"]
 
 _F = types.float64
 _SIGNATURE = types.int64(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
@@ -121,16 +121,24 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
     return -1
 
 
+@kernel(types.void(CORRECTOR, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, _F, types.int64, MATRIX))
+def correct_all(corrector, balance, theta, direction, scale, places, normal, tolerance, max_iterations, work):
+    """Correct every row of `places` (k, n + 1) across one normal; those that do not settle are filled with nan."""
+    for i in range(places.shape[0]):
+        y = places[i]
+        if corrector(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work) < 0:
+            for j in range(y.shape[0]):
+                y[j] = math.nan
+
+
 @dataclass(frozen=True)
 class _Corrector:
     tolerance: float = 1e-8
     max_iterations: int = 6
 
     def __post_init__(self):
-        if not 0.0 < self.tolerance <= 1e-6:
-            raise ParameterError("tolerance", self.tolerance, "above 0 and at most 1e-6")
-        if not 2 <= self.max_iterations <= 100:
-            raise ParameterError("max_iterations", self.max_iterations, "from 2 to 100")
+        finite_number("tolerance", self.tolerance, above=0.0, at_most=1e-6)
+        whole_number("max_iterations", self.max_iterations, 2, 100)
 
 
 @dataclass(frozen=True)
@@ -144,6 +152,11 @@ class Newton(_Corrector):
         once more when it computes the tangent.
     max_iterations : int
         A point that needs more is refused, and the step is halved.
+
+    Raises
+    ------
+    ParameterError
+        If the tolerance is not above 0 and at most 1e-6, or max_iterations is not a whole number from 2 to 100.
     """
 
     @property
@@ -162,6 +175,16 @@ class Broyden(_Corrector):
     ----------
     tolerance, max_iterations
         As for `Newton`; convergence is superlinear, so that more iterations are allowed by default.
+
+    Raises
+    ------
+    ParameterError
+        As `Newton`.
+
+    Notes
+    -----
+    C. G. Broyden, "A class of methods for solving nonlinear simultaneous equations", Mathematics of Computation 19
+    (1965) 577-593.
     """
 
     max_iterations: int = 12

@@ -90,7 +90,9 @@ def _crossings(setup, strand, closed, grid, columns, unknowns, stabilities):
         while high < grid.shape[0] and grid[high] <= max(before, after):
             high += 1
         filled = False
-        for k in range(low, high):
+        for offset in range(high - low):
+            # In the order in which the curve passes them.
+            k = low + offset if after > before else high - 1 - offset
             if i >= 0 and grid[k] == before:
                 continue
             if count == capacity:

@@ -5,8 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
-from solver.continuation.correctors import Broyden, Newton, workspace_rows
+from solver.continuation.correctors import Broyden, Newton, correct_all, workspace_rows
 from solver.continuation.setup import Setup, no_contacts
+from solver.model.checks import ParameterError, finite_array, instance_of, number_array, whole_number
 
 __all__ = ["Balance", "Problem"]
 
@@ -29,6 +30,11 @@ class Problem:
     contacts : compiled kernel
         With the signature `solver.continuation.setup.CONTACTS`: where a stiff contact may begin or end, so that the
         curve has a corner there. None unless given.
+
+    Raises
+    ------
+    ParameterError
+        If a kernel cannot be called, or an array or a number is not allowed.
     """
 
     balance: object
@@ -39,13 +45,32 @@ class Problem:
     monitors: int
     contacts: object = no_contacts
 
+    def __post_init__(self):
+        for name in ("balance", "monitor", "contacts"):
+            if not callable(getattr(self, name)):
+                raise ParameterError(name, getattr(self, name), "a compiled kernel")
+        for name in ("theta", "direction"):
+            if number_array(name, getattr(self, name)).ndim != 1:
+                raise ParameterError(name, getattr(self, name), "a vector of numbers")
+        scale = finite_array("scale", self.scale, (None,))
+        if scale.size < 2 or not scale.min() > 0.0:
+            raise ParameterError("scale", self.scale, "at least two numbers above 0")
+        whole_number("monitors", self.monitors, 1, 10_000)
+
     @property
     def unknowns(self) -> int:
         """Number n of unknowns u."""
         return self.scale.size - 1
 
     def setup(self, corrector: Newton | Broyden) -> Setup:
-        """What kernels are told about this problem and the corrector that is to solve it."""
+        """What kernels are told about this problem and the corrector that is to solve it.
+
+        Raises
+        ------
+        ParameterError
+            If it is no corrector.
+        """
+        instance_of("corrector", corrector, Newton, Broyden)
         n, m = self.unknowns, self.monitors
         return Setup(
             corrector.kernel,
@@ -64,48 +89,76 @@ class Problem:
         )
 
     def evaluated(self, y) -> tuple[np.ndarray, np.ndarray]:
-        """Residual (n,) and Jacobian (n, n + 1) at y = (u, p)."""
+        """Residual (n,) and Jacobian (n, n + 1) at y = (u, p); nan where y is.
+
+        Raises
+        ------
+        ParameterError
+            If y is no vector of n + 1 numbers.
+        """
         n = self.unknowns
+        y = number_array("y", y).astype(float)
+        if y.shape != (n + 1,):
+            raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({n + 1},)")
         residual, jacobian = np.empty(n), np.empty((n, n + 1))
-        self.balance(self.theta, self.direction, np.array(y, dtype=float), residual, jacobian)
+        self.balance(self.theta, self.direction, y, residual, jacobian)
         return residual, jacobian
 
-    def corrected(
-        self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
-    ) -> np.ndarray | None:
-        """The solution that a corrector reaches from a guess, on a hyperplane through it.
+    def corrected_all(
+        self, places, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
+    ) -> np.ndarray:
+        """The solutions that a corrector reaches from many guesses, each on a hyperplane through it.
 
         Parameters
         ----------
-        y : (n + 1,) array_like
-            The guess (u, p).
+        places : (k, n + 1) array_like
+            The guesses (u, p).
         corrector : Newton or Broyden
         normal : (n + 1,) array_like, optional
-            Across the hyperplane, in scaled unknowns; that of constant p unless given.
+            Across the hyperplanes, in scaled unknowns; that of constant p unless given.
         max_iterations : int, optional
             The corrector's own number unless given.
 
         Returns
         -------
-        (n + 1,) array or None
-            None if the corrector does not converge. Without `normal` p is that of the guess to the bit.
+        (k, n + 1) array
+            nan where the corrector does not converge. Without `normal` p is that of the guess to the bit.
+
+        Raises
+        ------
+        ParameterError
+            If an argument has another size or is not finite, or is no corrector.
         """
-        n, found = self.unknowns, np.array(y, dtype=float)
-        p = found[n]
-        iterations = corrector.kernel(
+        n = self.unknowns
+        found = finite_array("places", places, (None, n + 1))
+        instance_of("corrector", corrector, Newton, Broyden)
+        if max_iterations is not None:
+            whole_number("max_iterations", max_iterations, 1, 10_000)
+        p = found[:, n].copy()
+        correct_all(
+            corrector.kernel,
             self.balance,
             self.theta,
             self.direction,
             self.scale,
             found,
-            np.eye(n + 1)[n] if normal is None else np.array(normal, dtype=float),
+            np.eye(n + 1)[n] if normal is None else finite_array("normal", normal, (n + 1,)),
             corrector.tolerance,
             max_iterations or corrector.max_iterations,
             np.empty((workspace_rows(n), n + 1)),
         )
         if normal is None:
-            found[n] = p
-        return found if iterations > 0 and np.all(np.isfinite(found)) else None
+            found[:, n] = p
+        found[~np.all(np.isfinite(found), axis=1)] = np.nan
+        return found
+
+    def corrected(
+        self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
+    ) -> np.ndarray | None:
+        """`corrected_all` of one guess (n + 1,); None if the corrector does not converge."""
+        guess = finite_array("y", y, (self.unknowns + 1,))
+        (found,) = self.corrected_all(guess[None], corrector, normal, max_iterations)
+        return None if np.isnan(found[0]) else found
 
 
 class Balance(Protocol):
@@ -129,7 +182,23 @@ class Balance(Protocol):
     """Slots of the cosine and sine amplitude of the mesh frequency."""
 
     def problem(self, model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
-        """The balance as a curve over one axis."""
+        """The balance as a curve over one axis.
+
+        Parameters
+        ----------
+        model : Model
+            Or what else the balance is of.
+        axis : str
+        low, high : float
+            Range of the axis, for scaling.
+        omega : float, optional
+            The mesh frequency; needed unless it is the axis.
+
+        Raises
+        ------
+        ParameterError
+            If the axis is unknown, its ends do not ascend or are not allowed, or the frequency is missing.
+        """
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest lambda of motions (..., n)."""

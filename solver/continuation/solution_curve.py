@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.explained import Explained
+from solver.model.checks import ParameterError, instance_of, instances_of, whole_number
 
 __all__ = ["Curve", "EndReason", "Event", "Outcome"]
 
@@ -98,7 +99,14 @@ class Curve:
         )
 
     def followed_by(self, other: "Curve") -> "Curve":
-        """This curve and one that starts at its last point, as one; what it says of that point is the other's."""
+        """This curve and one that starts at its last point, as one; what it says of that point is the other's.
+
+        Raises
+        ------
+        ParameterError
+            If the other is no curve.
+        """
+        instance_of("other", other, Curve)
         return Curve(
             np.concatenate([self.points[:-1], other.points]),
             np.concatenate([self.tangents[:-1], other.tangents]),
@@ -110,7 +118,25 @@ class Curve:
         )
 
     def between(self, first: int, last: int, ends: tuple[EndReason, EndReason]) -> "Curve":
-        """The part from one point to another, both included, and why it ends there."""
+        """The part from one point to another, both included.
+
+        Parameters
+        ----------
+        first, last : int
+            Its first and its last point.
+        ends : (EndReason, EndReason)
+            Why it ends there.
+
+        Raises
+        ------
+        ParameterError
+            If there are no such points, or an end is no reason.
+        """
+        last = whole_number("last", last, 0, len(self.points) - 1)
+        first = whole_number("first", first, 0, last)
+        ends = instances_of("ends", ends, EndReason)
+        if len(ends) != 2:
+            raise ParameterError("ends", ends, "two reasons")
         part = slice(first, last + 1)
         return replace(
             self,

@@ -9,8 +9,8 @@ h, h_v, then F_l and F^i_l for l = 0 ... L with real and imaginary part of every
 
 import numpy as np
 
-from solver.model.checks import ParameterError
-from solver.model.condensation import ALPHA, ALPHA_PHASE, F_E, F_E_PHASE, B, axis_vectors
+from solver.model.checks import ParameterError, finite_number, frequency, instance_of, one_of
+from solver.model.condensation import ALPHA, ALPHA_PHASE, AXES, F_E, F_E_PHASE, B, axis_vectors
 from solver.model.condensation import OMEGA as MODEL_OMEGA
 from solver.model.contact_system import ContactSystem, reduced
 from solver.model.gear_model import Model
@@ -28,6 +28,7 @@ __all__ = [
     "SIGN",
     "STIFFNESSES",
     "SYSTEM_AXES",
+    "check_axis",
     "packed",
 ]
 
@@ -37,6 +38,41 @@ GEAR, SYSTEM = 0.0, 1.0
 #: What may be varied of a `ContactSystem`: the frequency, both gaps, the first harmonic of the stiffness, and a factor
 #: on the oscillating part of the load.
 SYSTEM_AXES = ("omega", "gap", "alpha", "excitation")
+
+
+def check_axis(system: Model | ContactSystem, axis: str, low: float, high: float, omega: float | None) -> None:
+    """Refuse what no balance over an axis can be made of.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    axis : str
+        One of `solver.model.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+    low, high : float
+        Range of the axis.
+    omega : float or None
+        The mesh frequency, > 0; needed unless it is the axis.
+
+    Raises
+    ------
+    ParameterError
+        If the axis is unknown, its ends do not ascend, an end is not allowed, or the frequency is missing.
+    """
+    instance_of("system", system, Model, ContactSystem)
+    gear = isinstance(system, Model)
+    one_of("axis", axis, AXES if gear else SYSTEM_AXES)
+    finite_number("high", high, above=finite_number("low", low))
+    if axis == "omega":
+        frequency(low)
+    if axis != "omega" or omega is not None:
+        frequency(omega)
+    if axis == "omega":
+        return
+    if gear:
+        for value in (low, high):
+            system.replace(**{axis: value})
+    elif axis == "gap" and system.two_sided:
+        finite_number("gap", low, at_least=0.0)
 
 
 def packed(system: Model | ContactSystem, axis: str, omega: float | None, order: int, period: int):

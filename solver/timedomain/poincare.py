@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import (
     CEILING,
@@ -20,6 +20,7 @@ from solver.timedomain.integrator import (
     TOO_MANY_STEPS,
     Status,
     advance_step,
+    checked_state,
     checked_states,
     checked_tolerance,
     zone_of,
@@ -226,9 +227,12 @@ def checked_count(name: str, value, lowest: int = 1, highest: int = 10**9) -> in
     ParameterError
         If it is none.
     """
-    if not isinstance(value, int | np.integer) or isinstance(value, bool) or not lowest <= value <= highest:
-        raise ParameterError(name, value, f"an integer from {lowest} to {highest}")
-    return int(value)
+    return whole_number(name, value, lowest, highest)
+
+
+def checked_ceiling(ceiling: float) -> float:
+    """A ceiling of |lambda|, above 0 and infinite where there is none; raises ParameterError otherwise."""
+    return ceiling if ceiling == math.inf else finite_number("ceiling", ceiling, above=0.0)
 
 
 def advance(
@@ -256,7 +260,8 @@ def advance(
     current = checked_states(system, states)
     sections = np.empty((len(current), checked_count("periods", periods), current.shape[1]))
     status = np.empty(len(current), np.int64)
-    _advance(pack(system, omega), current, checked_tolerance(tolerance), float(ceiling), MAX_STEPS, sections, status)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
+    _advance(pack(system, omega), current, tolerance, ceiling, MAX_STEPS, sections, status)
     return Sections(sections, status)
 
 
@@ -276,12 +281,29 @@ def measure(
     The harmonics are those of the multiples of Omega / divisor; they are amplitudes of lines of the spectrum where
     `periods` is a multiple of `divisor`.
 
+    Parameters
+    ----------
+    system, omega, tolerance, ceiling
+        As for `advance`.
+    state : (2 n,) array_like
+        y, then y', at tau = 0.
+    periods : int
+        Forcing periods.
+    divisor : int
+        The lowest harmonic is that of Omega / divisor.
+    order : int
+        Highest harmonic.
+
+    Returns
+    -------
+    Measurement
+
     Raises
     ------
     ParameterError
         If an argument is not allowed.
     """
-    (current,) = checked_states(system, state, "state")
+    current = checked_state(system, state)
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
     switches = np.zeros(1, np.int64)
@@ -291,7 +313,7 @@ def measure(
             current,
             periods,
             checked_tolerance(tolerance),
-            float(ceiling),
+            checked_ceiling(ceiling),
             omega / divisor,
             sums,
             extremes,
@@ -310,12 +332,32 @@ def monodromy(
 ) -> tuple[np.ndarray, np.ndarray, Status]:
     """The state (2 n,) after some periods from tau = 0 and its derivative (2 n, 2 n) by the initial state.
 
+    Parameters
+    ----------
+    system, omega, tolerance, ceiling
+        As for `advance`.
+    state : (2 n,) array_like
+        y, then y', at tau = 0.
+    periods : int
+        Forcing periods.
+
+    Returns
+    -------
+    state : (2 n,) array
+    matrix : (2 n, 2 n) array
+    status : Status
+        Where it is not COMPLETE, the others are of no use.
+
     Raises
     ------
     ParameterError
         If an argument is not allowed.
+
+    Notes
+    -----
+    The contact force is continuous, so that the matrices of the smooth pieces multiply (docs/physics.md, section 6.2).
     """
-    (current,) = checked_states(system, state, "state")
+    current = checked_state(system, state)
     # Rows of the kernel's array are columns of the matrix.
     tangents = np.eye(current.size)
     status = _tangents(
@@ -323,7 +365,7 @@ def monodromy(
         current,
         checked_count("periods", periods),
         checked_tolerance(tolerance),
-        float(ceiling),
+        checked_ceiling(ceiling),
         tangents,
         np.empty(0),
     )
@@ -365,11 +407,11 @@ def growth(
     ParameterError
         If an argument is not allowed.
     """
-    (current,) = checked_states(system, state, "state")
-    tangent = np.ones((1, current.size)) if direction is None else checked_states(system, direction, "direction")
-    tangent = np.ascontiguousarray(tangent / np.linalg.norm(tangent))
-    logarithms = np.full(checked_count("periods", periods), np.nan)
-    status = _tangents(
-        pack(system, omega), current, periods, checked_tolerance(tolerance), float(ceiling), tangent, logarithms
-    )
+    current, periods = checked_state(system, state), checked_count("periods", periods)
+    tangent = np.ones(current.size) if direction is None else checked_state(system, direction, "direction")
+    if not np.any(tangent):
+        raise ParameterError("direction", direction, "other than 0")
+    tangent, logarithms = (tangent / np.linalg.norm(tangent))[None], np.full(periods, np.nan)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
+    status = _tangents(pack(system, omega), current, periods, tolerance, ceiling, tangent, logarithms)
     return logarithms, current, Status(status)

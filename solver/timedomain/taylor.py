@@ -20,7 +20,7 @@ import numpy as np
 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.checks import ParameterError
+from solver.model.checks import frequency, instance_of
 from solver.model.contact_system import ContactSystem
 
 __all__ = [
@@ -79,11 +79,9 @@ def pack(system: ContactSystem, omega: float) -> Packed:
     Raises
     ------
     ParameterError
-        If omega is not a finite number above 0.
+        If it is no ContactSystem, or omega is not a finite number above 0.
     """
-    if not (np.ndim(omega) == 0 and 0.0 < omega < math.inf):
-        raise ParameterError("omega", omega, "a finite number above 0")
-    return _packed(system, float(omega))
+    return _packed(instance_of("system", system, ContactSystem), frequency(omega))
 
 
 @lru_cache(maxsize=4)
