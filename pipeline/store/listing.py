@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.errors import ConfigurationError, DamagedError, StoreError
+from pipeline.errors import ConfigurationError, DamagedError, StoreError, shown
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
-from pipeline.printable import printable
 from pipeline.store import COMPLETE, FAILED
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import validate_layout
@@ -51,7 +50,7 @@ class Entry:
             age,
             " ".join(self.groups) or "-",
         )
-        return tuple(map(printable, texts))
+        return tuple(map(shown, texts))
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ def listing(root: Path) -> Listing:
             if (path / METADATA).is_file() and (path / "branches").is_dir() and (path / "status").is_dir():
                 entries.append(_entry(path, None, "damaged metadata: stages=[check] cannot tell what it was"))
             else:
-                foreign.append(printable(path.name))
+                foreign.append(shown(path.name))
             continue
         entries.append(_described(path, attributes))
     return Listing(tuple(entries), tuple(foreign))
