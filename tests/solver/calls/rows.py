@@ -186,13 +186,6 @@ CALLS = {
         }
     ),
     "solver.first_order_problem": about,
-    "solver.solve": lambda: {
-        "system": argument(model(), OBJECT),
-        "guess": argument([1.6, 0.4, 0.1], array([1.6, 0.4, 0.1], [1.0, 0.0])),
-        "omega": argument(0.6, POSITIVE),
-        "balance": argument(None, optional((*OBJECT, Galerkin))),
-        "max_iterations": argument(20, (*COUNT, 0)),
-    },
     "solver.sweep_row": lambda: (
         about(ends=False)
         | {
