@@ -27,7 +27,7 @@ from numpy.polynomial import chebyshev
 from solver.boundaries.problem import P_STEP, X_STEP
 from solver.continuation.continuation import Problem
 from solver.flow.switched_system import FREQUENCY, count_degrees, new_system, system_at
-from solver.flow.taylor import carry_deviations, count_blocks, new_series
+from solver.flow.taylor import carry_deviations, count_blocks, new_block_series
 from solver.harmonic.layout import BACK, FRONT, OMEGA, PERIOD, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -108,7 +108,7 @@ def _carry(here, start, closed, switches, matrix, columns, rows):
     system = new_system(n, int(here[STIFFNESSES]))
     system_at(here, still, 0.0, system)
     vectors = system.vectors
-    series, states = new_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
+    series, states = new_block_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
     for i in range(size):
         states[i // 4, i, i % 4] = 1.0
     scale = period / system.numbers[FREQUENCY]

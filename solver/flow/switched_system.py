@@ -9,6 +9,7 @@ the load and the offset of the zone's law. Small deviations obey the same equati
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -31,8 +32,9 @@ from solver.model.condensation import (
     XI_TRANSLATION,
     rotation_coupling,
 )
+from solver.model.contact_system import ContactSystem
 
-__all__ = ["SWITCHED_SYSTEM", "SwitchedSystem", "count_degrees", "new_system", "system_at"]
+__all__ = ["SWITCHED_SYSTEM", "SwitchedSystem", "count_degrees", "loaded_system", "new_system", "system_at"]
 
 _I, _F = types.int64, types.float64
 
@@ -192,3 +194,25 @@ def _system(numbers, system):
         vectors[1, i], vectors[2, i] = rights[2 * n, i], rights[2 * n + 1, i]
         for j in range(n):
             matrices[i, j], matrices[2 * n + i, j] = rights[j, i], rights[n + j, i]
+
+
+@lru_cache(maxsize=4)
+def loaded_system(system: ContactSystem, omega: float) -> SwitchedSystem:
+    """A system under its load at one frequency. A motion is followed in many calls; no kernel writes into it."""
+    inverse = np.linalg.inv(system.mass)
+    stiffness, damping = inverse @ system.stiffness, inverse @ system.damping
+    force, varying = inverse @ system.force, inverse @ system.varying_force
+    rows = max(len(system.load), len(system.inertial_load))
+    harmonics = system.load_harmonics(omega, rows - 1) @ inverse.T
+    load = np.empty((2 * rows, system.degrees))
+    load[0::2], load[1::2] = harmonics.real, harmonics.imag
+    sizes, phases = np.array(system.stiffness_harmonics if np.any(varying) else (), dtype=float).reshape(-1, 2).T
+    low, high = -system.back_gap, system.front_gap
+    length = max(abs(high), abs(low) if system.two_sided else 0.0, np.max(np.abs(load)))
+    return SwitchedSystem(
+        np.array([omega, low, high, length, float(low == high)]),
+        np.concatenate([stiffness, stiffness + np.outer(force, system.contact), damping]),
+        np.array([system.contact, force, varying]),
+        np.column_stack([sizes * np.cos(phases), sizes * np.sin(phases)]),
+        load,
+    )

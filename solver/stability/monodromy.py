@@ -34,7 +34,15 @@ from solver.flow.switched_system import (
     new_system,
     system_at,
 )
-from solver.flow.taylor import BLOCKS, SERIES, Series, carry_deviations, count_blocks, new_series, set_identity
+from solver.flow.taylor import (
+    BLOCK_SERIES,
+    BLOCKS,
+    BlockSeries,
+    carry_deviations,
+    count_blocks,
+    new_block_series,
+    set_identity,
+)
 from solver.harmonic.layout import PERIOD, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -59,7 +67,7 @@ class Room(NamedTuple):
     and the zones that begin there, the result, and room for its multipliers (2, 2 n)."""
 
     system: SwitchedSystem
-    series: Series
+    series: BlockSeries
     states: np.ndarray
     angles: np.ndarray
     zones: np.ndarray
@@ -67,7 +75,7 @@ class Room(NamedTuple):
     multipliers: np.ndarray
 
 
-ROOM = types.NamedTuple((SWITCHED_SYSTEM, SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
+ROOM = types.NamedTuple((SWITCHED_SYSTEM, BLOCK_SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
 
 
 @kernel(ROOM(_I, _I, _I), inner=True)
@@ -75,7 +83,7 @@ def _room(degrees, stiffnesses, unknowns):
     columns = 2 * degrees
     return Room(
         new_system(degrees, stiffnesses),
-        new_series(degrees, columns),
+        new_block_series(degrees, columns),
         np.empty((count_blocks(columns), columns, 4)),
         np.empty(2 * unknowns + 8),
         np.empty(2 * unknowns + 8, np.int64),
