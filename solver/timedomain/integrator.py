@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.explained import Explained
 from solver.flow.switched_system import HIGH, LENGTH, LOW, ONE_ZONE, SWITCHED_SYSTEM, SwitchedSystem, loaded_system
 from solver.flow.taylor import (
     MOTION_ORDER,
@@ -34,31 +35,18 @@ __all__ = ["Status", "Trajectory", "Zone", "advance_step", "checked_states", "in
 
 _F, _I = types.float64, types.int64
 
-COMPLETE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS, CEILING = 0, 1, 2, 3, 4
 
-
-class Status(enum.IntEnum):
+class Status(Explained):
     """How an integration ended."""
 
-    COMPLETE = COMPLETE
-    STEP_TOO_SMALL = STEP_TOO_SMALL
-    NOT_FINITE = NOT_FINITE
-    TOO_MANY_STEPS = TOO_MANY_STEPS
-    CEILING = CEILING
-
-    @property
-    def sentence(self) -> str:
-        """What happened, for the reader of a log."""
-        return _SENTENCES[self]
+    COMPLETE = 0, "The integration reached its end."
+    STEP_TOO_SMALL = 1, "The step that the tolerance asks for is lost in rounding."
+    NOT_FINITE = 2, "The motion is not finite any more."
+    TOO_MANY_STEPS = 3, "The integration needs more steps than there is room for."
+    CEILING = 4, "The motion rose above the ceiling of the contact coordinate."
 
 
-_SENTENCES = {
-    Status.COMPLETE: "The integration reached its end.",
-    Status.STEP_TOO_SMALL: "The step that the tolerance asks for is lost in rounding.",
-    Status.NOT_FINITE: "The motion is not finite any more.",
-    Status.TOO_MANY_STEPS: "The integration needs more steps than there is room for.",
-    Status.CEILING: "The motion rose above the ceiling of the contact coordinate.",
-}
+COMPLETE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS, CEILING = map(int, Status)
 
 
 class Zone(enum.IntEnum):

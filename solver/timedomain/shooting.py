@@ -1,11 +1,11 @@
 """Periodic orbits of the true system: Newton's method on the Poincare map with the exact monodromy matrix."""
 
-import enum
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from solver.explained import Explained
 from solver.model.checks import ParameterError
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import Status, checked_states
@@ -14,24 +14,12 @@ from solver.timedomain.poincare import checked_count, measure, monodromy
 __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
 
 
-class ShootingStatus(enum.IntEnum):
+class ShootingStatus(Explained):
     """How the search for a periodic orbit ended."""
 
-    CONVERGED = 0
-    NOT_CONVERGED = 1
-    INTEGRATION_FAILED = 2
-
-    @property
-    def sentence(self) -> str:
-        """What happened, for the reader of a log."""
-        return _SENTENCES[self]
-
-
-_SENTENCES = {
-    ShootingStatus.CONVERGED: "The orbit closes to the tolerance.",
-    ShootingStatus.NOT_CONVERGED: "Newton's method did not close the orbit.",
-    ShootingStatus.INTEGRATION_FAILED: "The motion from the last iterate could not be integrated.",
-}
+    CONVERGED = 0, "The orbit closes to the tolerance."
+    NOT_CONVERGED = 1, "Newton's method did not close the orbit."
+    INTEGRATION_FAILED = 2, "The motion from the last iterate could not be integrated."
 
 
 @dataclass(frozen=True, eq=False)
