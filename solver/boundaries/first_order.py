@@ -31,14 +31,8 @@ from solver.boundaries.contact_angles import (
     plane_coefficients,
 )
 from solver.boundaries.problem import (
-    BACK_CONTACT,
     BIFURCATIONS,
-    EVENT,
-    FLANK,
     FOLDS_AND_GRAZINGS,
-    FRONT_CONTACT,
-    LENGTH_SCALE,
-    LEVEL,
     Contact,
     Guess,
     Plane,
@@ -49,6 +43,7 @@ from solver.boundaries.problem import (
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import BACK_CONTACT, EVENT, FLANK, FRONT_CONTACT, LENGTH_SCALE, LEVEL
 
 __all__ = ["FirstOrderProblem"]
 

@@ -14,11 +14,8 @@ import numpy as np
 from solver.boundaries.bifurcations import critical_cosines
 from solver.boundaries.harmonic_rows import harmonic_rows
 from solver.boundaries.problem import (
-    BACK_CONTACT,
     BIFURCATIONS,
-    EVENT,
     FOLDS_AND_GRAZINGS,
-    FRONT_CONTACT,
     GRAZINGS,
     Contact,
     Guess,
@@ -28,6 +25,7 @@ from solver.boundaries.problem import (
 )
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.harmonic.galerkin import Galerkin
+from solver.model.parameters import BACK_CONTACT, EVENT, FRONT_CONTACT
 
 __all__ = ["HarmonicProblem"]
 

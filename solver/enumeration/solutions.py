@@ -24,8 +24,8 @@ from solver.enumeration.certificates import (
 )
 from solver.explained import Explained
 from solver.model.checks import finite_array, finite_number, frequency
-from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
+from solver.model.packing import axis_vectors
 
 __all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row", "enumerate_values"]
 
@@ -219,5 +219,5 @@ def enumerate_row(
 
 
 def enumerate_values(theta: np.ndarray, direction: np.ndarray, grid: np.ndarray, ceiling: float) -> RowSolutions:
-    """`enumerate_row` of `solver.model.condensation.axis_vectors`, for callers that have these; nothing is checked."""
+    """`enumerate_row` of `solver.model.packing.axis_vectors`, for callers that have these; nothing is checked."""
     return RowSolutions(*enumerate_points(theta, direction, grid, float(ceiling)))

@@ -23,7 +23,10 @@ from solver.continuation.problem import Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.condensation import (
+from solver.model.condensation import mesh_receptance, rotation_coupling
+from solver.model.gear_model import Model
+from solver.model.packing import axis_vectors
+from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
     ALPHA_2_PHASE,
@@ -37,11 +40,7 @@ from solver.model.condensation import (
     VARIATION_T,
     XI_MESH,
     B,
-    axis_vectors,
-    mesh_receptance,
-    rotation_coupling,
 )
-from solver.model.gear_model import Model
 
 __all__ = [
     "DescribingFunction",
@@ -213,7 +212,7 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     ----------
     model : Model
     axis : str
-        "omega" or a scalar parameter of the gear (`solver.model.condensation.AXES`).
+        "omega" or a scalar parameter of the gear (`solver.model.packing.AXES`).
     low, high : float
         Range of the axis, for scaling.
     omega : float, optional

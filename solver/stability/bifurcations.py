@@ -22,10 +22,10 @@ from solver.continuation.curve_point import point_size, state_at
 from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.problem import Balance, Problem
 from solver.continuation.setup import SETUP
-from solver.harmonic import layout
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
-from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
+from solver.model.packing import gear_vectors
+from solver.model.parameters import ALPHA_2, ALPHA_2_PHASE
 from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room
 from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
 
@@ -335,22 +335,15 @@ def _bifurcations(
 
 
 def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors of `solver.harmonic.layout.packed` for the motions of a problem of a balance.
+    """Vectors of `solver.model.packing.packed` for the motions of a problem of a balance.
 
     A Galerkin problem carries them. That of the describing function knows two harmonics of the stiffness; where the
     gear has more, pack them from the gear.
     """
     if not balance.truncated:
         return problem.theta, problem.direction
-    vectors = []
-    for model, constant in ((problem.theta, 1.0), (problem.direction, 0.0)):
-        head = np.zeros(layout.PAIRS)
-        head[[layout.HARMONICS, layout.PERIOD, layout.LOADS, layout.SIGN]] = constant
-        head[layout.KIND], head[layout.STIFFNESSES] = layout.GEAR, 2.0 * constant
-        head[[layout.OMEGA, layout.FRONT, layout.BACK]] = model[[OMEGA, B, B]]
-        pairs, load = model[[ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE]], model[[F_E, F_E_PHASE]]
-        vectors.append(np.concatenate([head, pairs, model, load]))
-    return vectors[0], vectors[1]
+    second = problem.theta[[ALPHA_2, ALPHA_2_PHASE]]
+    return gear_vectors(problem.theta, problem.direction, [second], [], 1, 1)
 
 
 def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
@@ -370,7 +363,7 @@ def locate_bifurcations(
     Parameters
     ----------
     parameters : (theta, direction)
-        `solver.harmonic.layout.packed(system, axis, omega, balance.order, balance.period)`.
+        `solver.model.packing.packed(system, axis, omega, balance.order, balance.period)`.
     problem : Problem
         `balance.problem(...)`.
     curve : Curve

@@ -11,7 +11,7 @@ For kernels (boundaries, test functions) that have the packed parameters of a ba
     room = monodromy_at(theta, direction, u, p, room)     as often as wanted
 
 leaves the matrix M (2n, 2n) over the period nu 2 pi/Omega from tau = 0, on the states (y, y'), in `room.matrix`. theta
-and direction are those of `solver.harmonic.layout.packed(system, axis, omega, order, period)`, for the describing
+and direction are those of `solver.model.packing.packed(system, axis, omega, order, period)`, for the describing
 function `packed(model, axis, omega, 1, 1)`, at axis value p. M is nan where it cannot be computed. It depends smoothly
 on (u, p) as long as the motion switches contact in the same order, up to a truncation error of 1e-11 of its size; where
 a switch appears or vanishes (grazing) it has a square-root corner. n may change where a coupling is exactly 0, with
@@ -43,9 +43,9 @@ from solver.flow.taylor import (
     new_block_series,
     set_identity,
 )
-from solver.harmonic.layout import PERIOD, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import PERIOD, STIFFNESSES
 
 __all__ = [
     "ROOM",

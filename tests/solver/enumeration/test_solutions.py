@@ -20,7 +20,7 @@ from solver import (
 from solver.continuation.on_curve import curve_crossings
 from solver.enumeration.solutions import Solutions
 from solver.harmonic.describing_function import evaluate, linear_solution
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 from tests.conftest import MODELS, antiphase, consistent, published, slow_but
 from tests.solver.dense_search import dense_search
 
