@@ -1,5 +1,7 @@
 """From the roots of the reduced balance to boxes of motions that are proven to hold exactly one solution each."""
 
+import math
+
 import numpy as np
 
 from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, reduce_balance
@@ -107,7 +109,8 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     reduced = work[:ROWS]
     roots, boxes, stack = work[ROWS : ROWS + MOST], work[ROWS + MOST : ROWS + MOST + _UNDECIDED], work[-_STACK:]
     if not reduce_balance(theta, direction, p, reduced):
-        undecided[0, :] = np.nan
+        for j in range(_COLUMNS):
+            undecided[0, j] = math.nan
         undecided[0, ROOT], undecided[0, ROOT + 1] = 0.0, 1.0
         return 0, 1, _NOT_DECIDED, _OPEN, 0
     n_roots, n_boxes, flags, visits = search(reduced, roots, boxes, stack)
@@ -206,11 +209,11 @@ def enumerate_points(theta, direction, grid, ceiling):
         )
         if total + counts[i] > boxes.shape[0]:
             longer = np.empty((2 * boxes.shape[0] + MOST, _COLUMNS))
-            longer[:total] = boxes[:total]
+            for k in range(total):
+                copy_into(longer[k], boxes[k])
             boxes = longer
         for k in range(counts[i]):
-            for j in range(_COLUMNS):
-                boxes[total + k, j] = found[k, j]
+            copy_into(boxes[total + k], found[k])
         total += counts[i]
         most = max(most, counts[i])
     motions, radius = np.full((size, most, 3), np.nan), np.full((size, most), np.nan)

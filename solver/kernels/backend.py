@@ -74,7 +74,8 @@ class _KernelType(numba.types.Callable, numba.types.Opaque):
     def get_call_type(self, context, args, kws):
         if kws:
             raise errors.TypingError(f"{self._kernel!r} is called with keywords: {', '.join(kws)}")
-        signatures, _ = self.get_call_signatures()
+        wanted = [declared.numba for declared in self._kernel.signatures if declared.numba.args == args]
+        signatures = [self.lowered(wanted[0]).signature] if wanted else self.get_call_signatures()[0]
         return typing.make_concrete_template(self._kernel.__name__, self, signatures)(context).apply(args, kws)
 
     def get_call_signatures(self):

@@ -17,6 +17,7 @@ from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.on_curve import meet
 from solver.continuation.setup import SETUP, STRAND, Strand
 from solver.kernels import types
+from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.rows.span import RowSpan
@@ -98,9 +99,7 @@ def _crossings(setup, strand, closed, grid, known, known_stable, complete, on_cu
         # closed.
         if i < 0 and closed:
             continue
-        low, high = np.searchsorted(grid, min(before, after)), np.searchsorted(grid, max(before, after))
-        while high < grid.shape[0] and grid[high] <= max(before, after):
-            high += 1
+        low, high = first_not_below(grid, min(before, after)), first_above(grid, max(before, after))
         filled = False
         for k in range(low, high):
             if i >= 0 and grid[k] == before:

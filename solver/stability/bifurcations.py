@@ -23,6 +23,7 @@ from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.problem import Balance, Problem
 from solver.continuation.setup import SETUP
 from solver.kernels import types
+from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.packing import gear_vectors
 from solver.model.parameters import ALPHA_2, ALPHA_2_PHASE
@@ -305,8 +306,8 @@ def _bifurcations(
         if i > 0 and not math.isnan(at_low[LARGEST]):
             arc, low = arclength[i] - arclength[i - 1], 0.0
             begin, end = left[n], right[n]
-            first = np.searchsorted(values, min(begin, end), side="right")
-            last = np.searchsorted(values, max(begin, end), side="left")
+            first = first_above(values, min(begin, end))
+            last = first_not_below(values, max(begin, end))
             # Grid values in the order in which the piece passes them.
             while first < last:
                 if begin < end:
