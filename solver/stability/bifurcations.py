@@ -19,7 +19,7 @@ import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Event
 from solver.continuation.curve_point import point_size, state_at
-from solver.continuation.hermite import cubic, cubic_slope, cubic_value
+from solver.continuation.hermite import cubic, cubic_value, fraction_at
 from solver.continuation.problem import Balance, Problem
 from solver.continuation.setup import SETUP
 from solver.kernels import types
@@ -235,28 +235,6 @@ def _search(setup, watch, found, after, left, right, arc, low, high, at_low, at_
                 _record(found, after, x, _DOUBLING, point)
 
 
-@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F), inner=True)
-def _fraction_at(setup, left, right, arc, level):
-    """The fraction of a piece at which its cubic, monotone in p, has p = level."""
-    n = setup.unknowns
-    leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
-    a, b = cubic(left[n], right[n], leave, arrive)
-    low, high, x = 0.0, 1.0, (level - left[n]) / (right[n] - left[n])
-    for _ in range(40):
-        ahead = cubic_value(a, b, leave, left[n], x) - level
-        if (ahead < 0.0) == (left[n] < right[n]):
-            low = x
-        else:
-            high = x
-        moved = x - ahead / cubic_slope(a, b, leave, x)
-        if not low < moved < high:
-            moved = 0.5 * (low + high)
-        if abs(moved - x) < 1e-9:
-            break
-        x = moved
-    return x
-
-
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, _I, _I), inner=True)
 def _on_piece(setup, left, right, arc, x, motions, first, last):
     """Which of the motions first ... last - 1 lies on the branch at one fraction of a piece; -1 if none surely does."""
@@ -320,7 +298,8 @@ def _bifurcations(
                     while lower > first and values[lower - 1] == values[upper - 1]:
                         lower -= 1
                     last = lower
-                x = _fraction_at(setup, left, right, arc, values[lower])
+                leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
+                x = fraction_at(left[n], right[n], leave, arrive, values[lower], 1e-9)
                 k = _on_piece(setup, left, right, arc, x, motions, lower, upper)
                 if k >= 0 and x > low and not math.isnan(motion_tests[k, LARGEST]):
                     for j in range(TESTS):

@@ -164,7 +164,7 @@ def test_contains_what_continuation_finds(name, seed):
     while lacking:
         (k, i), start = next(iter(lacking.items()))
         curve = continuation.trace_both_ways(problem, np.append(start, grid[k]), grid[0], grid[-1])
-        column, points, stable = curve_crossings(problem, curve, grid, continuation)
+        column, points, stable, *_ = curve_crossings(problem, curve, grid, continuation)
         before = len(lacking)
         for at, point, state in zip(column, points, stable, strict=True):
             assert np.min(_distances(point[None], swept[at])) > 1e-7
