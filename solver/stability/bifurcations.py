@@ -21,7 +21,7 @@ from solver.continuation.continuation import Continuation, Curve, Event
 from solver.continuation.curve_point import point_size, state_at
 from solver.continuation.hermite import cubic, cubic_value, fraction_at
 from solver.continuation.problem import Balance, Problem
-from solver.continuation.setup import SETUP
+from solver.continuation.setup import SETUP, STRAND, Strand
 from solver.kernels import types
 from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
@@ -86,6 +86,7 @@ class _Found(NamedTuple):
 
 _WATCH = types.NamedTuple((ARRAY, ARRAY, ROOM), _Watch)
 _FOUND = types.NamedTuple((_INDICES, ARRAY, FLAGS, MATRIX, _INDICES), _Found)
+_KNOWN = types.NamedTuple((ARRAY, MATRIX, MATRIX), KnownMotions)
 _LOCATED, _MISSED, _UNKNOWN = range(3)
 
 
@@ -253,24 +254,12 @@ def _on_piece(setup, left, right, arc, x, motions, first, last):
     return nearest if distance <= _NEAR * arc and second >= _APART * arc else -1
 
 
-@kernel(
-    types.void(
-        SETUP,
-        MATRIX, MATRIX, ARRAY,
-        ARRAY, ARRAY, ARRAY, MATRIX, MATRIX,
-        _INDICES, ARRAY, FLAGS, MATRIX, _INDICES,
-    )
-)  # fmt: skip
-def _bifurcations(
-    setup,
-    branch, tangents, arclength,
-    system_theta, system_direction, values, motions, motion_tests,
-    after, fractions, kinds, points, counts,
-):  # fmt: skip
-    """Locate the bifurcations of a branch; the last five arrays are those of `_Found`."""
-    n = setup.unknowns
-    watch = _Watch(system_theta, system_direction, new_room(system_theta, system_direction, branch[0, n], n))
-    found = _Found(after, fractions, kinds, points, counts)
+@kernel(types.void(SETUP, STRAND, ARRAY, ARRAY, _KNOWN, _FOUND))
+def _bifurcations(setup, strand, theta, direction, known, found):
+    """Locate the bifurcations of a branch, with the packed parameters of its system."""
+    n, branch, tangents, arclength = setup.unknowns, strand.points, strand.tangents, strand.arclength
+    values = known.values
+    watch = _Watch(theta, direction, new_room(theta, direction, branch[0, n], n))
     size = point_size(setup)
     left, right = np.zeros(size), np.zeros(size)
     at_low, at_high, at_right = np.empty(TESTS), np.empty(TESTS), np.empty(TESTS)
@@ -279,8 +268,8 @@ def _bifurcations(
             left[j], left[n + 1 + j] = right[j], right[n + 1 + j]
             right[j], right[n + 1 + j] = branch[i, j], tangents[i, j]
         _look(watch, branch[i], at_right)
-        known = not math.isnan(at_right[LARGEST])
-        counts[_UNKNOWN] += not known
+        told = not math.isnan(at_right[LARGEST])
+        found.counts[_UNKNOWN] += not told
         if i > 0 and not math.isnan(at_low[LARGEST]):
             arc, low = arclength[i] - arclength[i - 1], 0.0
             begin, end = left[n], right[n]
@@ -300,15 +289,15 @@ def _bifurcations(
                     last = lower
                 leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
                 x = fraction_at(left[n], right[n], leave, arrive, values[lower], 1e-9)
-                k = _on_piece(setup, left, right, arc, x, motions, lower, upper)
-                if k >= 0 and x > low and not math.isnan(motion_tests[k, LARGEST]):
+                k = _on_piece(setup, left, right, arc, x, known.motions, lower, upper)
+                if k >= 0 and x > low and not math.isnan(known.tests[k, LARGEST]):
                     for j in range(TESTS):
-                        at_high[j] = motion_tests[k, j]
+                        at_high[j] = known.tests[k, j]
                     _search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
                     low = x
                     for j in range(TESTS):
                         at_low[j] = at_high[j]
-            if known:
+            if told:
                 _search(setup, watch, found, i - 1, left, right, arc, low, 1.0, at_low, at_right)
         for j in range(TESTS):
             at_low[j] = at_right[j]
@@ -375,15 +364,12 @@ def locate_bifurcations(
     n = problem.unknowns
     if known is None:
         known = KnownMotions(np.empty(0), np.empty((0, n)), np.empty((0, TESTS)))
-    after, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
-    points, counts = np.empty((_MOST, 2 * (n + 1) + 2 * problem.monitors + 1)), np.zeros(3, np.int64)
-    _bifurcations(
-        problem.setup(continuation.corrector),
-        curve.points, curve.tangents, curve.arclength,
-        *parameters, *known,
-        after, fractions, kinds, points, counts,
-    )  # fmt: skip
-    count, missed, unknown = counts.tolist()
+    size = 2 * (n + 1) + 2 * problem.monitors + 1
+    indices, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
+    found = _Found(indices, fractions, kinds, np.empty((_MOST, size)), np.zeros(3, np.int64))
+    strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
+    _bifurcations(problem.setup(continuation.corrector), strand, *parameters, known, found)
+    count, missed, unknown = found.counts.tolist()
     notes = []
     here = f"between the axis values {curve.points[0, -1]:.9g} and {curve.points[-1, -1]:.9g} of a branch's ends"
     if missed:
@@ -392,14 +378,14 @@ def locate_bifurcations(
         notes.append(f"the multipliers of {unknown} points {here} cannot be computed")
     if count == 0:
         return curve, tuple(notes)
-    order = np.lexsort((fractions[:count], after[:count]))
-    at, steps, found = after[order], np.diff(curve.arclength), points[order]
+    order = np.lexsort((fractions[:count], indices[:count]))
+    at, steps, points = indices[order], np.diff(curve.arclength), found.points[order]
     # A fold's neighbour on the far side tells the stability of the piece behind it.
     piece = np.where(curve.event[at] != Event.FOLD, curve.stable[at], curve.stable[at + 1])
     return dataclasses.replace(
         curve,
-        points=np.insert(curve.points, at + 1, found[:, : n + 1], axis=0),
-        tangents=np.insert(curve.tangents, at + 1, found[:, n + 1 : 2 * n + 2], axis=0),
+        points=np.insert(curve.points, at + 1, points[:, : n + 1], axis=0),
+        tangents=np.insert(curve.tangents, at + 1, points[:, n + 1 : 2 * n + 2], axis=0),
         arclength=np.insert(curve.arclength, at + 1, curve.arclength[at] + fractions[order] * steps[at]),
         stable=np.insert(curve.stable, at + 1, piece),
         event=np.insert(curve.event, at + 1, kinds[order]),

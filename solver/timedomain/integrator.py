@@ -28,7 +28,7 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.model.checks import ParameterError
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, in_motion
 from solver.timedomain.polynomial import evaluate, first_exit
 
 __all__ = ["Status", "Trajectory", "Zone", "advance_step", "checked_states", "integrate", "zone_of"]
@@ -258,6 +258,14 @@ def checked_states(system: ContactSystem, states, name: str = "states") -> np.nd
     if array.ndim != 2 or array.shape[1] != size or not np.all(np.isfinite(array)):
         raise ParameterError(name, states, f"finite numbers, {size} for each state (y, y')")
     return array
+
+
+def with_the_rest(system: ContactSystem, states: np.ndarray) -> np.ndarray:
+    """States (..., 2 n) from those of the coordinates that are in motion; 0 for all others."""
+    kept = np.tile(in_motion(system), 2)
+    whole = np.zeros((*states.shape[:-1], kept.size))
+    whole[..., kept] = states
+    return whole
 
 
 def checked_tolerance(tolerance: float) -> float:

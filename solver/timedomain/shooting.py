@@ -1,14 +1,14 @@
 """Periodic orbits of the true system: Newton's method on the Poincare map with the exact monodromy matrix."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from solver.explained import Explained
 from solver.model.checks import ParameterError
-from solver.model.contact_system import ContactSystem
-from solver.timedomain.integrator import Status, checked_states
+from solver.model.contact_system import ContactSystem, in_motion, reduced
+from solver.timedomain.integrator import Status, checked_states, with_the_rest
 from solver.timedomain.poincare import checked_count, measure, monodromy
 
 __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
@@ -29,13 +29,14 @@ class PeriodicOrbit:
     Parameters
     ----------
     state : (2 n,) array
-        y, then y', at tau = 0.
+        y, then y', at tau = 0; 0 where a coordinate is no part of the motion
+        (`solver.model.contact_system.in_motion`).
     period : int
         Forcing periods after which the motion repeats (not always the smallest number: see `minimal_period`).
     minimal_period : int
         The smallest divisor of `period` after which it repeats.
-    multipliers : (2 n,) complex array
-        Eigenvalues of the monodromy matrix over `period`, the largest modulus first.
+    multipliers : (2 m,) complex array
+        Eigenvalues of the monodromy matrix of the m coordinates in motion over `period`, the largest modulus first.
     residual : float
         Distance between end and start of the orbit.
     harmonics : (H + 1,) complex array
@@ -115,6 +116,13 @@ def shoot(
     if not 0.0 < tolerance < 1.0:
         raise ParameterError("tolerance", tolerance, "above 0 and below 1")
     (current,) = checked_states(system, state, "state")
+    kept = np.tile(in_motion(system), 2)
+    if not np.all(kept):
+        settings = dict(
+            order=order, tolerance=tolerance, integration_tolerance=integration_tolerance, max_iterations=max_iterations
+        )
+        orbit = shoot(reduced(system), omega, current[kept], period, **settings)
+        return replace(orbit, state=with_the_rest(system, orbit.state))
     flow = _Map(system, omega, period, integration_tolerance)
     end, matrix, status = flow(current)
     if status is not Status.COMPLETE:
