@@ -231,13 +231,11 @@ def critical_cosines(problem: Problem, y: np.ndarray) -> list[float]:
     y : (..., kappa, x, p) array
         A motion; its kappa does not matter.
     """
-    residual, jacobian = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
 
     def remainder(kappa: float) -> np.ndarray:
         here = y.copy()
         here[-3] = kappa
-        problem.balance(problem.theta, problem.direction, here, residual, jacobian)
-        return residual[-2:].copy()
+        return problem.evaluated(here)[0][-2:]
 
     nodes = chebyshev.chebpts1(_DEGREE + 1)
     values = np.array([remainder(kappa) for kappa in nodes])

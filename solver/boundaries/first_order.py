@@ -19,17 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
-from solver.boundaries.contact_angles import (
-    BACK,
-    FRONT,
-    MONITORS,
-    UNKNOWNS,
-    P,
-    X,
-    angle_rows,
-    determinant,
-    plane_coefficients,
-)
+from solver.boundaries.contact_angles import BACK, FRONT, MONITORS, P, X, angle_rows, determinant, plane_coefficients
 from solver.boundaries.problem import (
     BIFURCATIONS,
     FOLDS_AND_GRAZINGS,
@@ -265,14 +255,11 @@ class FirstOrderProblem:
 
     def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
         """det dE/du."""
-        values = np.empty(MONITORS)
-        problem.monitor(problem.theta, problem.direction, y, values, np.empty((MONITORS, y.size)))
-        return float(values[1])
+        return float(problem.observed(y, MONITORS)[1])
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (3, 3), dE/dp (3,) and the derivatives of det dE/du by u (3,): the angles follow u and p."""
-        jacobian = np.empty((UNKNOWNS, UNKNOWNS + 1))
-        problem.balance(problem.theta, problem.direction, y, np.empty(UNKNOWNS), jacobian)
+        _, jacobian = problem.evaluated(y)
         by_y = -jacobian[3:5] / np.diag(jacobian[3:5, _ANGLES])[:, None]
         whole = jacobian + jacobian[:, _ANGLES] @ by_y
         return whole[:3, :3], whole[:3, P], whole[5, :3]

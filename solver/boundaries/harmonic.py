@@ -119,9 +119,8 @@ class HarmonicProblem:
         """How often the motion at y switches contact; None for a grazing, along which that changes nothing."""
         if kind in GRAZINGS:
             return None
-        problem, counts, point = self.problem(Event.NONE, None), np.empty(2), y[list(self.components(kind))]
-        problem.monitor(problem.theta, problem.direction, point, counts, np.empty((2, point.size)))
-        return int(counts[0]), int(counts[1])
+        front, back = self.problem(Event.NONE, None).observed(y[list(self.components(kind))], 2)
+        return int(front), int(back)
 
     def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
         """Beyond a corner, at some distance from the grazing there.
@@ -147,10 +146,10 @@ class HarmonicProblem:
         It is where the row behind the balance changes most on the side with more contact.
         """
         problem, n = stretch.problem, self.unknowns
-        corner, jacobian = stretch.curve.points[-1], np.empty((problem.unknowns, problem.unknowns + 1))
+        corner = stretch.curve.points[-1]
 
         def steepest(y):
-            problem.balance(problem.theta, problem.direction, y, np.empty(problem.unknowns), jacobian)
+            _, jacobian = problem.evaluated(y)
             row = jacobian[n + np.argmax(np.linalg.norm(jacobian[n:] * problem.scale, axis=1))] * problem.scale
             return row / np.linalg.norm(row)
 
@@ -170,7 +169,5 @@ class HarmonicProblem:
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (n, n), dE/dp (n,) and the derivatives by u (n,) of the row behind the balance."""
-        n, size = self.unknowns, problem.unknowns
-        jacobian = np.empty((size, size + 1))
-        problem.balance(problem.theta, problem.direction, y, np.empty(size), jacobian)
+        n, (_, jacobian) = self.unknowns, problem.evaluated(y)
         return jacobian[:n, :n], jacobian[:n, -1], jacobian[n, :n]

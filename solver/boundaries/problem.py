@@ -221,12 +221,9 @@ class BoundaryProblem(Protocol):
 
 def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
     """Unit tangent (n + 1,) of a curve at one of its points in scaled unknowns, towards growing p."""
-    n = problem.unknowns
-    jacobian = np.empty((n, n + 1))
-    problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
-    jacobian *= problem.scale
+    jacobian = problem.evaluated(y)[1] * problem.scale
     if not np.all(np.isfinite(jacobian)):
-        return np.full(n + 1, np.nan)
+        return np.full(y.size, np.nan)
     # The rows differ by orders of magnitude next to grazings.
     size = np.linalg.norm(jacobian, axis=1, keepdims=True)
     tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]

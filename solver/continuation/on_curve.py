@@ -15,7 +15,7 @@ from solver.continuation.continuation import Continuation
 from solver.continuation.curve_point import correct_onto_curve, locate, point_size, scaled_distance, snap_to_level
 from solver.continuation.hermite import cubic, cubic_value, fraction_at
 from solver.continuation.problem import Problem
-from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.continuation.setup import SETUP, STRAND
 from solver.continuation.solution_curve import Curve, Event
 from solver.kernels import types
 from solver.kernels.brackets import first_above, first_not_below
@@ -219,7 +219,6 @@ def curve_crossings(
     Crossings
     """
     n, setup, grid = problem.unknowns, problem.setup(continuation.corrector), np.array(grid, dtype=float)
-    strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
     if known is None:
         nothing = np.empty((grid.size, 0, n)), np.empty((grid.size, 0), np.int8), np.zeros(grid.size, np.int8)
         known = Known(*nothing)
@@ -227,7 +226,7 @@ def curve_crossings(
     while True:
         on_curve = np.zeros(known.stable.shape, np.int8)
         columns, unknowns, stable = np.empty(capacity, np.int64), np.empty((capacity, n)), np.empty(capacity, np.int8)
-        count = _crossings(setup, strand, curve.closed, grid, *known, on_curve, columns, unknowns, stable)
+        count = _crossings(setup, curve.strand, curve.closed, grid, *known, on_curve, columns, unknowns, stable)
         if count <= capacity:
             break
         capacity *= 2

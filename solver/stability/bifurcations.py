@@ -21,7 +21,7 @@ from solver.continuation.continuation import Continuation, Curve, Event
 from solver.continuation.curve_point import point_size, state_at
 from solver.continuation.hermite import cubic, cubic_value, fraction_at
 from solver.continuation.problem import Balance, Problem
-from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.continuation.setup import SETUP, STRAND
 from solver.kernels import types
 from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
@@ -357,8 +357,7 @@ def locate_bifurcations(
     """
     old = np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
     if np.any(old):
-        names = ("points", "tangents", "arclength", "stable", "event")
-        curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~old] for name in names})
+        curve = Curve(*(part[~old] for part in curve.strand), curve.ends, curve.refused)
     if len(curve.points) < 2:
         return curve, ()
     n = problem.unknowns
@@ -367,8 +366,7 @@ def locate_bifurcations(
     size = 2 * (n + 1) + 2 * problem.monitors + 1
     indices, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
     found = _Found(indices, fractions, kinds, np.empty((_MOST, size)), np.zeros(3, np.int64))
-    strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
-    _bifurcations(problem.setup(continuation.corrector), strand, *parameters, known, found)
+    _bifurcations(problem.setup(continuation.corrector), curve.strand, *parameters, known, found)
     count, missed, unknown = found.counts.tolist()
     notes = []
     here = f"between the axis values {curve.points[0, -1]:.9g} and {curve.points[-1, -1]:.9g} of a branch's ends"
