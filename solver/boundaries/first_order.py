@@ -20,16 +20,7 @@ import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
 from solver.boundaries.contact_angles import BACK, FRONT, MONITORS, P, X, angle_rows, determinant, plane_coefficients
-from solver.boundaries.problem import (
-    BIFURCATIONS,
-    FOLDS_AND_GRAZINGS,
-    Contact,
-    Guess,
-    Plane,
-    Stretch,
-    parameters_at,
-    plane_theta,
-)
+from solver.boundaries.problem import BIFURCATIONS, Contact, Guess, Plane, Stretch, parameters_at, plane_theta
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -167,11 +158,6 @@ class FirstOrderProblem:
         for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
             value.setflags(write=False)
             object.__setattr__(self, f"_{name}", value)
-
-    @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-        return *FOLDS_AND_GRAZINGS, *BIFURCATIONS
 
     @property
     def unknowns(self) -> int:

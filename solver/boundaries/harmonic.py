@@ -13,16 +13,7 @@ import numpy as np
 
 from solver.boundaries.bifurcations import critical_cosines
 from solver.boundaries.harmonic_rows import harmonic_rows
-from solver.boundaries.problem import (
-    BIFURCATIONS,
-    FOLDS_AND_GRAZINGS,
-    GRAZINGS,
-    Contact,
-    Guess,
-    Plane,
-    Stretch,
-    plane_theta,
-)
+from solver.boundaries.problem import GRAZINGS, Contact, Guess, Plane, Stretch, plane_theta
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.harmonic.galerkin import Galerkin
 from solver.model.parameters import BACK_CONTACT, EVENT, FRONT_CONTACT
@@ -63,11 +54,6 @@ class HarmonicProblem:
         for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
             value.setflags(write=False)
             object.__setattr__(self, f"_{name}", value)
-
-    @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-        return *FOLDS_AND_GRAZINGS, *BIFURCATIONS
 
     @property
     def unknowns(self) -> int:

@@ -178,10 +178,6 @@ class BoundaryProblem(Protocol):
     plane: Plane
 
     @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-
-    @property
     def unknowns(self) -> int:
         """Number n of unknowns u of a motion."""
 

@@ -11,14 +11,12 @@ mesh row. Other systems, Z_0 = K + s C + s^2 M, closed by the contact so that a 
 is computed as such, because A of a stiff contact is 1 but for its last digits.
 """
 
-import cmath
-
 import numpy as np
 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.kernels.linear import eliminate_rows
-from solver.model.condensation import mesh_receptance, rotation_coupling
+from solver.model.condensation import mesh_receptance, phasor, rotation_coupling
 from solver.model.parameters import (
     DEGREES,
     F_PM,
@@ -55,17 +53,9 @@ def base_frequency(theta, direction, p):
 
 
 @kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
-def _phasor(theta, direction, p, slot):
-    """amplitude exp(i phase) of a pair of numbers, and its derivative."""
-    unit = cmath.exp(1j * (theta[slot + 1] + p * direction[slot + 1]))
-    size = theta[slot] + p * direction[slot]
-    return size * unit, (direction[slot] + 1j * size * direction[slot + 1]) * unit
-
-
-@kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
 def stiffness_phasor(theta, direction, p, l):
     """S_l = alpha_l exp(i Phi_kl), l >= 1, and its derivative along the axis."""
-    return _phasor(theta, direction, p, stiffness_slot(l))
+    return phasor(theta, direction, p, stiffness_slot(l))
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
@@ -85,7 +75,7 @@ def _gear_impedance(theta, direction, p, s, d_s, l):
         load, d_load = complex(model[F_PV] + p * along[F_PV]), complex(along[F_PV])
     if 0 < l <= int(theta[LOADS]):
         omega, d_omega = l * (theta[MESH_FREQUENCY] + p * direction[MESH_FREQUENCY]), l * direction[MESH_FREQUENCY]
-        error, d_error = _phasor(theta, direction, p, error_slot(theta, l))
+        error, d_error = phasor(theta, direction, p, error_slot(theta, l))
         load += omega * omega * error
         d_load += omega * omega * d_error + 2.0 * omega * d_omega * error
     return (

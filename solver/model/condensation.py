@@ -4,6 +4,7 @@ Only lambda enters nonlinearly, so the translations leave the balance exactly (d
 are those of a gear in `solver.model.parameters`: every scalar of it, the frequency included, is swept by the same code.
 """
 
+import cmath
 import math
 
 from solver.kernels import types
@@ -20,7 +21,15 @@ from solver.model.parameters import (
     XI_TRANSLATION,
 )
 
-__all__ = ["mesh_receptance", "rotation_coupling"]
+__all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
+
+
+@kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64), inline=True)
+def phasor(theta, direction, p, slot):
+    """amplitude exp(i phase) of a pair of numbers, the amplitude at a slot, and its derivative along the axis."""
+    unit = cmath.exp(1j * (theta[slot + 1] + p * direction[slot + 1]))
+    size = theta[slot] + p * direction[slot]
+    return size * unit, (direction[slot] + 1j * size * direction[slot + 1]) * unit
 
 
 @kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64), inline=True)
