@@ -37,6 +37,7 @@ from solver.model.parameters import (
     XI_SUPPORT,
     XI_TRANSLATION,
     gear_numbers,
+    number_at,
     stiffness_slot,
     system_matrices,
 )
@@ -120,7 +121,8 @@ def count_degrees(theta, direction, p):
     """Number n of coordinates of a system that the contact reaches, from vectors of `solver.model.packing.packed`."""
     if theta[KIND] != GEAR:
         return int(theta[DEGREES])
-    return 1 + _supports(gear_numbers(theta, theta), gear_numbers(theta, direction), p, np.empty((4, 6)))
+    gear, slope = gear_numbers(theta, theta), gear_numbers(theta, direction)
+    return 1 + _supports(gear, slope, p, np.empty((4, 6)))
 
 
 @kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
@@ -137,12 +139,13 @@ def system_at(theta, direction, p, system):
         Of `count_degrees` coordinates.
     """
     numbers, variation = system.numbers, system.variation
-    low, high = -(theta[BACK_GAP] + p * direction[BACK_GAP]), theta[FRONT_GAP] + p * direction[FRONT_GAP]
-    numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = theta[MESH_FREQUENCY] + p * direction[MESH_FREQUENCY], low, high
+    (back, _), (high, _) = number_at(theta, direction, p, BACK_GAP), number_at(theta, direction, p, FRONT_GAP)
+    low, (omega, _) = -back, number_at(theta, direction, p, MESH_FREQUENCY)
+    numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = omega, low, high
     numbers[LENGTH], numbers[ONE_ZONE] = 1.0, 1.0 if low == high else 0.0
     for l in range(variation.shape[0]):
         at = stiffness_slot(l + 1)
-        size, phase = theta[at] + p * direction[at], theta[at + 1] + p * direction[at + 1]
+        (size, _), (phase, _) = number_at(theta, direction, p, at), number_at(theta, direction, p, at + 1)
         variation[l, 0], variation[l, 1] = size * math.cos(phase), size * math.sin(phase)
     if theta[KIND] == GEAR:
         _gear(gear_numbers(theta, theta), gear_numbers(theta, direction), p, system)

@@ -25,7 +25,19 @@ from solver.kernels.linear import eliminate
 from solver.model.condensation import mesh_receptance, phasor, rotation_coupling
 from solver.model.gear_model import Model
 from solver.model.packing import axis_vectors
-from solver.model.parameters import ALPHA, ALPHA_2, F_E, F_PM, F_PV, OMEGA, VARIATION_R, VARIATION_T, XI_MESH, B
+from solver.model.parameters import (
+    ALPHA,
+    ALPHA_2,
+    F_E,
+    F_PM,
+    F_PV,
+    OMEGA,
+    VARIATION_R,
+    VARIATION_T,
+    XI_MESH,
+    B,
+    number_at,
+)
 
 __all__ = [
     "DescribingFunction",
@@ -59,12 +71,12 @@ def coefficients(theta, direction, p):
     constants, d_constants : 3 floats each
         c, f_pm and b.
     """
-    omega, d_omega = theta[OMEGA] + p * direction[OMEGA], direction[OMEGA]
+    omega, d_omega = number_at(theta, direction, p, OMEGA)
     T, U, d_T, d_U = mesh_receptance(theta, direction, p, 1j * omega, 1j * d_omega)
     c, d_c = rotation_coupling(theta, direction, p)
-    xi, d_xi = theta[XI_MESH] + p * direction[XI_MESH], direction[XI_MESH]
-    eps_t, d_eps_t = theta[VARIATION_T] + p * direction[VARIATION_T], direction[VARIATION_T]
-    eps_r, d_eps_r = theta[VARIATION_R] + p * direction[VARIATION_R], direction[VARIATION_R]
+    xi, d_xi = number_at(theta, direction, p, XI_MESH)
+    eps_t, d_eps_t = number_at(theta, direction, p, VARIATION_T)
+    eps_r, d_eps_r = number_at(theta, direction, p, VARIATION_R)
     S_1, d_S_1 = phasor(theta, direction, p, ALPHA)
     S_2, d_S_2 = phasor(theta, direction, p, ALPHA_2)
     error, d_error = phasor(theta, direction, p, F_E)

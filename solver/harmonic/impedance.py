@@ -32,6 +32,7 @@ from solver.model.parameters import (
     XI_MESH,
     error_slot,
     gear_numbers,
+    number_at,
     stiffness_slot,
     system_loads,
     system_matrices,
@@ -64,17 +65,17 @@ def _gear_impedance(theta, direction, p, s, d_s, l):
     model, along = gear_numbers(theta, theta), gear_numbers(theta, direction)
     T, U, d_T, d_U = mesh_receptance(model, along, p, s, d_s)
     c, d_c = rotation_coupling(model, along, p)
-    xi, d_xi = model[XI_MESH] + p * along[XI_MESH], along[XI_MESH]
-    eps_t, d_eps_t = model[VARIATION_T] + p * along[VARIATION_T], along[VARIATION_T]
-    eps_r, d_eps_r = model[VARIATION_R] + p * along[VARIATION_R], along[VARIATION_R]
+    xi, d_xi = number_at(model, along, p, XI_MESH)
+    eps_t, d_eps_t = number_at(model, along, p, VARIATION_T)
+    eps_r, d_eps_r = number_at(model, along, p, VARIATION_R)
     damping, d_damping = c * xi - U, d_c * xi + c * d_xi - d_U
     load, d_load = 0j, 0j
-    if l == 0:
-        load, d_load = complex(model[F_PM] + p * along[F_PM]), complex(along[F_PM])
-    elif l == 1:
-        load, d_load = complex(model[F_PV] + p * along[F_PV]), complex(along[F_PV])
+    if l == 0 or l == 1:
+        constant, d_constant = number_at(model, along, p, F_PM if l == 0 else F_PV)
+        load, d_load = complex(constant), complex(d_constant)
     if 0 < l <= int(theta[LOADS]):
-        omega, d_omega = l * (theta[MESH_FREQUENCY] + p * direction[MESH_FREQUENCY]), l * direction[MESH_FREQUENCY]
+        omega, d_omega = number_at(theta, direction, p, MESH_FREQUENCY)
+        omega, d_omega = l * omega, l * d_omega
         error, d_error = phasor(theta, direction, p, error_slot(theta, l))
         load += omega * omega * error
         d_load += omega * omega * d_error + 2.0 * omega * d_omega * error
@@ -105,7 +106,8 @@ def _system_impedance(theta, direction, p, s, d_s, l):
     # Right-hand sides h, h_v, F and (for the derivative alone) dF; across solves the transposed system for w.
     rights, across, none = np.zeros((4, n), _COMPLEX), np.empty((1, n), _COMPLEX), np.empty((0, n), _COMPLEX)
     free = np.empty((n, n), _COMPLEX)
-    omega, d_omega = l * (theta[MESH_FREQUENCY] + p * direction[MESH_FREQUENCY]), l * direction[MESH_FREQUENCY]
+    omega, d_omega = number_at(theta, direction, p, MESH_FREQUENCY)
+    omega, d_omega = l * omega, l * d_omega
     for i in range(n):
         rights[0, i], rights[1, i], across[0, i] = force[i], varying[i], contact[i]
         if 0 <= l <= loads:

@@ -19,6 +19,7 @@ from solver.model.parameters import (
     SIGMA,
     XI_SUPPORT,
     XI_TRANSLATION,
+    number_at,
 )
 
 __all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
@@ -27,21 +28,21 @@ __all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
 @kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64), inline=True)
 def phasor(theta, direction, p, slot):
     """amplitude exp(i phase) of a pair of numbers, the amplitude at a slot, and its derivative along the axis."""
-    unit = cmath.exp(1j * (theta[slot + 1] + p * direction[slot + 1]))
-    size = theta[slot] + p * direction[slot]
-    return size * unit, (direction[slot] + 1j * size * direction[slot + 1]) * unit
+    (size, d_size), (phase, d_phase) = number_at(theta, direction, p, slot), number_at(theta, direction, p, slot + 1)
+    unit = cmath.exp(1j * phase)
+    return size * unit, (d_size + 1j * size * d_phase) * unit
 
 
 @kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64), inline=True)
 def rotation_coupling(theta, direction, p):
     """Rotation coupling c at axis value p and its derivative along the axis."""
     radians = math.pi / 180.0
-    value = theta[ROTATION] + p * direction[ROTATION]
-    slope = direction[ROTATION]
+    value, slope = number_at(theta, direction, p, ROTATION)
     if theta[ROTATION_GEOMETRIC] != 0.0:
-        pressure = (theta[PRESSURE] + p * direction[PRESSURE]) * radians
+        pressure, d_pressure = number_at(theta, direction, p, PRESSURE)
+        pressure *= radians
         value += math.cos(pressure) ** 2
-        slope -= math.sin(2.0 * pressure) * direction[PRESSURE] * radians
+        slope -= math.sin(2.0 * pressure) * d_pressure * radians
     return value, slope
 
 
@@ -66,12 +67,10 @@ def mesh_receptance(theta, direction, p, s, d_s):
         omega those of docs/physics.md, section 3), and their derivatives along the axis, s moving by d_s.
     """
     radians = math.pi / 180.0
-    cone, pressure = (
-        (theta[CONE] + p * direction[CONE]) * radians,
-        (theta[PRESSURE] + p * direction[PRESSURE]) * radians,
-    )
-    d_cone, d_pressure = direction[CONE] * radians, direction[PRESSURE] * radians
-    sigma, d_sigma = theta[SIGMA] + p * direction[SIGMA], direction[SIGMA]
+    cone, d_cone = number_at(theta, direction, p, CONE)
+    pressure, d_pressure = number_at(theta, direction, p, PRESSURE)
+    cone, d_cone, pressure, d_pressure = cone * radians, d_cone * radians, pressure * radians, d_pressure * radians
+    sigma, d_sigma = number_at(theta, direction, p, SIGMA)
     cone_cos, cone_sin = math.cos(cone) ** 2, math.sin(cone) ** 2
     pressure_cos, pressure_sin = math.cos(pressure) ** 2, math.sin(pressure) ** 2
     turn_cone, turn_pressure = math.sin(2.0 * cone) * d_cone, math.sin(2.0 * pressure) * d_pressure
@@ -86,16 +85,14 @@ def mesh_receptance(theta, direction, p, s, d_s):
             shape, d_shape = pressure_cos, -turn_pressure
         weight, d_weight = sigma * shape, d_sigma * shape + sigma * d_shape
         g = j // 3
-        kappa, d_kappa = theta[KAPPA + g] + p * direction[KAPPA + g], direction[KAPPA + g]
-        xi_g, d_xi_g = theta[XI_TRANSLATION + g] + p * direction[XI_TRANSLATION + g], direction[XI_TRANSLATION + g]
-        xi_j, k_j = (
-            theta[XI_SUPPORT + j] + p * direction[XI_SUPPORT + j],
-            theta[K_SUPPORT + j] + p * direction[K_SUPPORT + j],
-        )
+        kappa, d_kappa = number_at(theta, direction, p, KAPPA + g)
+        xi_g, d_xi_g = number_at(theta, direction, p, XI_TRANSLATION + g)
+        xi_j, d_xi_j = number_at(theta, direction, p, XI_SUPPORT + j)
+        k_j, d_k_j = number_at(theta, direction, p, K_SUPPORT + j)
         if xi_j != xi or k_j != k:
             # Supports that are alike, as they mostly are, share one 1/Z_j. Those that differ may not share d_j either,
             # but an axis moves all supports of one kind together, so that equal supports have equal derivatives.
-            xi, d_xi, k, d_k = xi_j, direction[XI_SUPPORT + j], k_j, direction[K_SUPPORT + j]
+            xi, d_xi, k, d_k = xi_j, d_xi_j, k_j, d_k_j
             stiffness = k + 2.0 * xi * s + s * s
             # By the reciprocal: numba raises where a complex number is divided by 0, and this may be a resonance.
             reciprocal = 1.0 / (stiffness.real * stiffness.real + stiffness.imag * stiffness.imag)

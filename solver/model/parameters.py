@@ -17,7 +17,7 @@ The lengths N, L and n stand in the header, as do those of a path in its first s
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
-__all__ = ["error_slot", "gear_numbers", "kind_start", "stiffness_slot", "system_loads", "system_matrices"]
+__all__ = ["error_slot", "gear_numbers", "kind_start", "number_at", "stiffness_slot", "system_loads", "system_matrices"]
 
 # A gear.
 OMEGA, B, ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE, F_E, F_E_PHASE, F_PM, F_PV, XI_MESH = range(11)
@@ -36,6 +36,12 @@ FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, X_STEP, P_STEP, 
 STRETCHES, MOVING, DEGREE, EDGES = range(4)
 
 _I = types.int64
+
+
+@kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64, _I), inline=True)
+def number_at(parameters, parameter_slope, p, slot):
+    """One number at axis value p, and its derivative."""
+    return parameters[slot] + p * parameter_slope[slot], parameter_slope[slot]
 
 
 @kernel(_I(_I), inline=True)
