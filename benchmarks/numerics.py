@@ -13,7 +13,7 @@ from pipeline.plan.planning import plan
 from solver import first_order_problem
 from solver.enumeration.certificates import enumerate_points
 from solver.harmonic.describing_function import linear_solution
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 
 __all__ = ["measure_numerics"]
 

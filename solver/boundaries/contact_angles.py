@@ -25,12 +25,11 @@ import math
 
 import numpy as np
 
-from solver.boundaries.problem import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, parameters_at
+from solver.boundaries.problem import parameters_at
 from solver.harmonic.describing_function import coefficients
-from solver.harmonic.layout import PAIRS, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.condensation import SIZE
+from solver.model.parameters import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, gear_numbers
 
 __all__ = [
     "BACK",
@@ -62,10 +61,9 @@ _RIGHT = 0.5 * math.pi
 def plane_coefficients(theta, direction, y):
     """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both."""
     here, along_x, along_p = parameters_at(theta, direction, y)
-    start = PAIRS + 2 * int(here[STIFFNESSES])
-    model = here[start : start + SIZE]
-    values, by_x, constants, constants_x = coefficients(model, along_x[start : start + SIZE], 0.0)
-    _, by_p, _, constants_p = coefficients(model, along_p[start : start + SIZE], 0.0)
+    gear = gear_numbers(here, here)
+    values, by_x, constants, constants_x = coefficients(gear, gear_numbers(here, along_x), 0.0)
+    _, by_p, _, constants_p = coefficients(gear, gear_numbers(here, along_p), 0.0)
     return (values, by_x, by_p), (constants, constants_x, constants_p)
 
 

@@ -118,13 +118,18 @@ class BoundaryCurve:
         ------
         ParameterError
             If an argument is not allowed.
+        ArithmeticError
+            If the corrector cannot reach a value that the boundary passes.
         """
         values, continuation = ascending_grid("values", values, 0), _settings(continuation)
         columns, points = [np.empty(0, np.int64)], [np.empty((0, 5))]
         for stretch in self.stretches:
-            column, unknowns, _ = curve_crossings(stretch.problem, stretch.curve, values, continuation)
-            columns.append(column)
-            points.append(np.column_stack([unknowns[:, self.shown[:-1]], values[column]]))
+            met = curve_crossings(stretch.problem, stretch.curve, values, continuation)
+            if met.unreached.size:
+                place = values[met.unreached[0]]
+                raise ArithmeticError(f"the boundary passes {place!r}, but the corrector does not converge there")
+            columns.append(met.column)
+            points.append(np.column_stack([met.unknowns[:, self.shown[:-1]], values[met.column]]))
         return np.concatenate(columns), np.concatenate(points)
 
     def distances(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:

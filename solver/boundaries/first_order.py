@@ -19,36 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
-from solver.boundaries.contact_angles import (
-    BACK,
-    FRONT,
-    MONITORS,
-    UNKNOWNS,
-    P,
-    X,
-    angle_rows,
-    determinant,
-    plane_coefficients,
-)
-from solver.boundaries.problem import (
-    BACK_CONTACT,
-    BIFURCATIONS,
-    EVENT,
-    FLANK,
-    FOLDS_AND_GRAZINGS,
-    FRONT_CONTACT,
-    LENGTH_SCALE,
-    LEVEL,
-    Contact,
-    Guess,
-    Plane,
-    Stretch,
-    parameters_at,
-    plane_theta,
-)
+from solver.boundaries.contact_angles import BACK, FRONT, MONITORS, P, X, angle_rows, determinant, plane_coefficients
+from solver.boundaries.problem import BIFURCATIONS, Contact, Guess, Plane, Stretch, parameters_at, plane_theta
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import BACK_CONTACT, EVENT, FLANK, FRONT_CONTACT, LENGTH_SCALE, LEVEL
 
 __all__ = ["FirstOrderProblem"]
 
@@ -184,11 +160,6 @@ class FirstOrderProblem:
             object.__setattr__(self, f"_{name}", value)
 
     @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-        return *FOLDS_AND_GRAZINGS, *BIFURCATIONS
-
-    @property
     def unknowns(self) -> int:
         """Number of unknowns of a motion: lambda_m, lambda_c, lambda_s."""
         return 3
@@ -270,14 +241,11 @@ class FirstOrderProblem:
 
     def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
         """det dE/du."""
-        values = np.empty(MONITORS)
-        problem.monitor(problem.theta, problem.direction, y, values, np.empty((MONITORS, y.size)))
-        return float(values[1])
+        return float(problem.observed(y, MONITORS)[1])
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (3, 3), dE/dp (3,) and the derivatives of det dE/du by u (3,): the angles follow u and p."""
-        jacobian = np.empty((UNKNOWNS, UNKNOWNS + 1))
-        problem.balance(problem.theta, problem.direction, y, np.empty(UNKNOWNS), jacobian)
+        _, jacobian = problem.evaluated(y)
         by_y = -jacobian[3:5] / np.diag(jacobian[3:5, _ANGLES])[:, None]
         whole = jacobian + jacobian[:, _ANGLES] @ by_y
         return whole[:3, :3], whole[:3, P], whole[5, :3]

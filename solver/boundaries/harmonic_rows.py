@@ -20,15 +20,25 @@ import math
 import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, move_parameters
-from solver.boundaries.problem import BACK_CONTACT, EVENT, FRONT_CONTACT, GRAZINGS, P_STEP, X_STEP, parameters_at
+from solver.boundaries.problem import GRAZINGS, parameters_at
 from solver.contact.spectrum import contact_arcs, displacement
 from solver.continuation.continuation import Event
 from solver.harmonic import galerkin
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
-from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
+from solver.model.parameters import (
+    BACK_CONTACT,
+    BACK_GAP,
+    EVENT,
+    FRONT_CONTACT,
+    FRONT_GAP,
+    P_STEP,
+    PERIOD,
+    STIFFNESSES,
+    X_STEP,
+)
 
 __all__ = ["harmonic_rows"]
 
@@ -61,14 +71,14 @@ def _switches_of(here, along_x, along_p, u):
         By angle.
     """
     angles, zones = np.empty(2 * u.shape[0] + 8), np.empty(2 * u.shape[0] + 8, np.int64)
-    count = contact_arcs(u, here[FRONT], here[BACK], angles, zones)
+    count = contact_arcs(u, here[FRONT_GAP], here[BACK_GAP], angles, zones)
     found, k = np.empty((count, SWITCHES)), 0
     for i in range(count):
         before, after = zones[i - 1 if i > 0 else count - 1], zones[i]
         # From one flank to the other at once, as without backlash, is no switch.
         if abs(after) == abs(before):
             continue
-        slot, flank = (FRONT, 1.0) if before + after > 0 else (BACK, -1.0)
+        slot, flank = (FRONT_GAP, 1.0) if before + after > 0 else (BACK_GAP, -1.0)
         found[k, ANGLE], found[k, SENSE], found[k, FLANK] = angles[i], abs(after) - abs(before), flank
         found[k, LEVEL_X], found[k, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
         found[k, SLOPE] = displacement(u, angles[i])[1]

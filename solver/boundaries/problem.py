@@ -6,7 +6,7 @@ goes on beyond; `solver.boundaries.tracer` follows it. There are two of them: `s
 `solver.boundaries.harmonic`.
 
 Kernels read theta = (header | parameters with both axes at 0 | what x adds | how p bends them) and direction, what p
-adds along a straight line. The parameters are those of `solver.harmonic.layout.packed`; how they bend is the flat form
+adds along a straight line. The parameters are those of `solver.model.packing.packed`; how they bend is the flat form
 of `solver.model.parameter_path`.
 """
 
@@ -17,7 +17,6 @@ from typing import Protocol
 import numpy as np
 
 from solver.continuation.continuation import Curve, Event, Problem
-from solver.harmonic.layout import SYSTEM_AXES, packed
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import (
@@ -29,10 +28,11 @@ from solver.model.checks import (
     list_length,
     value_range,
 )
-from solver.model.condensation import AXES
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
+from solver.model.packing import AXES, SYSTEM_AXES, packed
 from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
+from solver.model.parameters import P_STEP, PLANE_HEADER, X_STEP
 
 __all__ = [
     "BIFURCATIONS",
@@ -60,11 +60,6 @@ SAME = 1e-6
 #: order, how often it switches contact at higher ones; None where nothing depends on it.
 Contact = tuple[int, int] | None
 
-# Slots of the header. Contact of either flank; with contact angles the grazed flank's slot of y, its level and the size
-# of lambda; without them the event, and the steps of differences along x and p.
-FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, X_STEP, P_STEP, HEADER = range(9)
-
-
 # Steps of central differences by x and p, as a share of their typical step (a tenth of the range): what they
 # difference is analytic, with some 1e-14 of rounding.
 _DIFFERENCE = 1e-5
@@ -82,7 +77,7 @@ class Plane:
     system : Model or ContactSystem
         Its own values of the two axes are not used; a path starts from it.
     x_axis : str
-        One of `solver.model.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+        One of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
     p_axis : str or ParameterPath
         Another one, or a path of models.
     x_range, p_range : (low, high)
@@ -187,7 +182,7 @@ def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.n
         return packed(plane.system_at(p), axis, plane.omega or 0.0, order, period)
 
     read = plane_vectors(vectors, plane.x_axis, plane.p_axis, plane.p_range)
-    header = np.zeros(HEADER)
+    header = np.zeros(PLANE_HEADER)
     header[[X_STEP, P_STEP]] = np.multiply(_DIFFERENCE, plane.scale)
     return np.concatenate([header, read.base, read.along_x, read.bent]), read.along_p
 
@@ -241,10 +236,6 @@ class BoundaryProblem(Protocol):
     plane: Plane
 
     @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-
-    @property
     def unknowns(self) -> int:
         """Number n of unknowns u of a motion."""
 
@@ -284,12 +275,9 @@ class BoundaryProblem(Protocol):
 
 def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
     """Unit tangent (n + 1,) of a curve at one of its points in scaled unknowns, towards growing p."""
-    n = problem.unknowns
-    jacobian = np.empty((n, n + 1))
-    problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
-    jacobian *= problem.scale
+    jacobian = problem.evaluated(y)[1] * problem.scale
     if not np.all(np.isfinite(jacobian)):
-        return np.full(n + 1, np.nan)
+        return np.full(y.size, np.nan)
     # The rows differ by orders of magnitude next to grazings.
     size = np.linalg.norm(jacobian, axis=1, keepdims=True)
     tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]
@@ -302,7 +290,7 @@ def parameters_at(theta, direction, y):
     size, last = direction.shape[0], y.shape[0] - 1
     here, along_x, along_p = np.empty(size), np.empty(size), np.empty(size)
     for i in range(size):
-        along_x[i], along_p[i] = theta[HEADER + size + i], direction[i]
-        here[i] = theta[HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
-    add_path(theta, HEADER + 2 * size, y[last], here, along_p)
+        along_x[i], along_p[i] = theta[PLANE_HEADER + size + i], direction[i]
+        here[i] = theta[PLANE_HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
+    add_path(theta, PLANE_HEADER + 2 * size, y[last], here, along_p)
     return here, along_x, along_p

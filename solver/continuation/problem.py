@@ -96,6 +96,12 @@ class Problem:
         self.balance(self.theta, self.direction, y, residual, jacobian)
         return residual, jacobian
 
+    def observed(self, y, count: int) -> np.ndarray:
+        """The first values (count,) of the monitor at y = (u, p)."""
+        values, y = np.empty(count), np.array(y, dtype=float)
+        self.monitor(self.theta, self.direction, y, values, np.empty((count, y.size)))
+        return values
+
     def corrected(
         self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
     ) -> np.ndarray | None:

@@ -27,7 +27,7 @@ from solver.enumeration.interval import (
 )
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.model.condensation import (
+from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
     ALPHA_2_PHASE,

@@ -56,7 +56,7 @@ from solver.enumeration.interval import (
 )
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.condensation import (
+from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
     F_PM,

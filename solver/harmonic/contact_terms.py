@@ -4,9 +4,9 @@ import numpy as np
 
 from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
 from solver.harmonic.impedance import stiffness_phasor
-from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
+from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
 
 __all__ = ["coefficient", "contact_of", "modulated"]
 
@@ -24,7 +24,7 @@ def contact_of(theta, direction, u, p, contact, ahead, behind):
     """Fill the spectra chi, chi+ and chi- of a motion u at one axis value."""
     room = 2 * u.shape[0] + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
-    front, back = theta[FRONT] + p * direction[FRONT], theta[BACK] + p * direction[BACK]
+    front, back = theta[FRONT_GAP] + p * direction[FRONT_GAP], theta[BACK_GAP] + p * direction[BACK_GAP]
     count = contact_arcs(u, front, back, angles, zones)
     contact_spectrum(count, angles, zones, contact, ahead, behind)
 

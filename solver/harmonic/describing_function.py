@@ -12,7 +12,6 @@ The rows are (E_0, Re E_1, -Im E_1), for which a statically stable solution has 
 Harmonics of the stiffness above the second and of the transmission error above the first do not reach this balance.
 """
 
-import cmath
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -21,30 +20,14 @@ import numpy as np
 
 from solver.contact.dead_zone import describing_functions
 from solver.continuation.problem import Problem
-from solver.harmonic.layout import check_axis
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, number_array
-from solver.model.condensation import (
-    ALPHA,
-    ALPHA_2,
-    ALPHA_2_PHASE,
-    ALPHA_PHASE,
-    F_E,
-    F_E_PHASE,
-    F_PM,
-    F_PV,
-    OMEGA,
-    VARIATION_R,
-    VARIATION_T,
-    XI_MESH,
-    B,
-    axis_vectors,
-    mesh_receptance,
-    rotation_coupling,
-)
+from solver.model.condensation import mesh_receptance, phasor, rotation_coupling
 from solver.model.gear_model import Model
+from solver.model.packing import axis_vectors, check_axis
+from solver.model.parameters import ALPHA, ALPHA_2, F_E, F_PM, F_PV, OMEGA, VARIATION_R, VARIATION_T, XI_MESH, B
 
 __all__ = [
     "DescribingFunction",
@@ -56,14 +39,6 @@ __all__ = [
     "linear_solution",
     "monitor",
 ]
-
-
-@kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64, types.int64), inline=True)
-def _phasor(theta, direction, p, amplitude, phase):
-    """amplitude * exp(i phase) of two slots of `theta`, and its derivative along the axis."""
-    unit = cmath.exp(1j * (theta[phase] + p * direction[phase]))
-    size = theta[amplitude] + p * direction[amplitude]
-    return size * unit, (direction[amplitude] + 1j * size * direction[phase]) * unit
 
 
 _C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
@@ -92,9 +67,9 @@ def coefficients(theta, direction, p):
     xi, d_xi = theta[XI_MESH] + p * direction[XI_MESH], direction[XI_MESH]
     eps_t, d_eps_t = theta[VARIATION_T] + p * direction[VARIATION_T], direction[VARIATION_T]
     eps_r, d_eps_r = theta[VARIATION_R] + p * direction[VARIATION_R], direction[VARIATION_R]
-    S_1, d_S_1 = _phasor(theta, direction, p, ALPHA, ALPHA_PHASE)
-    S_2, d_S_2 = _phasor(theta, direction, p, ALPHA_2, ALPHA_2_PHASE)
-    error, d_error = _phasor(theta, direction, p, F_E, F_E_PHASE)
+    S_1, d_S_1 = phasor(theta, direction, p, ALPHA)
+    S_2, d_S_2 = phasor(theta, direction, p, ALPHA_2)
+    error, d_error = phasor(theta, direction, p, F_E)
     damping, d_damping = c * xi - U, d_c * xi + c * d_xi - d_U
     rotating, d_rotating = c * eps_r, d_c * eps_r + c * d_eps_r
     varying, d_varying = rotating - T * eps_t, d_rotating - d_T * eps_t - T * d_eps_t
@@ -216,7 +191,7 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     ----------
     model : Model
     axis : str
-        "omega" or a scalar parameter of the gear (`solver.model.condensation.AXES`).
+        "omega" or a scalar parameter of the gear (`solver.model.packing.AXES`).
     low, high : float
         Range of the axis, for scaling.
     omega : float, optional

@@ -22,13 +22,14 @@ from solver.continuation.problem import Problem
 from solver.continuation.setup import CONTACT_ROW
 from solver.harmonic.contact_terms import coefficient, contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance
-from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES, check_axis, packed
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
+from solver.model.packing import check_axis, packed
+from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
 
 __all__ = ["Galerkin", "balance", "contacts", "linear_solution", "monitor"]
 
@@ -47,9 +48,14 @@ def balance(theta, direction, y, residual, jacobian):
     work = np.empty((4, size), _COMPLEX)
     chi, ahead, behind, psi = work[0], work[1], work[2], work[3][: 2 * order + 1]
     contact_of(theta, direction, u, p, chi, ahead, behind)
-    front, d_front, back, d_back = theta[FRONT] + p * direction[FRONT], direction[FRONT], 0.0, direction[BACK]
-    if math.isfinite(theta[BACK]):
-        back = theta[BACK] + p * d_back
+    front, d_front, back, d_back = (
+        theta[FRONT_GAP] + p * direction[FRONT_GAP],
+        direction[FRONT_GAP],
+        0.0,
+        direction[BACK_GAP],
+    )
+    if math.isfinite(theta[BACK_GAP]):
+        back = theta[BACK_GAP] + p * d_back
 
     force = np.empty((4, reach + 1), _COMPLEX)
     f, d_f, q, dump = force[0], force[1], force[2][: order + 1], force[3][: order + 1]
@@ -117,7 +123,7 @@ def monitor(theta, direction, y, values, gradient):
         gradient[0, j] = y[j] / size if size > 0.0 else 0.0
     for i in range(1, 5):
         value, angle = (low, low_at) if i <= 2 else (high, high_at)
-        slot, sense = (FRONT, -1.0) if i % 2 == 1 else (BACK, 1.0)
+        slot, sense = (FRONT_GAP, -1.0) if i % 2 == 1 else (BACK_GAP, 1.0)
         if not math.isfinite(theta[slot]):
             values[i] = 1.0
             gradient[i, :] = 0.0
@@ -140,7 +146,7 @@ def contacts(theta, direction, y, rows):
     for i in range(count):
         value = displacement(y[:n], angles[i])[0]
         turn = complex(math.cos(angles[i]), math.sin(angles[i]))
-        for slot, flank in ((FRONT, 1.0), (BACK, -1.0)):
+        for slot, flank in ((FRONT_GAP, 1.0), (BACK_GAP, -1.0)):
             if not math.isfinite(theta[slot]) or found == rows.shape[0]:
                 continue
             row = rows[found]
@@ -165,7 +171,7 @@ def linear_solution(theta, direction, p, unknowns):
     """
     base, along = theta.copy(), direction.copy()
     n = unknowns.shape[0]
-    for slot in (FRONT, BACK):
+    for slot in (FRONT_GAP, BACK_GAP):
         base[slot], along[slot] = 0.0, 0.0
     y, residual, jacobian = np.zeros(n + 1), np.empty(n), np.empty((n, n + 1))
     y[0], y[n] = 1.0, p
@@ -252,7 +258,7 @@ class Galerkin:
         ----------
         system : Model or ContactSystem
         axis : str
-            "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+            "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.model.packing.SYSTEM_AXES`.
         low, high : float
             Range of the axis, for scaling.
         omega : float, optional
@@ -271,7 +277,7 @@ class Galerkin:
 
     @staticmethod
     def balance_problem(theta: np.ndarray, direction: np.ndarray, scale: np.ndarray) -> Problem:
-        """The balance as a curve for vectors of `solver.harmonic.layout.packed`.
+        """The balance as a curve for vectors of `solver.model.packing.packed`.
 
         Parameters
         ----------

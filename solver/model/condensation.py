@@ -1,95 +1,35 @@
 """Exact condensation of the seven-degree-of-freedom model to the mesh coordinate, with derivatives along an axis.
 
-Only lambda enters nonlinearly, so the translations leave the balance exactly (docs/physics.md, section 3). Kernels see
-a model as one flat vector `theta`. An axis of a plane is a `direction` in that space: at axis value p the parameters
-are theta + p * direction, so that every scalar of the gear, the frequency included, is swept by the same code.
+Only lambda enters nonlinearly, so the translations leave the balance exactly (docs/physics.md, section 3). The vectors
+are those of a gear in `solver.model.parameters`: every scalar of it, the frequency included, is swept by the same code.
 """
 
+import cmath
 import math
-
-import numpy as np
 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.model.checks import ParameterError
-from solver.model.gear_model import GEOMETRIC, SCALAR_PARAMETERS, Model
+from solver.model.parameters import (
+    CONE,
+    K_SUPPORT,
+    KAPPA,
+    PRESSURE,
+    ROTATION,
+    ROTATION_GEOMETRIC,
+    SIGMA,
+    XI_SUPPORT,
+    XI_TRANSLATION,
+)
 
-__all__ = ["AXES", "axis_vectors", "mesh_receptance", "parameter_vector"]
-
-OMEGA, B, ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE, F_E, F_E_PHASE, F_PM, F_PV, XI_MESH = range(11)
-KAPPA, XI_TRANSLATION, XI_SUPPORT, K_SUPPORT = 11, 13, 15, 21
-CONE, PRESSURE, SIGMA, ROTATION, ROTATION_GEOMETRIC, VARIATION_T, VARIATION_R = range(27, 34)
-SIZE = 34
-
-_SLOTS = {
-    "omega": slice(OMEGA, OMEGA + 1),
-    "b": slice(B, B + 1),
-    "alpha": slice(ALPHA, ALPHA + 1),
-    "alpha_phase": slice(ALPHA_PHASE, ALPHA_PHASE + 1),
-    "f_e": slice(F_E, F_E + 1),
-    "f_e_phase": slice(F_E_PHASE, F_E_PHASE + 1),
-    "f_pm": slice(F_PM, F_PM + 1),
-    "f_pv": slice(F_PV, F_PV + 1),
-    "xi_mesh": slice(XI_MESH, XI_MESH + 1),
-    "kappa": slice(KAPPA, KAPPA + 2),
-    "xi_translation": slice(XI_TRANSLATION, XI_TRANSLATION + 2),
-    "xi_support": slice(XI_SUPPORT, XI_SUPPORT + 6),
-    "k_support": slice(K_SUPPORT, K_SUPPORT + 6),
-    "pitch_cone_angle": slice(CONE, CONE + 1),
-    "pressure_angle": slice(PRESSURE, PRESSURE + 1),
-    "translation_coupling": slice(SIGMA, SIGMA + 1),
-    "rotation_coupling": slice(ROTATION, ROTATION + 1),
-    "variation_translation": slice(VARIATION_T, VARIATION_T + 1),
-    "variation_rotation": slice(VARIATION_R, VARIATION_R + 1),
-}
-
-#: Everything that may be an axis of a plane or of a continuation.
-AXES = ("omega", *SCALAR_PARAMETERS)
+__all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
 
 
-def parameter_vector(model: Model, omega: float) -> np.ndarray:
-    """The model at one frequency as the flat vector that kernels read, of shape (34,); angles in degrees."""
-    theta = np.zeros(SIZE)
-    theta[OMEGA] = omega
-    for name in SCALAR_PARAMETERS:
-        value = getattr(model, name)
-        theta[_SLOTS[name]] = 0.0 if value == GEOMETRIC else value
-    theta[SIGMA] = model.sigma
-    theta[ROTATION_GEOMETRIC] = float(model.rotation_coupling == GEOMETRIC)
-    if model.alpha_harmonics:
-        theta[ALPHA_2], theta[ALPHA_2_PHASE] = model.alpha_harmonics[0]
-    return theta
-
-
-def axis_vectors(model: Model, axis: str, omega: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """`theta` with the axis set to 0, and the direction of the axis.
-
-    Parameters
-    ----------
-    model : Model
-    axis : str
-        One of `AXES`.
-    omega : float, optional
-        The frequency; needed unless it is the axis.
-
-    Returns
-    -------
-    theta, direction : (34,) arrays
-
-    Raises
-    ------
-    ParameterError
-        If the axis is unknown.
-    """
-    if axis not in AXES:
-        raise ParameterError("axis", axis, f"one of {', '.join(AXES)}")
-    theta = parameter_vector(model, 0.0 if axis == "omega" else omega)
-    direction = np.zeros(SIZE)
-    theta[_SLOTS[axis]] = 0.0
-    direction[_SLOTS[axis]] = 1.0
-    if axis == "rotation_coupling":
-        theta[ROTATION_GEOMETRIC] = 0.0
-    return theta, direction
+@kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64), inline=True)
+def phasor(theta, direction, p, slot):
+    """amplitude exp(i phase) of a pair of numbers, the amplitude at a slot, and its derivative along the axis."""
+    unit = cmath.exp(1j * (theta[slot + 1] + p * direction[slot + 1]))
+    size = theta[slot] + p * direction[slot]
+    return size * unit, (direction[slot] + 1j * size * direction[slot + 1]) * unit
 
 
 @kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64), inline=True)

@@ -4,7 +4,7 @@ A plain parameter moves the numbers along a straight line: theta + p * direction
 function of p. Kernels read it as a polynomial for each number that moves, in Chebyshev form on each stretch between two
 knots, to the last digits; residuals and first derivatives at p need nothing of it but its value and its slope there.
 
-Flat form: (stretches s | moving numbers k | degree m | s + 1 edges | k slots | (s, k, m + 1) coefficients); (0,) where
+Flat form: the PATH slots of `solver.model.parameters`, s + 1 edges, k slots, (s, k, m + 1) coefficients; (0,) where
 nothing bends.
 """
 
@@ -19,6 +19,7 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import ParameterError
 from solver.model.gear_model import Model
+from solver.model.parameters import DEGREE, EDGES, MOVING, STRETCHES
 
 __all__ = ["ParameterPath", "PlaneVectors", "add_path", "place_on", "plane_vectors"]
 
@@ -164,11 +165,10 @@ def add_path(theta, start, p, numbers, slopes):
     p : float
     numbers, slopes : arrays
     """
-    stretches = int(theta[start])
+    stretches = int(theta[start + STRETCHES])
     if stretches == 0:
         return
-    moving, degree = int(theta[start + 1]), int(theta[start + 2])
-    edges = start + 3
+    moving, degree, edges = int(theta[start + MOVING]), int(theta[start + DEGREE]), start + EDGES
     slots = edges + stretches + 1
     stretch = 0
     while stretch < stretches - 1 and p >= theta[edges + stretch + 1]:

@@ -12,11 +12,12 @@ import numpy as np
 from solver.boundaries.contact_angles import MONITORS, angle_rows, determinant, plane_coefficients
 from solver.boundaries.curve import BoundaryCurve, assembled
 from solver.boundaries.first_order import FirstOrderProblem
-from solver.boundaries.problem import LEVEL, Contact, Plane
+from solver.boundaries.problem import Contact, Plane
 from solver.boundaries.tracer import Tracer
 from solver.continuation.continuation import Continuation, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import LEVEL
 
 __all__ = ["ceiling_curve"]
 

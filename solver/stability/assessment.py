@@ -10,7 +10,6 @@ import numpy as np
 
 from solver.continuation.problem import Balance
 from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
-from solver.harmonic.layout import PERIOD, SYSTEM_AXES, packed
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.checks import (
@@ -24,9 +23,10 @@ from solver.model.checks import (
     one_of,
     whole_number,
 )
-from solver.model.condensation import AXES
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
+from solver.model.packing import AXES, SYSTEM_AXES, packed
+from solver.model.parameters import PERIOD
 from solver.stability.instability import named
 from solver.stability.monodromy import carry_through, fill_monodromies, find_switches, fitted_room, new_room
 from solver.stability.multipliers import LARGEST, TESTS, eigenvalues, spectral_tests, where_multipliers_lie
@@ -211,7 +211,7 @@ def monodromies(
         (`solver.model.contact_system.gear_system`): the multipliers left out are those of the supports' motion across
         the contact direction, exp[(-xi_j +- sqrt(xi_j^2 - k_j)) nu 2 pi/Omega].
     axis : str
-        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.model.packing.SYSTEM_AXES`.
     values : (k,) array_like
     motions : (k, 2 H + 1) array_like
         (Lambda_0, c_1, s_1, ...) of harmonics of Omega/nu.
@@ -326,7 +326,7 @@ def assess(
     system : Model or ContactSystem
         As for `monodromies`.
     axis : str
-        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.model.packing.SYSTEM_AXES`.
     values : (k,) array_like
     motions : (k, n) array_like
         Solutions of the balance: (lambda_m, lambda_c, lambda_s) at first order, else (Lambda_0, c_1, s_1, ...).

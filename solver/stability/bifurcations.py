@@ -19,14 +19,14 @@ import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Event
 from solver.continuation.curve_point import point_size, state_at
-from solver.continuation.hermite import cubic, cubic_slope, cubic_value
+from solver.continuation.hermite import cubic, cubic_value, fraction_at
 from solver.continuation.problem import Balance, Problem
-from solver.continuation.setup import SETUP
-from solver.harmonic import layout
+from solver.continuation.setup import SETUP, STRAND
 from solver.kernels import types
 from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
-from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
+from solver.model.packing import gear_vectors
+from solver.model.parameters import ALPHA_2, ALPHA_2_PHASE
 from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room
 from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
 
@@ -86,6 +86,7 @@ class _Found(NamedTuple):
 
 _WATCH = types.NamedTuple((ARRAY, ARRAY, ROOM), _Watch)
 _FOUND = types.NamedTuple((_INDICES, ARRAY, FLAGS, MATRIX, _INDICES), _Found)
+_KNOWN = types.NamedTuple((ARRAY, MATRIX, MATRIX), KnownMotions)
 _LOCATED, _MISSED, _UNKNOWN = range(3)
 
 
@@ -235,28 +236,6 @@ def _search(setup, watch, found, after, left, right, arc, low, high, at_low, at_
                 _record(found, after, x, _DOUBLING, point)
 
 
-@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F), inner=True)
-def _fraction_at(setup, left, right, arc, level):
-    """The fraction of a piece at which its cubic, monotone in p, has p = level."""
-    n = setup.unknowns
-    leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
-    a, b = cubic(left[n], right[n], leave, arrive)
-    low, high, x = 0.0, 1.0, (level - left[n]) / (right[n] - left[n])
-    for _ in range(40):
-        ahead = cubic_value(a, b, leave, left[n], x) - level
-        if (ahead < 0.0) == (left[n] < right[n]):
-            low = x
-        else:
-            high = x
-        moved = x - ahead / cubic_slope(a, b, leave, x)
-        if not low < moved < high:
-            moved = 0.5 * (low + high)
-        if abs(moved - x) < 1e-9:
-            break
-        x = moved
-    return x
-
-
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, _I, _I), inner=True)
 def _on_piece(setup, left, right, arc, x, motions, first, last):
     """Which of the motions first ... last - 1 lies on the branch at one fraction of a piece; -1 if none surely does."""
@@ -275,24 +254,12 @@ def _on_piece(setup, left, right, arc, x, motions, first, last):
     return nearest if distance <= _NEAR * arc and second >= _APART * arc else -1
 
 
-@kernel(
-    types.void(
-        SETUP,
-        MATRIX, MATRIX, ARRAY,
-        ARRAY, ARRAY, ARRAY, MATRIX, MATRIX,
-        _INDICES, ARRAY, FLAGS, MATRIX, _INDICES,
-    )
-)  # fmt: skip
-def _bifurcations(
-    setup,
-    branch, tangents, arclength,
-    system_theta, system_direction, values, motions, motion_tests,
-    after, fractions, kinds, points, counts,
-):  # fmt: skip
-    """Locate the bifurcations of a branch; the last five arrays are those of `_Found`."""
-    n = setup.unknowns
-    watch = _Watch(system_theta, system_direction, new_room(system_theta, system_direction, branch[0, n], n))
-    found = _Found(after, fractions, kinds, points, counts)
+@kernel(types.void(SETUP, STRAND, ARRAY, ARRAY, _KNOWN, _FOUND))
+def _bifurcations(setup, strand, theta, direction, known, found):
+    """Locate the bifurcations of a branch, with the packed parameters of its system."""
+    n, branch, tangents, arclength = setup.unknowns, strand.points, strand.tangents, strand.arclength
+    values = known.values
+    watch = _Watch(theta, direction, new_room(theta, direction, branch[0, n], n))
     size = point_size(setup)
     left, right = np.zeros(size), np.zeros(size)
     at_low, at_high, at_right = np.empty(TESTS), np.empty(TESTS), np.empty(TESTS)
@@ -301,8 +268,8 @@ def _bifurcations(
             left[j], left[n + 1 + j] = right[j], right[n + 1 + j]
             right[j], right[n + 1 + j] = branch[i, j], tangents[i, j]
         _look(watch, branch[i], at_right)
-        known = not math.isnan(at_right[LARGEST])
-        counts[_UNKNOWN] += not known
+        told = not math.isnan(at_right[LARGEST])
+        found.counts[_UNKNOWN] += not told
         if i > 0 and not math.isnan(at_low[LARGEST]):
             arc, low = arclength[i] - arclength[i - 1], 0.0
             begin, end = left[n], right[n]
@@ -320,38 +287,32 @@ def _bifurcations(
                     while lower > first and values[lower - 1] == values[upper - 1]:
                         lower -= 1
                     last = lower
-                x = _fraction_at(setup, left, right, arc, values[lower])
-                k = _on_piece(setup, left, right, arc, x, motions, lower, upper)
-                if k >= 0 and x > low and not math.isnan(motion_tests[k, LARGEST]):
+                leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
+                x = fraction_at(left[n], right[n], leave, arrive, values[lower], 1e-9)
+                k = _on_piece(setup, left, right, arc, x, known.motions, lower, upper)
+                if k >= 0 and x > low and not math.isnan(known.tests[k, LARGEST]):
                     for j in range(TESTS):
-                        at_high[j] = motion_tests[k, j]
+                        at_high[j] = known.tests[k, j]
                     _search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
                     low = x
                     for j in range(TESTS):
                         at_low[j] = at_high[j]
-            if known:
+            if told:
                 _search(setup, watch, found, i - 1, left, right, arc, low, 1.0, at_low, at_right)
         for j in range(TESTS):
             at_low[j] = at_right[j]
 
 
 def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors of `solver.harmonic.layout.packed` for the motions of a problem of a balance.
+    """Vectors of `solver.model.packing.packed` for the motions of a problem of a balance.
 
     A Galerkin problem carries them. That of the describing function knows two harmonics of the stiffness; where the
     gear has more, pack them from the gear.
     """
     if not balance.truncated:
         return problem.theta, problem.direction
-    vectors = []
-    for model, constant in ((problem.theta, 1.0), (problem.direction, 0.0)):
-        head = np.zeros(layout.PAIRS)
-        head[[layout.HARMONICS, layout.PERIOD, layout.LOADS, layout.SIGN]] = constant
-        head[layout.KIND], head[layout.STIFFNESSES] = layout.GEAR, 2.0 * constant
-        head[[layout.OMEGA, layout.FRONT, layout.BACK]] = model[[OMEGA, B, B]]
-        pairs, load = model[[ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE]], model[[F_E, F_E_PHASE]]
-        vectors.append(np.concatenate([head, pairs, model, load]))
-    return vectors[0], vectors[1]
+    second = problem.theta[[ALPHA_2, ALPHA_2_PHASE]]
+    return gear_vectors(problem.theta, problem.direction, [second], [], 1, 1)
 
 
 def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
@@ -382,7 +343,7 @@ def locate_bifurcations(
     Parameters
     ----------
     parameters : (theta, direction)
-        `solver.harmonic.layout.packed(system, axis, omega, balance.order, balance.period)`.
+        `solver.model.packing.packed(system, axis, omega, balance.order, balance.period)`.
     problem : Problem
         `balance.problem(...)`.
     curve : Curve
@@ -407,22 +368,17 @@ def locate_bifurcations(
     """
     old = np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
     if np.any(old):
-        names = ("points", "tangents", "arclength", "stable", "event")
-        curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~old] for name in names})
+        curve = Curve(*(part[~old] for part in curve.strand), curve.ends, curve.refused)
     if len(curve.points) < 2:
         return curve, ()
     n = problem.unknowns
     if known is None:
         known = KnownMotions(np.empty(0), np.empty((0, n)), np.empty((0, TESTS)))
-    after, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
-    points, counts = np.empty((_MOST, 2 * (n + 1) + 2 * problem.monitors + 1)), np.zeros(3, np.int64)
-    _bifurcations(
-        problem.setup(continuation.corrector),
-        curve.points, curve.tangents, curve.arclength,
-        *parameters, *known,
-        after, fractions, kinds, points, counts,
-    )  # fmt: skip
-    count, missed, unknown = counts.tolist()
+    size = 2 * (n + 1) + 2 * problem.monitors + 1
+    indices, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
+    found = _Found(indices, fractions, kinds, np.empty((_MOST, size)), np.zeros(3, np.int64))
+    _bifurcations(problem.setup(continuation.corrector), curve.strand, *parameters, known, found)
+    count, missed, unknown = found.counts.tolist()
     notes = []
     here = f"between the axis values {curve.points[0, -1]:.9g} and {curve.points[-1, -1]:.9g} of a branch's ends"
     if missed:
@@ -431,14 +387,14 @@ def locate_bifurcations(
         notes.append(f"the multipliers of {unknown} points {here} cannot be computed")
     if count == 0:
         return curve, tuple(notes)
-    order = np.lexsort((fractions[:count], after[:count]))
-    at, steps, found = after[order], np.diff(curve.arclength), points[order]
+    order = np.lexsort((fractions[:count], indices[:count]))
+    at, steps, points = indices[order], np.diff(curve.arclength), found.points[order]
     # A fold's neighbour on the far side tells the stability of the piece behind it.
     piece = np.where(curve.event[at] != Event.FOLD, curve.stable[at], curve.stable[at + 1])
     return dataclasses.replace(
         curve,
-        points=np.insert(curve.points, at + 1, found[:, : n + 1], axis=0),
-        tangents=np.insert(curve.tangents, at + 1, found[:, n + 1 : 2 * n + 2], axis=0),
+        points=np.insert(curve.points, at + 1, points[:, : n + 1], axis=0),
+        tangents=np.insert(curve.tangents, at + 1, points[:, n + 1 : 2 * n + 2], axis=0),
         arclength=np.insert(curve.arclength, at + 1, curve.arclength[at] + fractions[order] * steps[at]),
         stable=np.insert(curve.stable, at + 1, piece),
         event=np.insert(curve.event, at + 1, kinds[order]),

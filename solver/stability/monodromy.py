@@ -11,7 +11,7 @@ For kernels (boundaries, test functions) that have the packed parameters of a ba
     room = monodromy_at(theta, direction, u, p, room)     as often as wanted
 
 leaves the matrix M (2n, 2n) over the period nu 2 pi/Omega from tau = 0, on the states (y, y'), in `room.matrix`. theta
-and direction are those of `solver.harmonic.layout.packed(system, axis, omega, order, period)`, for the describing
+and direction are those of `solver.model.packing.packed(system, axis, omega, order, period)`, for the describing
 function `packed(model, axis, omega, 1, 1)`, at axis value p. M is nan where it cannot be computed. It depends smoothly
 on (u, p) as long as the motion switches contact in the same order, up to a truncation error of 1e-11 of its size; where
 a switch appears or vanishes (grazing) it has a square-root corner. n may change where a coupling is exactly 0, with
@@ -34,10 +34,18 @@ from solver.flow.switched_system import (
     new_system,
     system_at,
 )
-from solver.flow.taylor import BLOCKS, SERIES, Series, carry_deviations, count_blocks, new_series, set_identity
-from solver.harmonic.layout import PERIOD, STIFFNESSES
+from solver.flow.taylor import (
+    BLOCK_SERIES,
+    BLOCKS,
+    BlockSeries,
+    carry_deviations,
+    count_blocks,
+    new_block_series,
+    set_identity,
+)
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import PERIOD, STIFFNESSES
 
 __all__ = [
     "ROOM",
@@ -59,7 +67,7 @@ class Room(NamedTuple):
     and the zones that begin there, the result, and room for its multipliers (2, 2 n)."""
 
     system: SwitchedSystem
-    series: Series
+    series: BlockSeries
     states: np.ndarray
     angles: np.ndarray
     zones: np.ndarray
@@ -67,7 +75,7 @@ class Room(NamedTuple):
     multipliers: np.ndarray
 
 
-ROOM = types.NamedTuple((SWITCHED_SYSTEM, SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
+ROOM = types.NamedTuple((SWITCHED_SYSTEM, BLOCK_SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
 
 
 @kernel(ROOM(_I, _I, _I), inner=True)
@@ -75,7 +83,7 @@ def _room(degrees, stiffnesses, unknowns):
     columns = 2 * degrees
     return Room(
         new_system(degrees, stiffnesses),
-        new_series(degrees, columns),
+        new_block_series(degrees, columns),
         np.empty((count_blocks(columns), columns, 4)),
         np.empty(2 * unknowns + 8),
         np.empty(2 * unknowns + 8, np.int64),

@@ -6,8 +6,8 @@ from solver.harmonic.describing_function import balance, linear_solution
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
+from solver.model.packing import axis_vectors
 
 
 @kernel(types.int64(ARRAY, ARRAY, types.float64, MATRIX, types.float64, MATRIX))

@@ -111,7 +111,7 @@ def test_both_ways_from_the_middle_is_one_curve_in_order():
 
 def test_crossings_are_all_roots_of_the_cubic(curve):
     grid = np.linspace(LOW, HIGH, 391)
-    columns, unknowns, stable = curve_crossings(duffing.duffing(LOW, HIGH), curve, grid, Continuation())
+    columns, unknowns, stable, *_ = curve_crossings(duffing.duffing(LOW, HIGH), curve, grid, Continuation())
     for i, omega in enumerate(grid):
         expected = duffing.amplitudes(omega)
         order = np.argsort(np.hypot(*unknowns[columns == i].T))

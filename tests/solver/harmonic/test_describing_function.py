@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 
 from solver import first_order_problem
 from solver.harmonic.describing_function import balance, coefficients, evaluate, linear_solution, monitor
-from solver.model.condensation import AXES, axis_vectors
+from solver.model.packing import AXES, axis_vectors
 from tests.conftest import published
 from tests.solver.independent import difference, linear_response, projected_balance
 from tests.solver.strategies import frequencies, models, motions, value_on

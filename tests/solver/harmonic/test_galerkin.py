@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from solver import Continuation, DescribingFunction, ParameterError, gear_system
 from solver.harmonic.galerkin import Galerkin
-from solver.harmonic.layout import SYSTEM_AXES
-from solver.model.condensation import AXES
+from solver.model.packing import AXES, SYSTEM_AXES
 from tests.conftest import antiphase, consistent, published
 from tests.solver.harmonic.projection import evaluated, projected
 from tests.solver.independent import difference
