@@ -11,7 +11,7 @@ from solver.boundaries.refine import refined
 from solver.boundaries.special_points import SpecialPoint, end_of, joint, named_points
 from solver.continuation.continuation import Continuation, EndReason, Event
 from solver.continuation.on_curve import curve_crossings
-from solver.model.checks import ParameterError, ascending_grid, finite_array, finite_number, instance_of
+from solver.model.checks import ParameterError, finite_array, finite_number, instance_of
 
 __all__ = ["BoundaryCurve", "assembled", "unfollowed"]
 
@@ -121,7 +121,9 @@ class BoundaryCurve:
         ArithmeticError
             If the corrector cannot reach a value that the boundary passes.
         """
-        values, continuation = ascending_grid("values", values, 0), _settings(continuation)
+        values, continuation = finite_array("values", values, (None,)), _settings(continuation)
+        if np.any(values[1:] < values[:-1]):
+            raise ParameterError("values", values.tolist(), "ascending")
         columns, points = [np.empty(0, np.int64)], [np.empty((0, 5))]
         for stretch in self.stretches:
             met = curve_crossings(stretch.problem, stretch.curve, values, continuation)

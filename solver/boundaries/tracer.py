@@ -220,6 +220,8 @@ class Tracer:
             if y is None:
                 continue
             heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
+            if not _finite(heading):
+                continue
             stretch = self._followed(contact, y, heading, self.continuation.trace_both_ways)
             found = stretch if len(stretch.curve.points) else found
             # A start on a wall and on the plane's border has its boundary on one side of the wall only.
@@ -234,6 +236,8 @@ class Tracer:
 
         It may move by `reach` in (u, x, p) and lie outside of the box by `beyond`, in scaled unknowns.
         """
+        if not _finite(y, normal):
+            return None
         problem, (low, high) = (
             self.boundary_problem.problem(self.kind, contact),
             self.boundary_problem.box(self.kind, contact),
@@ -268,6 +272,8 @@ class Tracer:
 
     def _beyond(self, last: Stretch, guess: Guess) -> Stretch | None:
         """The stretch that a guess leads to, from the end of the last one on; None if it leads nowhere."""
+        if not _finite(guess.y, guess.heading):
+            return None
         if guess.reach == 0.0:
             return self._followed(guess.contact, guess.y, guess.heading, self.continuation.trace)
         y = self._correct_onto_curve(guess.contact, guess.y, guess.heading, guess.reach, guess.reach)
@@ -280,3 +286,8 @@ class Tracer:
                 if way.curve.ends[0] is EndReason.STEP_TOO_SMALL and gap < MEET:
                     return way
         return None
+
+
+def _finite(*arrays: np.ndarray) -> bool:
+    """Whether continuation can start there: next to singular points a tangent cannot be told."""
+    return all(np.isfinite(array).all() for array in arrays)

@@ -89,9 +89,17 @@ class Problem:
         )
 
     def evaluated(self, y) -> tuple[np.ndarray, np.ndarray]:
-        """Residual (n,) and Jacobian (n, n + 1) at y = (u, p); raises ParameterError where y is not finite."""
+        """Residual (n,) and Jacobian (n, n + 1) at y = (u, p); nan where y is.
+
+        Raises
+        ------
+        ParameterError
+            If y is no vector of n + 1 numbers.
+        """
         n = self.unknowns
-        y = finite_array("y", y, (n + 1,))
+        y = number_array("y", y).astype(float)
+        if y.shape != (n + 1,):
+            raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({n + 1},)")
         residual, jacobian = np.empty(n), np.empty((n, n + 1))
         self.balance(self.theta, self.direction, y, residual, jacobian)
         return residual, jacobian

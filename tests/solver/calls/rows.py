@@ -137,7 +137,7 @@ CALLS = {
     },
     "solver.Problem.evaluated": lambda: {
         "self": problem(),
-        "y": argument(row().curves[0].points[0], array(row().curves[0].points[0], [1.0] * 3)),
+        "y": argument(row().curves[0].points[0], array(row().curves[0].points[0], [1.0] * 3, finite=False)),
     },
     "solver.Problem.setup": lambda: {"self": problem(), "corrector": argument(CORRECTOR, OBJECT)},
     "solver.Row.branch_impact": lambda: {"self": row(), "curve": argument(row().curves[0], OBJECT)},
