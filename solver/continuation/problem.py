@@ -96,19 +96,31 @@ class Problem:
         ParameterError
             If y is no vector of n + 1 numbers.
         """
-        n = self.unknowns
-        y = number_array("y", y).astype(float)
-        if y.shape != (n + 1,):
-            raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({n + 1},)")
+        n, y = self.unknowns, self._place(y)
         residual, jacobian = np.empty(n), np.empty((n, n + 1))
         self.balance(self.theta, self.direction, y, residual, jacobian)
         return residual, jacobian
 
     def observed(self, y, count: int) -> np.ndarray:
-        """The first values (count,) of the monitor at y = (u, p)."""
-        values, y = np.empty(count), np.array(y, dtype=float)
-        self.monitor(self.theta, self.direction, y, values, np.empty((count, y.size)))
-        return values
+        """The first values (count,) of the monitor at y = (u, p); nan where y is, and where it has no such value.
+
+        Raises
+        ------
+        ParameterError
+            If y is no vector of n + 1 numbers, or the count is no whole number from 1 to 10000.
+        """
+        count, y = whole_number("count", count, 1, 10_000), self._place(y)
+        # A monitor fills all of its values, however few are wanted.
+        values = np.full(max(count, self.monitors), np.nan)
+        self.monitor(self.theta, self.direction, y, values, np.empty((values.size, y.size)))
+        return values[:count]
+
+    def _place(self, y) -> np.ndarray:
+        """A copy of y = (u, p); raises ParameterError if it is no vector of n + 1 numbers."""
+        y = number_array("y", y).astype(float)
+        if y.shape != (self.unknowns + 1,):
+            raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({self.unknowns + 1},)")
+        return y
 
     def corrected(
         self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None

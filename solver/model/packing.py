@@ -190,7 +190,17 @@ def packed(system: Model | ContactSystem, axis: str, omega: float | None, order:
 
 
 def gear_vectors(theta, direction, stiffness, errors, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors of `packed` from those of a gear, with the pairs of further harmonics of its stiffness and error."""
+    """Vectors of `packed` from those of a gear.
+
+    Parameters
+    ----------
+    theta, direction : arrays
+        `axis_vectors` of the gear.
+    stiffness, errors : sequence of (amplitude, phase)
+        Harmonics 2, 3, ... of the mesh stiffness and of the transmission error.
+    order, period : int
+        Harmonics of the mesh frequency, and nu.
+    """
     vectors = []
     for vector, constant in ((theta, 1.0), (direction, 0.0)):
         head = np.zeros(PAIRS)

@@ -274,7 +274,8 @@ def measure(
     current = checked_state(system, state)
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
-    watch, loaded = Watch(extremes, sums, np.zeros(1, np.int64), omega / divisor), checked_system(system, omega)
+    loaded = checked_system(system, omega)
+    watch = Watch(extremes, sums, np.zeros(1, np.int64), omega / divisor)
     tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
     status = Status(_measure(loaded, current, periods, tolerance, ceiling, watch))
     if status is not Status.COMPLETE:
