@@ -16,10 +16,11 @@ from pipeline.errors import StoreError
 from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.labels import TRAITS
-from pipeline.store import COMPLETE, read_plan, statuses
+from pipeline.store import COMPLETE, read_plan, statuses, store_path
 from pipeline.store.identity import root_attributes
 from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
 from solver.enumeration.solutions import Proof
+from solver.model.checks import finite_number
 from solver.regions.regions import Occurrence
 
 __all__ = ["OpenPlane", "open_plane"]
@@ -42,10 +43,12 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPla
     ------
     StoreError
         If there is no such store, it is a volume, or this program cannot read it.
+    solver.ParameterError
+        If the name or the root is no path.
     """
-    path = Path(name)
+    path, folder = store_path("name", name), store_path("root", root)
     if len(path.parts) == 1 and path.suffix != ".zarr":
-        path = Path(root) / f"{name}.zarr"
+        path = folder / f"{name}.zarr"
     plan = read_plan(path)
     if plan.parameter2 is not None:
         raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which can be opened")
@@ -124,11 +127,23 @@ class OpenPlane:
         return dict(zip(map(int, flags["flag_values"]), flags["labels"], strict=True))
 
     def label_of(self, code: int) -> str:
-        """The n/I label of a code; empty for 0, a label that is not known."""
-        return domain_label(code) if code else ""
+        """The n/I label of a code; empty for 0, a label that is not known.
+
+        Raises
+        ------
+        solver.ParameterError
+            If it is no code.
+        """
+        return domain_label(code)
 
     def label_near(self, **place: float) -> str:
-        """The label of the nearest stored cell; empty where its row has not been computed."""
+        """The label of the nearest stored cell; empty where its row has not been computed.
+
+        Raises
+        ------
+        solver.ParameterError
+            If the place is not given by the names of both axes, or lies outside of the plane.
+        """
         return self.labels[int(self._cell("domain", place))]
 
     def label_at(self, **place: float) -> str:
@@ -140,6 +155,8 @@ class OpenPlane:
             If the plane is of a higher order, of which solutions cannot be enumerated.
         ArithmeticError
             If the solutions there are not proven to be all, as on a boundary.
+        solver.ParameterError
+            As `label_near`.
         """
         found = self.motions_at(**place)
         states = found.impact.values[found.stable.values == 1]
@@ -153,9 +170,14 @@ class OpenPlane:
         -------
         (row, column) bool DataArray
             False as well where nothing has been computed.
+
+        Raises
+        ------
+        solver.ParameterError
+            If it is neither a label that the plane may have nor a trait.
         """
         known = {label: code for code, label in self.labels.items() if label}
-        if what not in known and what not in TRAITS:
+        if not isinstance(what, str) or what not in known and what not in TRAITS:
             raise ParameterError("what", what, f"a label n/I such as 2/0-1, or one of {', '.join(TRAITS)}")
         codes = [known[what]] if what in known else [code for label, code in known.items() if TRAITS[what](label)]
         domain = self.tree["domain"]
@@ -169,6 +191,13 @@ class OpenPlane:
         Dataset
             Along `point`: the swept parameter, `mean`, `cos`, `sin`, `amplitude`, `stable`, `impact`, `branch` (which
             connected curve), `event`.
+
+        Raises
+        ------
+        StoreError
+            If that row has not been computed.
+        solver.ParameterError
+            If the value is not given by the name of the row parameter, or lies outside of the plane.
         """
         row = self._row(value)
         if statuses(self.path)[row] != COMPLETE:
@@ -184,6 +213,8 @@ class OpenPlane:
         ------
         solver.RowError
             If a branch cannot be followed.
+        solver.ParameterError
+            As `curve_near`.
         """
         p = self._value(self.plan.parameter, value)
         settings = self.plan.solver
@@ -192,7 +223,13 @@ class OpenPlane:
 
     def motions_near(self, **place: float) -> xr.Dataset:
         """The stored solutions of the nearest cell along `solution`, by ascending amplitude: `mean`, `amplitude`,
-        `phase`, `stable`, `impact`, `instability`, `multiplier`."""
+        `phase`, `stable`, `impact`, `instability`, `multiplier`.
+
+        Raises
+        ------
+        solver.ParameterError
+            As `label_near`.
+        """
         here = xr.Dataset({name: self._cell(name, place) for name in (*_MOTION, "instability", "multiplier")}).load()
         return here.isel(solution=np.flatnonzero(here.stable.values >= 0))
 
@@ -201,7 +238,7 @@ class OpenPlane:
 
         Raises
         ------
-        StoreError, ArithmeticError
+        StoreError, ArithmeticError, solver.ParameterError
             As `label_at`.
         """
         if self.plan.solver["balance"] != "describing_function":
@@ -232,6 +269,8 @@ class OpenPlane:
         ------
         StoreError
             If boundaries have not been traced.
+        solver.ParameterError
+            As `label_near`.
         """
         from pipeline.analysis.boundaries import read_boundaries
         from pipeline.analysis.margins.answer import line_through
@@ -280,9 +319,7 @@ class OpenPlane:
 
 
 def _within(axis, value) -> float:
-    if not axis.low <= value <= axis.high:
-        raise ParameterError(axis.name, value, f"from {axis.low:g} to {axis.high:g}, as in the plane")
-    return float(value)
+    return finite_number(axis.name, value, at_least=axis.low, at_most=axis.high)
 
 
 def _curves(row: Row, axis: str) -> xr.Dataset:

@@ -2,6 +2,7 @@
 
 from pipeline.plan.plan import Plan
 from solver import GearPair, Scales
+from solver.model.checks import instance_of
 
 __all__ = ["cycle_note", "gear_of", "scales_of"]
 
@@ -12,7 +13,14 @@ def gear_of(plan: Plan) -> GearPair | None:
 
 
 def scales_of(plan: Plan) -> Scales | None:
-    """What dimensionless values of a plan mean in physical units; None where the plan is dimensionless."""
+    """What dimensionless values of a plan mean in physical units; None where the plan is dimensionless.
+
+    Raises
+    ------
+    solver.ParameterError
+        If it is no plan.
+    """
+    instance_of("plan", plan, Plan)
     gear = gear_of(plan)
     return None if gear is None else Scales(gear)
 

@@ -9,9 +9,10 @@ import zarr
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import continuation_of, frame_of
 from pipeline.plan.plan import Plan
-from pipeline.store import COMPLETE, read_plan
-from solver import Event, ParameterError
+from pipeline.store import COMPLETE, read_plan, store_path
+from solver import Event, ParameterError, label_parts
 from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve, boundary_curves
+from solver.model.checks import value_range
 from solver.regions.regions import Occurrence, RegionError, Regions, regions
 
 __all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds"]
@@ -40,8 +41,10 @@ def thresholds(
     Raises
     ------
     StoreError
-        If there is no such store, it has no complete row, its boundaries do not divide it, or the window is not
-        allowed.
+        If there is no such store, it has no complete row, its boundaries do not divide it, or the window is not inside
+        the plane.
+    solver.ParameterError
+        If the path is none, the label is no n/I label, or the window is no range.
 
     Examples
     --------
@@ -64,7 +67,12 @@ def thresholds(
     b = 0.082305 to 1.010830: 2.0645% of the window
     >>> folder.cleanup()
     """
-    (found,) = label_occurrences(Path(path), [window])
+    path = store_path("path", path)
+    if label is not None:
+        label_parts(label)
+    if window is not None:
+        window = value_range("window", window)
+    (found,) = label_occurrences(path, [window])
     return tuple(one for name in (found if label is None else (label,)) for one in found.get(name, ()))
 
 

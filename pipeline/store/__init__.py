@@ -5,7 +5,7 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 
 from pipeline.store.attributes import axis_attributes, flags, label_flags
 from pipeline.store.blocks import RowValues, kept_rows, read_rows, row_values, write_block
-from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign
+from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign, store_path
 from pipeline.store.inspection import damage_error, find_damage
 from pipeline.store.repair import remove_left_overs, repair
 from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, notes, pending_blocks, proven_cells, statuses
@@ -37,5 +37,6 @@ __all__ = [
     "repair",
     "row_values",
     "statuses",
+    "store_path",
     "write_block",
 ]

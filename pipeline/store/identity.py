@@ -11,8 +11,35 @@ from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of
 from pipeline.store.removal import refuse_unknown
 from pipeline.store.seal import sealed
 from pipeline.store.validation import validate_plan
+from solver import ParameterError
 
-__all__ = ["check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "root_attributes"]
+__all__ = ["check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "root_attributes", "store_path"]
+
+
+def store_path(name: str, value: str | Path) -> Path:
+    """A path as a caller gives it.
+
+    Parameters
+    ----------
+    name : str
+        The parameter as the caller knows it.
+    value : str or Path
+
+    Raises
+    ------
+    solver.ParameterError
+        If it is neither, or no path.
+    StoreError
+        If the system refuses to look there.
+    """
+    if isinstance(value, str | Path) and str(value) and "\0" not in str(value):
+        path = Path(value)
+        try:
+            path.exists()
+        except OSError as error:
+            raise StoreError(f"{name} = {str(value)[:200]!r} cannot be read: {error.strerror}") from None
+        return path
+    raise ParameterError(name, value, "a path, as text or a pathlib.Path")
 
 
 def root_attributes(path: Path) -> dict:
@@ -113,7 +140,10 @@ def read_plan(path: Path) -> Plan:
     ------
     StoreError
         If there is no store, or it is not one of ours or of this version, or names and metadata show it to be damaged.
+    solver.ParameterError
+        If the path is none.
     """
+    path = store_path("path", path)
     attributes = root_attributes(path)
     plan = plan_from(attributes, path)
     validate_layout(path, plan, attributes)

@@ -5,8 +5,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
-from solver.boundaries.problem import SAME
+from solver.boundaries.problem import SAME, checked_events
 from solver.continuation.continuation import Continuation, Event
+from solver.model.checks import ascending_grid, instances_of
 
 __all__ = ["missed_events"]
 
@@ -33,11 +34,16 @@ def missed_events(
     -------
     list of (Event, (5,) array)
         Kind and lambda_m, lambda_c, lambda_s, x, p: solutions to start from in those rows. By kind, p and x.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
-    parameters = np.asarray(parameters, dtype=float)
+    curves, parameters = instances_of("curves", curves, BoundaryCurve), ascending_grid("parameters", parameters)
     known: dict[tuple[int, float], list[np.ndarray]] = {}
-    for kind, point in starts:
-        known.setdefault((int(kind), float(point[4])), []).append(np.asarray(point[:4], dtype=float))
+    for kind, point in zip(*checked_events("starts", starts, 5), strict=True):
+        known.setdefault((int(kind), float(point[4])), []).append(point[:4])
     missed = []
     for curve in curves:
         if not curve.stretches:

@@ -11,6 +11,7 @@ from solver.boundaries.refine import refined
 from solver.boundaries.special_points import SpecialPoint, end_of, joint, named_points
 from solver.continuation.continuation import Continuation, EndReason, Event
 from solver.continuation.on_curve import curve_crossings
+from solver.model.checks import ParameterError, finite_array, finite_number, instance_of
 
 __all__ = ["BoundaryCurve", "assembled", "unfollowed"]
 
@@ -115,10 +116,14 @@ class BoundaryCurve:
 
         Raises
         ------
+        ParameterError
+            If an argument is not allowed.
         ArithmeticError
             If the corrector cannot reach a value that the boundary passes.
         """
-        values, continuation = np.asarray(values, dtype=float), continuation or Continuation()
+        values, continuation = finite_array("values", values, (None,)), _settings(continuation)
+        if np.any(values[1:] < values[:-1]):
+            raise ParameterError("values", values.tolist(), "ascending")
         columns, points = [np.empty(0, np.int64)], [np.empty((0, 5))]
         for stretch in self.stretches:
             met = curve_crossings(stretch.problem, stretch.curve, values, continuation)
@@ -130,8 +135,14 @@ class BoundaryCurve:
         return np.concatenate(columns), np.concatenate(points)
 
     def distances(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:
-        """Distance of points (n, 5) from the boundary in scaled unknowns, (n,); see `solver.boundaries.incidence`."""
-        continuation = continuation or Continuation()
+        """Distance of points (n, 5) from the boundary in scaled unknowns, (n,); see `solver.boundaries.incidence`.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is not allowed.
+        """
+        points, continuation = finite_array("points", points, (None, 5)), _settings(continuation)
         if not self.stretches:
             return np.full(len(points), np.inf)
         targets = np.zeros((len(points), self.stretches[0].problem.unknowns + 1))
@@ -152,8 +163,18 @@ class BoundaryCurve:
             Only steps of the curve that may touch this part of the plane are divided.
         continuation : Continuation, optional
             Whose corrector is used.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is not allowed.
         """
-        continuation = continuation or Continuation()
+        x_step, p_step = finite_number("x_step", x_step, above=0.0), finite_number("p_step", p_step, above=0.0)
+        if window is not None:
+            window = finite_array("window", window, (4,))
+            if window[0] > window[1] or window[2] > window[3]:
+                raise ParameterError("window", window.tolist(), "ascending along x and along p")
+        continuation = _settings(continuation)
         parts = [self.points[:1]] if not self.stretches else []
         for stretch in self.stretches:
             places = stretch.curve.points[:, self.shown[3:]]
@@ -170,8 +191,20 @@ class BoundaryCurve:
         return np.concatenate(parts)
 
 
+def _settings(continuation: Continuation | None) -> Continuation:
+    return Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
+
+
 def unfollowed(boundary: BoundaryProblem, kind: Event, point: np.ndarray) -> BoundaryCurve:
-    """A start (u, x, p) from which no boundary could be followed, as a curve of one point."""
+    """A start from which no boundary could be followed, as a curve of one point.
+
+    Parameters
+    ----------
+    boundary : BoundaryProblem
+    kind : Event
+    point : (n + 2,) array
+        (u, x, p).
+    """
     nothing, shown, components = np.zeros(1, np.int8), boundary.shown(kind), boundary.components(kind)
     points = point[[components.index(i) for i in shown]][None]
     ends = (EndReason.STEP_TOO_SMALL,) * 2
@@ -179,7 +212,14 @@ def unfollowed(boundary: BoundaryProblem, kind: Event, point: np.ndarray) -> Bou
 
 
 def assembled(boundary: BoundaryProblem, kind: Event, chain: Chain) -> BoundaryCurve:
-    """One curve of the stretches of a chain, with its special points named."""
+    """One curve of the stretches of a chain, with its special points named.
+
+    Parameters
+    ----------
+    boundary : BoundaryProblem
+    kind : Event
+    chain : Chain
+    """
     shown, stretches, ends = boundary.shown(kind), chain.stretches, chain.ends
     columns, travelled = list(shown), 0.0
     points, slopes, lengths, special, stable = [], [], [], [], []

@@ -19,7 +19,15 @@ import numpy as np
 from solver.continuation.continuation import Curve, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.model.checks import ParameterError
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    frequency,
+    instance_of,
+    instances_of,
+    list_length,
+    value_range,
+)
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import AXES, SYSTEM_AXES, packed
@@ -57,6 +65,9 @@ Contact = tuple[int, int] | None
 _DIFFERENCE = 1e-5
 
 
+_KINDS = frozenset(map(int, Event))
+
+
 @dataclass(frozen=True)
 class Plane:
     """Where boundaries are sought.
@@ -87,20 +98,26 @@ class Plane:
     omega: float | None = None
 
     def __post_init__(self):
+        instance_of("system", self.system, Model, ContactSystem)
         allowed = AXES if isinstance(self.system, Model) else SYSTEM_AXES
         for name in ("x_axis", "p_axis"):
             axis = getattr(self, name)
-            if axis not in allowed and not (name == "p_axis" and isinstance(axis, ParameterPath)):
+            if not (name == "p_axis" and isinstance(axis, ParameterPath)) and (
+                not isinstance(axis, str) or axis not in allowed
+            ):
                 raise ParameterError(name, axis, f"one of {', '.join(allowed)}")
         if self.x_axis == self.p_axis:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
-            low, high = (float(v) for v in getattr(self, name))
-            if not -np.inf < low < high < np.inf:
-                raise ParameterError(name, (low, high), "two finite ascending numbers")
-            object.__setattr__(self, name, (low, high))
-        if "omega" not in (self.x_axis, self.p_axis) and (self.omega is None or not 0.0 < self.omega < np.inf):
-            raise ParameterError("omega", self.omega, "a finite number above 0, as no axis is the frequency")
+            object.__setattr__(self, name, value_range(name, getattr(self, name)))
+        if "omega" not in (self.x_axis, self.p_axis) or self.omega is not None:
+            frequency(self.omega)
+        for axis, ends in ((self.x_axis, self.x_range), (self.p_axis, self.p_range)):
+            if axis == "omega":
+                frequency(ends[0])
+            elif isinstance(axis, str) and isinstance(self.system, Model):
+                for end in ends:
+                    self.system.replace(**{axis: end})
 
     def system_at(self, p: float) -> Model | ContactSystem:
         """The system of the row p, in the middle of the range of x."""
@@ -112,7 +129,8 @@ class Plane:
         """b of a gear at places x, a number or an array, of the row p."""
         if self.x_axis == "b":
             return x
-        return np.broadcast_to(place_on(self.p_axis, p, self.system)[0].b, np.shape(x))
+        moves = self.p_axis == "b" or isinstance(self.p_axis, ParameterPath)
+        return np.broadcast_to(place_on(self.p_axis, p, self.system)[0].b if moves else self.system.b, np.shape(x))
 
     @property
     def motion_size(self) -> float:
@@ -125,8 +143,40 @@ class Plane:
         return [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
 
 
+def checked_events(name: str, events, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Kinds (k,) and points (k, size) of events.
+
+    Parameters
+    ----------
+    name : str
+        The parameter as the user knows it.
+    events : iterable of (Event, (size,) array_like)
+    size : int
+
+    Raises
+    ------
+    ParameterError
+        If one is no pair of a kind and so many finite numbers.
+    """
+    events = instances_of(name, events, object)
+    for event in events:
+        if list_length(event) != 2 or not isinstance(event[0], int | np.integer) or event[0] not in _KINDS:
+            raise ParameterError(name, event, "pairs of an Event and a point")
+    if not events:
+        return np.empty(0, np.int64), np.empty((0, size))
+    kinds, points = zip(*events, strict=True)
+    return np.array(kinds, dtype=np.int64), finite_array(name, points, (None, size))
+
+
 def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
-    """`theta`, of its header only the steps, and `direction` of a plane for a balance of this order and period."""
+    """`theta`, of its header only the steps, and `direction` of a plane.
+
+    Parameters
+    ----------
+    plane : Plane
+    order, period : int
+        Of the balance: harmonics of the mesh frequency, and nu.
+    """
 
     def vectors(axis: str, p: float):
         return packed(plane.system_at(p), axis, plane.omega or 0.0, order, period)
@@ -139,7 +189,15 @@ def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.n
 
 @dataclass(frozen=True)
 class Stretch:
-    """The part of a boundary along which the contact stays the same, smooth to its ends."""
+    """The part of a boundary along which the contact stays the same, smooth to its ends.
+
+    Parameters
+    ----------
+    contact : Contact
+    problem : Problem
+    curve : Curve
+        Of that problem.
+    """
 
     contact: Contact
     problem: Problem

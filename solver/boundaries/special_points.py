@@ -30,7 +30,15 @@ class SpecialPoint(Explained):
 
 
 def named_points(boundary: BoundaryProblem, kind: Event, stretch: Stretch) -> np.ndarray:
-    """`SpecialPoint` of every point of a stretch, without regard to its ends: (k,) int8 array."""
+    """`SpecialPoint` of every point of a stretch, without regard to its ends: (k,) int8 array.
+
+    Parameters
+    ----------
+    boundary : BoundaryProblem
+    kind : Event
+    stretch : Stretch
+        Of k points.
+    """
     codes = np.zeros(len(stretch.curve.points), np.int8)
     for i in np.flatnonzero(stretch.curve.event):
         if stretch.curve.event[i] == Event.FOLD:
@@ -44,6 +52,11 @@ def joint(kind: Event, before: Stretch, after: Stretch) -> tuple[SpecialPoint, S
     """What the last point of a stretch is, and the first point of the one that follows.
 
     A fold curve that reverses in the plane has a cusp there: two folds meet.
+
+    Parameters
+    ----------
+    kind : Event
+    before, after : Stretch
     """
     if kind in BIFURCATIONS:
         return SpecialPoint.CORNER, SpecialPoint.NONE
@@ -54,7 +67,15 @@ def joint(kind: Event, before: Stretch, after: Stretch) -> tuple[SpecialPoint, S
 
 
 def end_of(plane: Plane, kind: Event, y: np.ndarray) -> SpecialPoint:
-    """What the end y = (..., x, p) of a boundary that leaves its box is."""
+    """What the end of a boundary that leaves its box is.
+
+    Parameters
+    ----------
+    plane : Plane
+    kind : Event
+    y : array
+        (..., x, p).
+    """
     if np.any(y[-2:, None] == np.array([plane.x_range, plane.p_range])):
         return SpecialPoint.BORDER
     # What ends elsewhere ends where contact does, or where the critical pair becomes real.

@@ -18,12 +18,13 @@ from solver.boundaries.problem import (
     Guess,
     Plane,
     Stretch,
+    checked_events,
     curve_tangent,
 )
 from solver.continuation.continuation import Continuation, Curve, EndReason, Event
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, has_methods, instance_of, instances_of
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
@@ -52,8 +53,14 @@ def row_events(
     -------
     list of (Event, (n + 2,) array)
         Kind and (u, x, p): at first order lambda_m, lambda_c, lambda_s, x, p.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
-    wanted = [int(kind) for kind in kinds]
+    curves, parameter = instances_of("curves", curves, Curve), finite_number("parameter", parameter)
+    wanted = [int(kind) for kind in instances_of("kinds", kinds, Event)]
     return [
         (Event(curve.event[i]), np.append(curve.points[i], parameter))
         for curve in curves
@@ -110,9 +117,14 @@ def boundary_curves(
     Away from the contact angles of first order a boundary has a corner with an infinite gradient where its motion
     begins to touch a flank. Continuation stops there on either side, and what meets is joined; where the other side is
     not found, neither by a hop nor from a start, the boundary ends for STEP_TOO_SMALL.
+
+    Folds, period doublings and Neimark-Sackers are curves of minimally augmented and squared systems (W. J. F.
+    Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000; docs/physics.md, sections 5.5 and
+    6.4).
     """
     plane = Plane(system, x_axis, p_axis, x_range, p_range, omega)
-    balance, continuation = balance or DescribingFunction(), continuation or Continuation()
+    balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
+    continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
     kinds, points = _sorted(plane, balance.unknowns, starts)
     curves: list[BoundaryCurve] = []
     boundary = FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
@@ -127,20 +139,15 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
     By kind, p, x and unknowns, but those on the plane's border last: a boundary that ends there may do so at a
     singular point (b = 0).
     """
-    starts, size = list(starts), unknowns + 2
-    kinds = np.array([kind for kind, _ in starts], dtype=np.int64)
-    allowed = (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
+    size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
+    kinds, points = checked_events("starts", starts, size)
     for kind in np.unique(kinds):
         if kind not in allowed:
             raise ParameterError("starts", int(kind), f"of the kinds {', '.join(k.name for k in allowed)}")
-    for _, point in starts:
-        if np.shape(point) != (size,):
-            raise ParameterError("starts", point, f"points (u, x, p) of {size} numbers")
-    points = np.array([point for _, point in starts], dtype=float).reshape(-1, size)
     low, high = np.transpose([plane.x_range, plane.p_range])
-    outside = ~np.all(np.isfinite(points), axis=1) | np.any((points[:, -2:] < low) | (points[:, -2:] > high), axis=1)
+    outside = np.any((points[:, -2:] < low) | (points[:, -2:] > high), axis=1)
     if np.any(outside):
-        raise ParameterError("starts", points[np.argmax(outside)].tolist(), "finite points inside the plane")
+        raise ParameterError("starts", points[np.argmax(outside)].tolist(), "inside the plane")
     border = np.any((points[:, -2:] == low) | (points[:, -2:] == high), axis=1)
     order = np.lexsort((*points[:, [*range(size - 2)[::-1], -2, -1]].T, border, kinds))
     return kinds[order], points[order]
@@ -213,6 +220,8 @@ class Tracer:
             if y is None:
                 continue
             heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
+            if not _finite(heading):
+                continue
             stretch = self._followed(contact, y, heading, self.continuation.trace_both_ways)
             found = stretch if len(stretch.curve.points) else found
             # A start on a wall and on the plane's border has its boundary on one side of the wall only.
@@ -227,6 +236,8 @@ class Tracer:
 
         It may move by `reach` in (u, x, p) and lie outside of the box by `beyond`, in scaled unknowns.
         """
+        if not _finite(y, normal):
+            return None
         problem, (low, high) = (
             self.boundary_problem.problem(self.kind, contact),
             self.boundary_problem.box(self.kind, contact),
@@ -261,6 +272,8 @@ class Tracer:
 
     def _beyond(self, last: Stretch, guess: Guess) -> Stretch | None:
         """The stretch that a guess leads to, from the end of the last one on; None if it leads nowhere."""
+        if not _finite(guess.y, guess.heading):
+            return None
         if guess.reach == 0.0:
             return self._followed(guess.contact, guess.y, guess.heading, self.continuation.trace)
         y = self._correct_onto_curve(guess.contact, guess.y, guess.heading, guess.reach, guess.reach)
@@ -273,3 +286,8 @@ class Tracer:
                 if way.curve.ends[0] is EndReason.STEP_TOO_SMALL and gap < MEET:
                     return way
         return None
+
+
+def _finite(*arrays: np.ndarray) -> bool:
+    """Whether continuation can start there: next to singular points a tangent cannot be told."""
+    return all(np.isfinite(array).all() for array in arrays)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from solver.explained import Explained
+from solver.model.checks import ParameterError, number_array, whole_number
 
 __all__ = ["ImpactState", "domain_code", "domain_label", "domain_labels", "domain_parts", "impact_state", "label_parts"]
 
@@ -39,12 +40,25 @@ def impact_state(lowest, highest, b) -> np.ndarray:
     -------
     int8 array of `ImpactState`; -1 where an extreme is nan.
 
+    Raises
+    ------
+    ParameterError
+        If an argument is no array of numbers, the shapes do not fit or b is negative.
+
     Examples
     --------
     >>> impact_state([1.2, 0.3, -1.5, -0.5], [2.0, 2.0, 2.5, 0.5], 1.0)
     array([0, 1, 2, 3], dtype=int8)
     """
-    lowest, highest, b = np.broadcast_arrays(lowest, highest, b)
+    lowest, highest, b = number_array("lowest", lowest), number_array("highest", highest), number_array("b", b)
+    if not (b >= 0.0).all():
+        raise ParameterError("b", b, "at least 0")
+    try:
+        lowest, highest, b = np.broadcast_arrays(lowest, highest, b)
+    except ValueError:
+        raise ParameterError(
+            "b", f"array of shape {b.shape}", f"broadcast to {lowest.shape}, {highest.shape}"
+        ) from None
     conditions = [
         np.isnan(lowest) | np.isnan(highest),
         lowest > b,
@@ -65,6 +79,7 @@ def impact_state(lowest, highest, b) -> np.ndarray:
 
 
 _STATES = len(ImpactState)
+_MOST = ((2**16 - 1) >> _STATES) - 1
 
 
 def domain_code(n, states):
@@ -73,19 +88,38 @@ def domain_code(n, states):
     Parameters
     ----------
     n : array_like of int
-        Number of stable solutions.
+        Number of stable solutions, up to 1022.
     states : array_like of int
         Bit mask of their states, bit I for state I.
 
     Returns
     -------
     uint16 array
+
+    Raises
+    ------
+    ParameterError
+        If an argument is no array of whole numbers within these bounds.
     """
+    n, states = _whole("n", n, _MOST), _whole("states", states, (1 << _STATES) - 1)
     return (1 + (np.asarray(n, dtype=np.uint16) << _STATES) + np.asarray(states, dtype=np.uint16)).astype(np.uint16)
+
+
+def _whole(name: str, values, high: int) -> np.ndarray:
+    """Whole numbers from 0 to `high`; raises ParameterError otherwise."""
+    array = number_array(name, values, kind=int)
+    if array.size and (array.min() < 0 or array.max() > high):
+        raise ParameterError(name, values, f"whole numbers from 0 to {high}")
+    return array
 
 
 def domain_parts(code) -> tuple[np.ndarray, np.ndarray]:
     """n and the bit mask of the states of codes of any shape, two int64 arrays; n is -1 where nothing was computed.
+
+    Raises
+    ------
+    ParameterError
+        If an entry is no code.
 
     Examples
     --------
@@ -93,7 +127,7 @@ def domain_parts(code) -> tuple[np.ndarray, np.ndarray]:
     >>> n.tolist(), mask.tolist()
     ([2, -1], [3, 0])
     """
-    inside = np.asarray(code, dtype=np.int64) - 1
+    inside = _whole("code", code, 2**16 - 1).astype(np.int64) - 1
     return inside >> _STATES, np.where(inside < 0, 0, inside & (1 << _STATES) - 1)
 
 
@@ -104,19 +138,34 @@ def _states(mask: int) -> list[ImpactState]:
 def domain_label(code: int) -> str:
     """The label "n/I" of a code, for example "2/0-1"; "0/-" where no solution is stable, "" for "not computed".
 
+    Raises
+    ------
+    ParameterError
+        If it is no code of `domain_code`.
+
     Examples
     --------
     >>> domain_label(domain_code(2, 0b011))
     '2/0-1'
     """
+    code = whole_number("code", code, 0, 2**16 - 1)
     if code == 0:
         return ""
-    n, mask = divmod(int(code) - 1, 1 << _STATES)
+    n, mask = divmod(code - 1, 1 << _STATES)
+    if mask.bit_count() > n or (mask == 0) != (n == 0):
+        raise ParameterError("code", code, "a code of domain_code, with 1 to n states of n solutions")
     return f"{n}/{'-'.join(state.symbol for state in _states(mask)) or '-'}"
 
 
 def domain_labels(most: int) -> dict[int, str]:
-    """All codes that up to `most` stable solutions can have, ascending, with their labels."""
+    """All codes that up to `most` stable solutions can have, ascending, with their labels.
+
+    Raises
+    ------
+    ParameterError
+        If `most` is not a whole number from 0 to 1022.
+    """
+    most = whole_number("most", most, 0, _MOST)
     codes: Iterable[int] = (
         int(domain_code(n, mask))
         for n in range(most + 1)
@@ -129,11 +178,23 @@ def domain_labels(most: int) -> dict[int, str]:
 def label_parts(label: str) -> tuple[int, frozenset[ImpactState]]:
     """Number of stable solutions and their states of a label "n/I"; the inverse of `domain_label`.
 
+    Raises
+    ------
+    ParameterError
+        If it is no such label.
+
     Examples
     --------
     >>> n, states = label_parts("2/0-1")
     >>> n, sorted(states) == [ImpactState.PERMANENT, ImpactState.SINGLE_SIDED], label_parts("0/-")
     (2, True, (0, frozenset()))
     """
-    n, symbols = label.split("/")
-    return int(n), frozenset(state for state in ImpactState if state.symbol in symbols.split("-"))
+    n, _, symbols = label.partition("/") if isinstance(label, str) else ("", "", "")
+    states = frozenset(state for state in ImpactState if state.symbol in symbols.split("-"))
+    count = int(n) if n.isascii() and n.isdecimal() and len(n) < 5 else 0
+    try:
+        if domain_label(domain_code(count, sum(1 << state for state in states))) == label:
+            return count, states
+    except ParameterError:
+        pass
+    raise ParameterError("label", label, "a label n/I such as 2/0-1")

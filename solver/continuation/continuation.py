@@ -18,7 +18,7 @@ from solver.continuation.correctors import Broyden, Newton
 from solver.continuation.problem import Problem
 from solver.continuation.setup import Limits, Strand
 from solver.continuation.solution_curve import Curve, EndReason, Event
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, number_array, whole_number
 
 __all__ = ["Continuation", "Curve", "EndReason", "Event", "Problem"]
 
@@ -63,14 +63,12 @@ class Continuation:
     max_points: int = 4096
 
     def __post_init__(self):
+        instance_of("corrector", self.corrector, Newton, Broyden)
         for name in ("first_step", "largest_step", "smallest_step", "growth", "amplitude_max"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise ParameterError(name, getattr(self, name), "a finite number above 0")
+            finite_number(name, getattr(self, name), above=0.0)
         for name, top in (("largest_angle", np.pi), ("largest_distance", 10.0), ("parameter_step", 1.0)):
-            if not 0.0 < getattr(self, name) <= top:
-                raise ParameterError(name, getattr(self, name), f"above 0 and at most {top:g}")
-        if not 2 <= self.max_points <= 10**7:
-            raise ParameterError("max_points", self.max_points, "from 2 to 10000000")
+            finite_number(name, getattr(self, name), above=0.0, at_most=top)
+        whole_number("max_points", self.max_points, 2, 10**7)
 
     def trace(self, problem: Problem, start: np.ndarray, low, high, heading=1) -> Curve:
         """Follow the curve from a solution until it leaves a box or ends otherwise.
@@ -91,13 +89,29 @@ class Continuation:
             `ends[0]` is RANGE_LEFT, as if the start lay on the border; the caller knows better where it does not. A
             start that is no solution is corrected across `heading` first. Without any point `ends[1]` says why: the
             start could not be corrected (NO_SOLUTION), or the curve has no direction there (NO_TANGENT).
+
+        Raises
+        ------
+        ParameterError
+            If an argument has another size or is not finite, or p has no range.
+
+        Notes
+        -----
+        Predictor along the tangent, corrector across it: H. B. Keller, "Numerical solution of bifurcation and nonlinear
+        eigenvalue problems", Applications of Bifurcation Theory (1977) 359-384.
         """
-        return self._trace(problem, start, low, high, heading, np.empty((0, arclength.PLACE + problem.unknowns + 1)))
+        n = instance_of("problem", problem, Problem).unknowns
+        return self._trace(problem, start, low, high, heading, np.empty((0, arclength.PLACE + n + 1)))
 
     def _trace(self, problem: Problem, start: np.ndarray, low, high, heading, log: np.ndarray) -> Curve:
         """As `trace`; notes what became of every step in a row of `log`, as many as it has."""
         n, room = problem.unknowns, self.max_points
-        low, high, along = _box(low, n, -np.inf), _box(high, n, np.inf), _box(heading, n, 0.0)
+        start = finite_array("start", start, (n + 1,))
+        low, high, along = _box("low", low, n, -np.inf), _box("high", high, n, np.inf), _box("heading", heading, n, 0.0)
+        if not -np.inf < low[n] < high[n] < np.inf or np.any(low > high):
+            raise ParameterError("high", high.tolist(), f"above low, {low.tolist()}, and finite for p")
+        if not along.any() or not np.isfinite(along).all():
+            raise ParameterError("heading", along.tolist(), "1, -1 or a direction")
         limits = Limits(
             self.first_step,
             self.largest_step,
@@ -118,12 +132,23 @@ class Continuation:
             np.empty(room, np.int8),
         )
         setup = problem.setup(self.corrector)
-        count, reason, refused = arclength.trace(setup, limits, np.array(start, dtype=float), along, strand, log)
+        count, reason, refused = arclength.trace(setup, limits, start, along, strand, log)
         parts = (part[:count].copy() for part in strand)
         return Curve(*parts, (EndReason.RANGE_LEFT, EndReason(reason)), refused)
 
     def trace_both_ways(self, problem: Problem, start: np.ndarray, low, high, heading=1) -> Curve:
-        """Follow the curve from a solution in both directions, as one curve in order of arc length; as for `trace`."""
+        """Follow the curve from a solution in both directions, as one curve in order of arc length.
+
+        Parameters
+        ----------
+        problem, start, low, high, heading
+            As for `trace`.
+
+        Raises
+        ------
+        ParameterError
+            As `trace`.
+        """
         ahead = self.trace(problem, start, low, high, heading)
         if ahead.closed:
             return replace(ahead, ends=(EndReason.CLOSED, EndReason.CLOSED))
@@ -134,8 +159,11 @@ class Continuation:
         return behind.reversed().followed_by(ahead)
 
 
-def _box(values, n: int, free: float) -> np.ndarray:
+def _box(name: str, values, n: int, free: float) -> np.ndarray:
     """(n + 1,) array of the values, or with one number for the last component and `free` for the others."""
-    if np.ndim(values) == 0:
-        values = [*[free] * n, values]
-    return np.array(values, dtype=float)
+    values = number_array(name, values)
+    if values.ndim == 0:
+        return np.array([*[free] * n, values])
+    if values.shape != (n + 1,) or np.isnan(values).any():
+        raise ParameterError(name, values, f"one number, or {n + 1} numbers")
+    return values.astype(float)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.checks import ParameterError
+from solver.model.checks import finite_number, whole_number
 
 __all__ = ["Broyden", "Newton", "advance", "bordered", "workspace_rows"]
 
@@ -127,10 +127,8 @@ class _Corrector:
     max_iterations: int = 6
 
     def __post_init__(self):
-        if not 0.0 < self.tolerance <= 1e-6:
-            raise ParameterError("tolerance", self.tolerance, "above 0 and at most 1e-6")
-        if not 2 <= self.max_iterations <= 100:
-            raise ParameterError("max_iterations", self.max_iterations, "from 2 to 100")
+        finite_number("tolerance", self.tolerance, above=0.0, at_most=1e-6)
+        whole_number("max_iterations", self.max_iterations, 2, 100)
 
 
 @dataclass(frozen=True)
@@ -144,6 +142,11 @@ class Newton(_Corrector):
         once more when it computes the tangent.
     max_iterations : int
         A point that needs more is refused, and the step is halved.
+
+    Raises
+    ------
+    ParameterError
+        If the tolerance is not above 0 and at most 1e-6, or max_iterations is not a whole number from 2 to 100.
     """
 
     @property
@@ -162,6 +165,16 @@ class Broyden(_Corrector):
     ----------
     tolerance, max_iterations
         As for `Newton`; convergence is superlinear, so that more iterations are allowed by default.
+
+    Raises
+    ------
+    ParameterError
+        As `Newton`.
+
+    Notes
+    -----
+    C. G. Broyden, "A class of methods for solving nonlinear simultaneous equations", Mathematics of Computation 19
+    (1965) 577-593.
     """
 
     max_iterations: int = 12

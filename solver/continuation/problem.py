@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.continuation.correctors import Broyden, Newton, workspace_rows
 from solver.continuation.setup import Setup, no_contacts
+from solver.model.checks import ParameterError, finite_array, instance_of, number_array, whole_number
 
 __all__ = ["Balance", "Problem"]
 
@@ -29,6 +30,11 @@ class Problem:
     contacts : compiled kernel
         With the signature `solver.continuation.setup.CONTACTS`: where a stiff contact may begin or end, so that the
         curve has a corner there. None unless given.
+
+    Raises
+    ------
+    ParameterError
+        If a kernel cannot be called, or an array or a number is not allowed.
     """
 
     balance: object
@@ -39,13 +45,32 @@ class Problem:
     monitors: int
     contacts: object = no_contacts
 
+    def __post_init__(self):
+        for name in ("balance", "monitor", "contacts"):
+            if not callable(getattr(self, name)):
+                raise ParameterError(name, getattr(self, name), "a compiled kernel")
+        for name in ("theta", "direction"):
+            if number_array(name, getattr(self, name)).ndim != 1:
+                raise ParameterError(name, getattr(self, name), "a vector of numbers")
+        scale = finite_array("scale", self.scale, (None,))
+        if scale.size < 2 or not scale.min() > 0.0:
+            raise ParameterError("scale", self.scale, "at least two numbers above 0")
+        whole_number("monitors", self.monitors, 1, 10_000)
+
     @property
     def unknowns(self) -> int:
         """Number n of unknowns u."""
         return self.scale.size - 1
 
     def setup(self, corrector: Newton | Broyden) -> Setup:
-        """What kernels are told about this problem and the corrector that is to solve it."""
+        """What kernels are told about this problem and the corrector that is to solve it.
+
+        Raises
+        ------
+        ParameterError
+            If it is no corrector.
+        """
+        instance_of("corrector", corrector, Newton, Broyden)
         n, m = self.unknowns, self.monitors
         return Setup(
             corrector.kernel,
@@ -64,17 +89,38 @@ class Problem:
         )
 
     def evaluated(self, y) -> tuple[np.ndarray, np.ndarray]:
-        """Residual (n,) and Jacobian (n, n + 1) at y = (u, p)."""
-        n = self.unknowns
+        """Residual (n,) and Jacobian (n, n + 1) at y = (u, p); nan where y is.
+
+        Raises
+        ------
+        ParameterError
+            If y is no vector of n + 1 numbers.
+        """
+        n, y = self.unknowns, self._place(y)
         residual, jacobian = np.empty(n), np.empty((n, n + 1))
-        self.balance(self.theta, self.direction, np.array(y, dtype=float), residual, jacobian)
+        self.balance(self.theta, self.direction, y, residual, jacobian)
         return residual, jacobian
 
     def observed(self, y, count: int) -> np.ndarray:
-        """The first values (count,) of the monitor at y = (u, p)."""
-        values, y = np.empty(count), np.array(y, dtype=float)
-        self.monitor(self.theta, self.direction, y, values, np.empty((count, y.size)))
-        return values
+        """The first values (count,) of the monitor at y = (u, p); nan where y is, and where it has no such value.
+
+        Raises
+        ------
+        ParameterError
+            If y is no vector of n + 1 numbers, or the count is no whole number from 1 to 10000.
+        """
+        count, y = whole_number("count", count, 1, 10_000), self._place(y)
+        # A monitor fills all of its values, however few are wanted.
+        values = np.full(max(count, self.monitors), np.nan)
+        self.monitor(self.theta, self.direction, y, values, np.empty((values.size, y.size)))
+        return values[:count]
+
+    def _place(self, y) -> np.ndarray:
+        """A copy of y = (u, p); raises ParameterError if it is no vector of n + 1 numbers."""
+        y = number_array("y", y).astype(float)
+        if y.shape != (self.unknowns + 1,):
+            raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({self.unknowns + 1},)")
+        return y
 
     def corrected(
         self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
@@ -95,8 +141,17 @@ class Problem:
         -------
         (n + 1,) array or None
             None if the corrector does not converge. Without `normal` p is that of the guess to the bit.
+
+        Raises
+        ------
+        ParameterError
+            If an argument has another size or is not finite, or is no corrector.
         """
-        n, found = self.unknowns, np.array(y, dtype=float)
+        n = self.unknowns
+        found = finite_array("y", y, (n + 1,))
+        instance_of("corrector", corrector, Newton, Broyden)
+        if max_iterations is not None:
+            whole_number("max_iterations", max_iterations, 1, 10_000)
         p = found[n]
         iterations = corrector.kernel(
             self.balance,
@@ -104,7 +159,7 @@ class Problem:
             self.direction,
             self.scale,
             found,
-            np.eye(n + 1)[n] if normal is None else np.array(normal, dtype=float),
+            np.eye(n + 1)[n] if normal is None else finite_array("normal", normal, (n + 1,)),
             corrector.tolerance,
             max_iterations or corrector.max_iterations,
             np.empty((workspace_rows(n), n + 1)),
@@ -135,7 +190,23 @@ class Balance(Protocol):
     """Slots of the cosine and sine amplitude of the mesh frequency."""
 
     def problem(self, model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
-        """The balance as a curve over one axis."""
+        """The balance as a curve over one axis.
+
+        Parameters
+        ----------
+        model : Model
+            Or what else the balance is of.
+        axis : str
+        low, high : float
+            Range of the axis, for scaling.
+        omega : float, optional
+            The mesh frequency; needed unless it is the axis.
+
+        Raises
+        ------
+        ParameterError
+            If the axis is unknown, its ends do not ascend or are not allowed, or the frequency is missing.
+        """
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest lambda of motions (..., n)."""

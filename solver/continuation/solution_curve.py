@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.continuation.setup import Strand
 from solver.explained import Explained
+from solver.model.checks import ParameterError, instance_of, instances_of, whole_number
 
 __all__ = ["Curve", "EndReason", "Event", "Outcome"]
 
@@ -97,12 +98,37 @@ class Curve:
         return Curve(points, -tangents, arclength[:1] - arclength, stable, event, self.ends[::-1], self.refused)
 
     def followed_by(self, other: "Curve") -> "Curve":
-        """This curve and one that starts at its last point, as one; what it says of that point is the other's."""
+        """This curve and one that starts at its last point, as one; what it says of that point is the other's.
+
+        Raises
+        ------
+        ParameterError
+            If the other is no curve.
+        """
+        instance_of("other", other, Curve)
         further = other.strand._replace(arclength=self.arclength[-1] + other.arclength)
         parts = (np.concatenate([here[:-1], there]) for here, there in zip(self.strand, further, strict=True))
         return Curve(*parts, (self.ends[0], other.ends[1]), self.refused + other.refused)
 
     def between(self, first: int, last: int, ends: tuple[EndReason, EndReason]) -> "Curve":
-        """The part from one point to another, both included, and why it ends there."""
+        """The part from one point to another, both included.
+
+        Parameters
+        ----------
+        first, last : int
+            Its first and its last point.
+        ends : (EndReason, EndReason)
+            Why it ends there.
+
+        Raises
+        ------
+        ParameterError
+            If there are no such points, or an end is no reason.
+        """
+        last = whole_number("last", last, 0, len(self.points) - 1)
+        first = whole_number("first", first, 0, last)
+        ends = instances_of("ends", ends, EndReason)
+        if len(ends) != 2:
+            raise ParameterError("ends", ends, "two reasons")
         strand = Strand(*(part[first : last + 1] for part in self.strand))
         return Curve(*strand._replace(arclength=strand.arclength - self.arclength[first]), ends, self.refused)

@@ -52,7 +52,16 @@ class Steps:
 
 @dataclass(frozen=True)
 class Trace:
-    """One call of `Continuation.trace`: the problem, the seed, where it headed, the curve and the steps."""
+    """One call of `Continuation.trace`.
+
+    Parameters
+    ----------
+    problem : Problem
+    start, heading : arrays
+        Where it began, and where it headed.
+    curve : Curve
+    steps : Steps
+    """
 
     problem: Problem
     start: np.ndarray

@@ -23,9 +23,17 @@ from solver.enumeration.certificates import (
     workspace,
 )
 from solver.explained import Explained
-from solver.model.checks import finite_array, finite_number, frequency
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    finite_number,
+    frequency,
+    instance_of,
+    number_array,
+    one_of,
+)
 from solver.model.gear_model import Model
-from solver.model.packing import axis_vectors
+from solver.model.packing import AXES, axis_vectors
 
 __all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row", "enumerate_values"]
 
@@ -140,7 +148,16 @@ class RowSolutions:
         return np.hypot(self.cos, self.sin)
 
     def take(self, places: np.ndarray) -> "RowSolutions":
-        """Those at some of the values, by their indices."""
+        """Those at some of the values, by their indices.
+
+        Raises
+        ------
+        ParameterError
+            If they are no whole numbers, or there is no such value.
+        """
+        places = number_array("places", places, kind=int).astype(np.int64)
+        if places.ndim != 1 or np.any((places < 0) | (places >= len(self.stable))):
+            raise ParameterError("places", places, f"a vector of indices from 0 to {len(self.stable) - 1}")
         return RowSolutions(*(getattr(self, part.name)[places] for part in dataclasses.fields(self)))
 
 
@@ -162,10 +179,17 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     Raises
     ------
     ParameterError
-        If the frequency or the ceiling is not allowed.
+        If the model, the frequency or the ceiling is not allowed.
     ArithmeticError
         If two proofs contradict each other, which would be a defect of the program.
+
+    Notes
+    -----
+    An interval without a zero of an enclosure holds no root; one on which the slope keeps its sign holds exactly one if
+    the signs at its ends differ (intermediate value theorem), which R. E. Moore's interval Newton step then narrows
+    (docs/physics.md, section 4.7).
     """
+    instance_of("model", model, Model)
     omega, ceiling = frequency(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
     theta, direction = axis_vectors(model, "omega")
     found, undecided, work = workspace()
@@ -207,17 +231,35 @@ def enumerate_row(
     -------
     RowSolutions
         Points at which proofs contradict each other carry `Proof.CONTRADICTION`; nothing is raised for them.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
+    instance_of("model", model, Model)
+    one_of("axis", axis, AXES)
     grid = finite_array("grid", grid, (None,))
-    if axis == "omega":
-        for value in grid:
-            frequency(float(value))
-    else:
+    if axis != "omega" or omega is not None:
         omega = frequency(omega)
+    for value in (grid.min(), grid.max()) if grid.size else ():
+        if axis == "omega":
+            frequency(float(value))
+        else:
+            model.replace(**{axis: float(value)})
     ceiling = finite_number("amplitude_max", amplitude_max, above=0.0)
     return enumerate_values(*axis_vectors(model, axis, omega), grid, ceiling)
 
 
 def enumerate_values(theta: np.ndarray, direction: np.ndarray, grid: np.ndarray, ceiling: float) -> RowSolutions:
-    """`enumerate_row` of `solver.model.packing.axis_vectors`, for callers that have these; nothing is checked."""
+    """`enumerate_row` for callers that have the vectors of the axis; nothing is checked.
+
+    Parameters
+    ----------
+    theta, direction : (34,) arrays
+        `solver.model.packing.axis_vectors`.
+    grid : (X,) array
+    ceiling : float
+        `amplitude_max`.
+    """
     return RowSolutions(*enumerate_points(theta, direction, grid, float(ceiling)))

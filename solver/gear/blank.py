@@ -3,8 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from solver.model.checks import ParameterError
-from solver.model.gear_model import _number
+from solver.model.checks import ParameterError, finite_number
 
 __all__ = ["STEEL", "Blank"]
 
@@ -41,14 +40,9 @@ class Blank:
     density: float = STEEL
 
     def __post_init__(self):
-        for name, inclusive in (
-            ("large_diameter", False),
-            ("small_diameter", False),
-            ("width", False),
-            ("bore", True),
-            ("density", False),
-        ):
-            object.__setattr__(self, name, _number(name, getattr(self, name), (0.0, inclusive)))
+        for name in ("large_diameter", "small_diameter", "width", "density"):
+            object.__setattr__(self, name, finite_number(name, getattr(self, name), above=0.0))
+        object.__setattr__(self, "bore", finite_number("bore", self.bore, at_least=0.0))
         if self.small_diameter > self.large_diameter:
             raise ParameterError(
                 "small_diameter", self.small_diameter, f"at most the large_diameter {self.large_diameter:g} (m)"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, whole_number
 from solver.model.gear_model import Harmonics
 
 __all__ = ["CycleFit", "fit_cycle"]
@@ -31,7 +31,7 @@ class CycleFit:
 
 
 def fit_cycle(angle, value, count: int) -> CycleFit:
-    """Fit `count` harmonics of the mesh cycle.
+    """Fit `count` harmonics of the mesh cycle, by linear least squares.
 
     Parameters
     ----------
@@ -52,12 +52,8 @@ def fit_cycle(angle, value, count: int) -> CycleFit:
     ParameterError
         Naming angle, value or count.
     """
-    angle, value = np.asarray(angle, dtype=float), np.asarray(value, dtype=float)
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 100:
-        raise ParameterError("count", count, "a whole number from 1 to 100")
-    for name, array in (("angle", angle), ("value", value)):
-        if not np.all(np.isfinite(array)):
-            raise ParameterError(name, float(array[~np.isfinite(array)][0]), "a finite number")
+    angle, count = finite_array("angle", angle, (None,)), whole_number("count", count, 1, 100)
+    value = finite_array("value", value, angle.shape)
     outside = angle[(angle < 0.0) | (angle >= 2.0 * math.pi)]
     if outside.size:
         raise ParameterError("angle", float(outside[0]), "within one mesh cycle, at least 0 and below 2 pi")

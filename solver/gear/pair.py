@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.model.checks import ParameterError
-from solver.model.gear_model import GEOMETRIC, Harmonics, Model, _number, _numbers, harmonic_pairs
+from solver.model.checks import ParameterError, finite_number, finite_numbers, list_length, whole_number
+from solver.model.gear_model import GEOMETRIC, Harmonics, Model, harmonic_pairs
 
 __all__ = ["GearPair"]
 
@@ -74,9 +74,9 @@ class GearPair:
     reference_length: float | None = None
 
     def __post_init__(self):
-        above, least = (0.0, False), (0.0, True)
+        anything, above, least = {}, {"above": 0.0}, {"at_least": 0.0}
         self._set("teeth", _teeth(self.teeth))
-        for name, bound in {
+        for name, bounds in {
             "module": above,
             "shaft_angle": above,
             "pressure_angle": least,
@@ -84,22 +84,22 @@ class GearPair:
             "mesh_stiffness": above,
             "mesh_damping_ratio": least,
             "half_backlash": least,
-            "torque": None,
-            "torque_fluctuation": None,
+            "torque": anything,
+            "torque_fluctuation": anything,
         }.items():
-            self._set(name, _number(name, getattr(self, name), bound))
-        for name, count, bound in (
+            self._set(name, finite_number(name, getattr(self, name), **bounds))
+        for name, count, bounds in (
             ("mass", 2, above),
             ("inertia", 2, above),
             ("support_stiffness", 6, above),
             ("support_damping", 6, least),
         ):
-            self._set(name, _numbers(name, getattr(self, name), count, bound))
+            self._set(name, finite_numbers(name, getattr(self, name), count, **bounds))
         for name in ("mesh_stiffness_harmonics", "error_harmonics"):
             self._set(name, harmonic_pairs(name, getattr(self, name)))
-        for name, bound in (("load_torque", None), ("reference_length", above)):
+        for name, bounds in (("load_torque", anything), ("reference_length", above)):
             if getattr(self, name) is not None:
-                self._set(name, _number(name, getattr(self, name), bound))
+                self._set(name, finite_number(name, getattr(self, name), **bounds))
         self._check_geometry()
         self._check_loads()
         lowest = self.model().lowest_stiffness() * self.mesh_stiffness
@@ -185,7 +185,14 @@ class GearPair:
         return self.torque, float(self.torque * second / first) if self.load_torque is None else self.load_torque
 
     def load(self, drive: float, load: float) -> float:
-        """a_3 m_e (r_1 T_1/J_1 + r_2 T_2/J_2)/(k_m b_c), the dimensionless load of two torques (N m)."""
+        """a_3 m_e (r_1 T_1/J_1 + r_2 T_2/J_2)/(k_m b_c), the dimensionless load of two torques (N m).
+
+        Raises
+        ------
+        ParameterError
+            If a torque is no finite number.
+        """
+        drive, load = finite_number("drive", drive), finite_number("load", load)
         shares = self.mean_radii * (drive, load) / self.inertia
         return float(self.tangential * self.equivalent_mass * shares.sum() / (self.mesh_stiffness * self.length_unit))
 
@@ -220,13 +227,9 @@ class GearPair:
 
 
 def _teeth(value) -> tuple[int, int]:
-    allowed = "two whole numbers above 0"
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
-        raise ParameterError("teeth", value, allowed)
-    for count in value:
-        if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= 10_000:
-            raise ParameterError("teeth", value, allowed)
-    return tuple(value)
+    if list_length(value) != 2:
+        raise ParameterError("teeth", value, "two whole numbers above 0")
+    return tuple(whole_number(f"teeth[{i}]", count, 1, 10_000) for i, count in enumerate(value))
 
 
 def _scaled(harmonics: Harmonics, unit: float) -> list[tuple[float, float]]:

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from solver.gear.pair import GearPair
+from solver.model.checks import ParameterError, finite_number, instance_of, number_array, one_of
 
 __all__ = ["Scale", "Scales"]
 
@@ -22,6 +23,11 @@ class Scale:
         In which it is shown.
     unit_size : float
         SI units of that unit.
+
+    Raises
+    ------
+    ParameterError
+        If a size is no finite number other than 0, or a text is none.
     """
 
     size: float
@@ -29,17 +35,26 @@ class Scale:
     unit: str
     unit_size: float
 
+    def __post_init__(self):
+        for name in ("size", "unit_size"):
+            if finite_number(name, getattr(self, name)) == 0.0:
+                raise ParameterError(name, 0.0, "a finite number other than 0")
+        for name in ("name", "unit"):
+            instance_of(name, getattr(self, name), str)
+
     @property
     def shown(self) -> float:
         """Shown units that 1 stands for."""
         return self.size / self.unit_size
 
     def physical(self, value):
-        """SI value of a dimensionless one, numbers or arrays."""
+        """SI value of a dimensionless one, numbers or arrays; raises ParameterError if it is neither."""
+        number_array("value", value)
         return value * self.size
 
     def dimensionless(self, value):
-        """The other way round."""
+        """Dimensionless value of an SI one, numbers or arrays; raises ParameterError if it is neither."""
+        number_array("value", value)
         return value / self.size
 
 
@@ -54,9 +69,17 @@ class Scales:
     Parameters
     ----------
     gear : GearPair
+
+    Raises
+    ------
+    ParameterError
+        If it is none.
     """
 
     gear: GearPair
+
+    def __post_init__(self):
+        instance_of("gear", self.gear, GearPair)
 
     @property
     def table(self) -> dict[str, Scale]:
@@ -88,9 +111,11 @@ class Scales:
         return self.table[name]
 
     def physical(self, name: str, value):
-        """SI value of a dimensionless parameter; KeyError where it has no unit."""
-        return self.table[name].physical(value)
+        """SI value of a dimensionless parameter; raises ParameterError where it has no unit."""
+        table = self.table
+        return table[one_of("name", name, tuple(table))].physical(value)
 
     def dimensionless(self, name: str, value):
-        """Dimensionless parameter of an SI value; KeyError where it has no unit."""
-        return self.table[name].dimensionless(value)
+        """Dimensionless parameter of an SI value; raises ParameterError where it has no unit."""
+        table = self.table
+        return table[one_of("name", name, tuple(table))].dimensionless(value)

@@ -14,11 +14,10 @@ rise, T_housing - T_0 = s (T_gears - T_0), so that T_gears = T_0 + D/(1 - s). At
 reference's own, to the bit.
 """
 
-import math
 from dataclasses import dataclass
 
 from solver.gear.thermal_laws import Law, Temperatures
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
 
@@ -57,10 +56,8 @@ class ThermalPair:
     damping: Law
 
     def __post_init__(self):
-        if not 0.0 < self.length < math.inf:
-            raise ParameterError("length", self.length, "a finite number above 0")
-        if not math.isfinite(self.reference):
-            raise ParameterError("reference", self.reference, "a finite number (°C)")
+        finite_number("length", self.length, above=0.0)
+        finite_number("reference", self.reference)
         if not 0.0 <= self.housing_share < 1.0:
             raise ParameterError("housing_share", self.housing_share, "at least 0 and below 1")
         self._check(0.0, "reference", self.reference)

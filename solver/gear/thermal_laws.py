@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, value_range
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -107,8 +107,8 @@ class Expansion:
     def __post_init__(self):
         for name in ("gears", "distances", "cone_angles"):
             _set(self, name, _finite(name, getattr(self, name), 2, low=0.0))
-        _set(self, "housing", _finite("housing", [self.housing], 1, low=0.0)[0])
-        _set(self, "valid", _range(self.valid))
+        _set(self, "housing", finite_number("housing", self.housing, at_least=0.0))
+        _set(self, "valid", value_range("valid", self.valid))
 
     def value(self, at: Temperatures) -> float:
         closing = sum(
@@ -143,8 +143,8 @@ class LinearModulus:
     knots = ()
 
     def __post_init__(self):
-        _set(self, "slope", _finite("slope", [self.slope], 1)[0])
-        _set(self, "valid", _range(self.valid))
+        _set(self, "slope", finite_number("slope", self.slope))
+        _set(self, "valid", value_range("valid", self.valid))
         low, high = self.valid
         if not abs(self.slope) * (high - low) < 1.0:
             allowed = f"such that the modulus stays above 0 from {low:g} to {high:g} °C"
@@ -187,8 +187,8 @@ class VogelViscosity:
 
     def __post_init__(self):
         for name in ("constant", "offset", "exponent"):
-            _set(self, name, _finite(name, [getattr(self, name)], 1, low=0.0)[0])
-        _set(self, "valid", _range(self.valid))
+            _set(self, name, finite_number(name, getattr(self, name), at_least=0.0))
+        _set(self, "valid", value_range("valid", self.valid))
         if not self.valid[0] > -self.offset:
             raise ParameterError("valid", self.valid, f"above {-self.offset:g} °C, where the viscosity is infinite")
 
@@ -293,6 +293,15 @@ LAWS = {
 def law_of(role: str, law: str, **parameters) -> Law:
     """The law of a role under its name.
 
+    Parameters
+    ----------
+    role : str
+        One of `LAWS`.
+    law : str
+        Name of the law.
+    **parameters
+        Its fields.
+
     Raises
     ------
     ParameterError
@@ -312,20 +321,11 @@ def _set(law, name: str, value) -> None:
 
 def _finite(name: str, values, count: int, low: float = -math.inf) -> tuple[float, ...]:
     """`count` finite numbers, none below `low`."""
-    wanted = "a finite number" if count == 1 else f"a list of {count} finite numbers"
-    allowed = wanted + (f", at least {low:g}" if low > -math.inf else "")
-    shown = values[0] if count == 1 else values
+    allowed = f"a list of {count} finite numbers" + (f", at least {low:g}" if low > -math.inf else "")
     try:
-        found = tuple(float(value) for value in values)
-    except (TypeError, ValueError):
-        raise ParameterError(name, shown, allowed) from None
-    if len(found) != count or not all(math.isfinite(value) and value >= low for value in found):
-        raise ParameterError(name, shown, allowed)
+        found = tuple(finite_number(name, value) for value in values)
+    except (TypeError, ParameterError):
+        raise ParameterError(name, values, allowed) from None
+    if len(found) != count or min(found) < low:
+        raise ParameterError(name, values, allowed)
     return found
-
-
-def _range(value) -> tuple[float, float]:
-    low, high = _finite("valid", value, 2)
-    if not low < high:
-        raise ParameterError("valid", value, "two ascending temperatures")
-    return low, high

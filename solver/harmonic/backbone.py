@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.contact.dead_zone import describing_functions
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, instance_of
 from solver.model.gear_model import Model
 
 __all__ = ["Backbone", "backbone"]
@@ -49,14 +49,16 @@ def backbone(model: Model, amplitudes) -> Backbone:
     Raises
     ------
     ParameterError
-        If f_pm is 0.
+        If there is no model or its f_pm is 0, or an amplitude is below 0.
     """
     # scipy.optimize takes 0.3 s to import, which every worker would pay.
     from scipy.optimize import brentq
 
-    if model.f_pm == 0.0:
+    if instance_of("model", model, Model).f_pm == 0.0:
         raise ParameterError("f_pm", model.f_pm, "other than 0 for a backbone")
-    amplitudes = np.asarray(amplitudes, dtype=float)
+    amplitudes = finite_array("amplitudes", amplitudes, (None,))
+    if np.any(amplitudes < 0.0):
+        raise ParameterError("amplitudes", float(amplitudes.min()), "at least 0")
     force = model.f_pm / model.rotation
 
     def mean_at(amplitude):
@@ -67,5 +69,5 @@ def backbone(model: Model, amplitudes) -> Backbone:
 
     mean = np.array([mean_at(a) for a in amplitudes])
     gains = [describing_functions(m, a, model.b)[1] for m, a in zip(mean, amplitudes, strict=True)]
-    modes = np.array([model.mesh_modes(gain) for gain in gains])
+    modes = np.array([model.mesh_modes(gain) for gain in gains]).reshape(-1, 2)
     return Backbone(amplitudes, mean, modes[:, 0], modes[:, 1])

@@ -14,6 +14,7 @@ Harmonics of the stiffness above the second and of the transmission error above 
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,9 +23,10 @@ from solver.continuation.problem import Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
+from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, number_array
 from solver.model.condensation import mesh_receptance, phasor, rotation_coupling
 from solver.model.gear_model import Model
-from solver.model.packing import axis_vectors
+from solver.model.packing import axis_vectors, check_axis
 from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
@@ -210,11 +212,27 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     Returns
     -------
     Problem
+
+    Raises
+    ------
+    ParameterError
+        If the axis is unknown, its ends do not ascend or are not allowed, or the frequency is missing.
+
+    Notes
+    -----
+    The balance is that of docs/physics.md, section 4.5.
     """
+    check_axis(instance_of("model", model, Model), axis, low, high, omega)
     theta, direction = axis_vectors(model, axis, omega)
     size = model.motion_size
     scale = np.array([size, size, size, 0.1 * (high - low)])
     return Problem(balance, monitor, theta, direction, scale, monitors=5)
+
+
+def _check(problem: Problem) -> None:
+    """Refuse what is no problem of `first_order_problem`."""
+    if instance_of("problem", problem, Problem).balance is not balance:
+        raise ParameterError("problem", problem, "one of first_order_problem")
 
 
 @dataclass(frozen=True)
@@ -224,37 +242,90 @@ class DescribingFunction:
     What a balance is asked by rows and seeds, here and in `solver.harmonic.galerkin.Galerkin`.
     """
 
-    order: int = 1
-    period: int = 1
-    harmonics: int = 1
-    unknowns: int = 3
-    truncated: bool = True
-    fundamental: tuple[int, int] = (1, 2)
+    order: ClassVar[int] = 1
+    period: ClassVar[int] = 1
+    harmonics: ClassVar[int] = 1
+    unknowns: ClassVar[int] = 3
+    truncated: ClassVar[bool] = True
+    fundamental: ClassVar[tuple[int, int]] = (1, 2)
 
     def problem(self, model: Model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
-        """`first_order_problem`."""
+        """The balance as a curve over one axis.
+
+        Parameters
+        ----------
+        model, axis, low, high, omega
+            As for `first_order_problem`.
+
+        Raises
+        ------
+        ParameterError
+            If one of them is not allowed.
+        """
         return first_order_problem(model, axis, low, high, omega)
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest lambda over the period of motions (..., 3): two (...) arrays."""
+        """Lowest and highest lambda over the period of motions (..., 3): two (...) arrays.
+
+        Raises
+        ------
+        ParameterError
+            If they are no numbers of that shape.
+        """
+        motions = number_array("motions", motions, last=3)
         size = np.hypot(motions[..., 1], motions[..., 2])
         return motions[..., 0] - size, motions[..., 0] + size
 
     def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
-        """Degree of the balance and solution (3,) without backlash at one axis value."""
-        unknowns = np.empty(3)
+        """Degree of the balance and solution (3,) without backlash at one axis value.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
+        p, unknowns = finite_number("p", p), np.empty(3)
+        _check(problem)
         return float(np.sign(linear_solution(problem.theta, problem.direction, p, unknowns))), unknowns
 
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
-        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions."""
+        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
+        _check(problem)
+        grid = finite_array("grid", grid, (None,))
         signs = np.empty(grid.size)
         linear_degree(problem.theta, problem.direction, grid, signs)
         return signs
 
 
 def evaluate(model: Model, omega: float, unknowns) -> tuple[np.ndarray, np.ndarray]:
-    """Residual (3,) and Jacobian (3, 3) of the balance at (lambda_m, lambda_c, lambda_s), one model and frequency."""
-    theta, direction = axis_vectors(model, "omega")
+    """Residual and Jacobian of the balance at one motion (docs/physics.md, section 4.5).
+
+    Parameters
+    ----------
+    model : Model
+    omega : float
+        Frequency, > 0.
+    unknowns : (3,) array_like
+        lambda_m, lambda_c, lambda_s.
+
+    Returns
+    -------
+    residual : (3,) array
+    jacobian : (3, 3) array
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
+    """
+    theta, direction = axis_vectors(instance_of("model", model, Model), "omega")
     residual, jacobian = np.empty(3), np.empty((3, 4))
-    balance(theta, direction, np.append(np.asarray(unknowns, dtype=float), omega), residual, jacobian)
+    y = np.append(finite_array("unknowns", unknowns, (3,)), frequency(omega))
+    balance(theta, direction, y, residual, jacobian)
     return residual, jacobian[:, :3].copy()

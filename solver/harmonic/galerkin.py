@@ -25,10 +25,10 @@ from solver.harmonic.impedance import base_frequency, impedance
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import packed
+from solver.model.packing import check_axis, packed
 from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
 
 __all__ = ["Galerkin", "balance", "contacts", "linear_solution", "monitor"]
@@ -211,6 +211,15 @@ class Galerkin:
     period : int
         nu: motions may repeat after that many forcing periods only; 1 to 4. There are then nu * order harmonics of
         Omega/nu.
+
+    Raises
+    ------
+    ParameterError
+        If either is not a whole number within these bounds.
+
+    Notes
+    -----
+    Force and products of force and stiffness have their exact harmonics (docs/physics.md, sections 4.1 and 4.4).
     """
 
     order: int = 5
@@ -218,9 +227,7 @@ class Galerkin:
 
     def __post_init__(self):
         for name, top in (("order", 64), ("period", 4)):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= top:
-                raise ParameterError(name, value, f"a whole number from 1 to {top}")
+            object.__setattr__(self, name, whole_number(name, getattr(self, name), 1, top))
 
     @property
     def harmonics(self) -> int:
@@ -256,7 +263,13 @@ class Galerkin:
             Range of the axis, for scaling.
         omega : float, optional
             The mesh frequency; needed unless it is the axis.
+
+        Raises
+        ------
+        ParameterError
+            If the axis is unknown, its ends do not ascend or are not allowed, or the frequency is missing.
         """
+        check_axis(system, axis, low, high, omega)
         theta, direction = packed(system, axis, omega, self.order, self.period)
         scale = np.full(self.unknowns + 1, system.motion_size)
         scale[-1] = 0.1 * (high - low)
@@ -264,18 +277,44 @@ class Galerkin:
 
     @staticmethod
     def balance_problem(theta: np.ndarray, direction: np.ndarray, scale: np.ndarray) -> Problem:
-        """The balance as a curve for vectors of `solver.model.packing.packed`."""
+        """The balance as a curve for vectors of `solver.model.packing.packed`.
+
+        Parameters
+        ----------
+        theta, direction : arrays
+            Parameters at p = 0 and what p adds to them.
+        scale : (n + 1,) array
+            Typical size of each unknown and of p.
+
+        Raises
+        ------
+        ParameterError
+            If one is no vector of numbers, or a scale is not above 0.
+        """
         return Problem(balance, monitor, theta, direction, scale, monitors=5, contacts=contacts)
 
     def lifted(self, motions: np.ndarray) -> np.ndarray:
-        """First-order motions (..., 3) as starting values (..., n) of this balance."""
-        found = np.zeros((*np.shape(motions)[:-1], self.unknowns))
+        """First-order motions (..., 3) as starting values (..., n) of this balance.
+
+        Raises
+        ------
+        ParameterError
+            If they are no numbers of that shape.
+        """
+        motions = number_array("motions", motions, last=3)
+        found = np.zeros((*motions.shape[:-1], self.unknowns))
         found[..., [0, *self.fundamental]] = motions
         return found
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest lambda over the period of motions (..., n): two (...) arrays; nan where motions are."""
-        motions = np.asarray(motions, dtype=float)
+        """Lowest and highest lambda over the period of motions (..., n): two (...) arrays; nan where motions are.
+
+        Raises
+        ------
+        ParameterError
+            If they are no numbers of that shape.
+        """
+        motions = number_array("motions", motions, last=self.unknowns).astype(float)
         found = np.full((*motions.shape[:-1], 2), np.nan)
         known = ~np.isnan(motions[..., 0])
         values = np.empty((int(np.sum(known)), 2))
@@ -284,19 +323,45 @@ class Galerkin:
         return found[..., 0], found[..., 1]
 
     def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
-        """Degree of the balance and solution (n,) without backlash at one axis value."""
-        unknowns = np.empty(self.unknowns)
+        """Degree of the balance and solution (n,) without backlash at one axis value.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
+        p, unknowns = finite_number("p", p), np.empty(self.unknowns)
+        self._check(problem)
         return linear_solution(problem.theta, problem.direction, p, unknowns), unknowns
 
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
-        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions."""
+        """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
+
+        Raises
+        ------
+        ParameterError
+            If it is no problem of this balance, or a value is not finite.
+        """
+        self._check(problem)
+        grid = finite_array("grid", grid, (None,))
         signs = np.empty(grid.size)
         _linear_degree(problem.theta, problem.direction, grid, np.empty(self.unknowns), signs)
         return signs
 
     def displacement(self, motion: np.ndarray, angle) -> np.ndarray:
-        """lambda of one motion (n,) at base angles Omega tau/nu of any shape."""
-        angle = np.asarray(angle, dtype=float)
+        """lambda of one motion (n,) at base angles Omega tau/nu of any shape.
+
+        Raises
+        ------
+        ParameterError
+            If they are no finite numbers of that shape.
+        """
+        motion, angle = finite_array("motion", motion, (self.unknowns,)), finite_array("angle", angle, None)
         k = np.arange(1, self.harmonics + 1)
         turns = angle[..., None] * k
         return motion[0] + np.cos(turns) @ motion[1::2] + np.sin(turns) @ motion[2::2]
+
+    def _check(self, problem: Problem) -> None:
+        """Refuse what is no problem of this balance."""
+        if instance_of("problem", problem, Problem).balance is not balance or problem.unknowns != self.unknowns:
+            raise ParameterError("problem", problem, f"one of {self}.problem(...)")

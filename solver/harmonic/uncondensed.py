@@ -9,6 +9,7 @@ import cmath
 import numpy as np
 
 from solver.contact.dead_zone import describing_functions
+from solver.model.checks import finite_array, frequency, instance_of
 from solver.model.gear_model import Model
 
 __all__ = ["translations", "uncondensed_balance"]
@@ -57,7 +58,8 @@ def uncondensed_balance(model: Model, omega: float, unknowns) -> tuple[np.ndarra
     ----------
     model : Model
     omega : float
-    unknowns : (21,) array
+        Frequency, > 0.
+    unknowns : (21,) array_like
         Means, cosine and sine amplitudes of (x1, y1, z1, x2, y2, z2, lambda), seven each.
 
     Returns
@@ -65,8 +67,15 @@ def uncondensed_balance(model: Model, omega: float, unknowns) -> tuple[np.ndarra
     residual : (21,) array
         Mean, cosine and sine rows of M y'' + C y' + K y + (h_t k_t + h_r k_r) f(lambda) - e_7 load.
     jacobian : (21, 21) array
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
-    mean, cosine, sine = np.asarray(unknowns, dtype=float).reshape(3, 7)
+    instance_of("model", model, Model)
+    omega = frequency(omega)
+    mean, cosine, sine = finite_array("unknowns", unknowns, (21,)).reshape(3, 7)
     mass, damping, stiffness = model.matrices()
     translation, rotation = model.mesh_vectors()
     load = model.load_harmonics(omega)
@@ -98,15 +107,23 @@ def translations(model: Model, omega: float, unknowns) -> np.ndarray:
     ----------
     model : Model
     omega : float
-    unknowns : (3,) array
+        Frequency, > 0.
+    unknowns : (3,) array_like
         lambda_m, lambda_c, lambda_s.
 
     Returns
     -------
     (3, 6) array
         Means, cosine and sine amplitudes of x1, y1, z1, x2, y2, z2:
-        X_k = -d_j (kappa_g R^t_k + 2i k Omega xi_hg Lambda_k)/Z_j(k Omega).
+        X_k = -d_j (kappa_g R^t_k + 2i k Omega xi_hg Lambda_k)/Z_j(k Omega) (docs/physics.md, section 3).
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
+    instance_of("model", model, Model)
+    omega, unknowns = frequency(omega), finite_array("unknowns", unknowns, (3,))
     force, _ = _force_harmonics(model, model.variation_translation, unknowns)
     fundamental = complex(unknowns[1], -unknowns[2])
     direction, stiffness = model.direction, np.array(model.k_support)

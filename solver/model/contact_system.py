@@ -17,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, whole_number
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
 __all__ = ["ContactSystem", "gear_system", "in_motion", "reduced"]
@@ -63,7 +63,7 @@ class ContactSystem:
     inertial_load: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
 
     def __post_init__(self):
-        n = np.shape(self.contact)[0] if np.ndim(self.contact) == 1 else 0
+        n = finite_array("contact", self.contact, (None,)).size
         if n == 0:
             raise ParameterError("contact", self.contact, "a vector of at least one number")
         if self.varying_force is None:
@@ -78,26 +78,26 @@ class ContactSystem:
         ):
             self._set(name, shape, float)
         for name in ("load", "inertial_load"):
-            if np.size(getattr(self, name)) == 0:
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray) and value.size == 0:
                 object.__setattr__(self, name, np.zeros((1, n)))
-            rows = np.shape(getattr(self, name))[0]
-            self._set(name, (rows, n), complex)
+            self._set(name, (None, n), complex)
+            if len(getattr(self, name)) == 0:
+                raise ParameterError(name, value, "of at least one row, the mean")
             if np.any(getattr(self, name)[0].imag != 0.0):
                 raise ParameterError(name, getattr(self, name)[0], "real in its first row, the mean")
         if not abs(np.linalg.det(self.mass)) > 0.0:
             raise ParameterError("mass", self.mass, "an invertible matrix")
-        if not (math.isfinite(self.front_gap) and -self.front_gap <= self.back_gap <= math.inf):
+        object.__setattr__(self, "front_gap", finite_number("front_gap", self.front_gap))
+        if self.back_gap != math.inf:
+            object.__setattr__(self, "back_gap", finite_number("back_gap", self.back_gap))
+        if not -self.front_gap <= self.back_gap:
             allowed = "finite in front, and at the back at least -front_gap (infinite for a one-sided contact)"
             raise ParameterError("front_gap, back_gap", (self.front_gap, self.back_gap), allowed)
         object.__setattr__(self, "stiffness_harmonics", harmonic_pairs("stiffness_harmonics", self.stiffness_harmonics))
 
     def _set(self, name, shape, kind):
-        try:
-            value = np.array(getattr(self, name), dtype=kind)
-        except (TypeError, ValueError):
-            value = np.empty(0)
-        if value.shape != shape or not np.all(np.isfinite(value)):
-            raise ParameterError(name, getattr(self, name), f"finite numbers of shape {shape}")
+        value = finite_array(name, getattr(self, name), shape, kind)
         value.setflags(write=False)
         object.__setattr__(self, name, value)
 
@@ -120,13 +120,20 @@ class ContactSystem:
         return math.isfinite(self.back_gap)
 
     def contact_force(self, displacement) -> np.ndarray:
-        """f at displacements lambda of any shape."""
-        displacement = np.asarray(displacement, dtype=float)
+        """f at displacements lambda of any shape; raises ParameterError if they are no finite numbers."""
+        displacement = finite_array("displacement", displacement, None)
         front = np.maximum(displacement - self.front_gap, 0.0)
         return front + np.minimum(displacement + self.back_gap, 0.0) if self.two_sided else front
 
     def load_harmonics(self, omega: float, order: int) -> np.ndarray:
-        """One-sided harmonics 0 ... order of the load at one frequency, complex (order + 1, n)."""
+        """One-sided harmonics 0 ... order of the load at one frequency, complex (order + 1, n).
+
+        Raises
+        ------
+        ParameterError
+            If the frequency is not a finite number above 0, or the order is not a whole number from 0.
+        """
+        omega, order = frequency(omega), whole_number("order", order, 0, 10_000)
         total = np.zeros((order + 1, self.degrees), dtype=complex)
         for array, power in ((self.load, 0.0), (self.inertial_load, 2.0)):
             rows = min(len(array), order + 1)
@@ -134,7 +141,16 @@ class ContactSystem:
         return total
 
     def dynamic_stiffness(self, omega) -> np.ndarray:
-        """Z = K - omega^2 M + i omega C, complex (n, n); omega may be an array of shape (..., 1, 1)."""
+        """Z = K - omega^2 M + i omega C, complex (n, n); omega may be an array of shape (..., 1, 1).
+
+        Raises
+        ------
+        ParameterError
+            If omega is no finite number, or an array of another shape.
+        """
+        omega = finite_array("omega", omega, None)
+        if omega.ndim and omega.shape[-2:] != (1, 1):
+            raise ParameterError("omega", f"array of shape {omega.shape}", "a number or of shape (..., 1, 1)")
         return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
 
 
@@ -190,7 +206,13 @@ def gear_system(model: Model) -> ContactSystem:
     u'' + 2 xi u' + k u = -sum_j d_j^2 [kappa_g k_t f + 2 xi_hg lambda'] over the supports j of that kind, and all u''
     together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own;
     nor are supports without a share in d, of which there is no coordinate: with sigma = 0 lambda alone is left.
+
+    Raises
+    ------
+    ParameterError
+        If it is no Model.
     """
+    instance_of("model", model, Model)
     squares = model.direction**2
     # What the contact does not reach is no part of the motion; cos 90 degrees is 6e-17.
     reached = squares > _NO_COUPLING

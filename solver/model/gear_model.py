@@ -10,11 +10,18 @@ in units of 1/Omega_n, lengths in units of a fixed reference length:
 import dataclasses
 import math
 from dataclasses import dataclass
-from numbers import Real
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    finite_number,
+    finite_numbers,
+    frequency,
+    list_length,
+    whole_number,
+)
 
 __all__ = ["GEOMETRIC", "Harmonics", "Model", "SCALAR_PARAMETERS", "harmonic_pairs"]
 
@@ -43,6 +50,8 @@ SCALAR_PARAMETERS = (
 )
 
 Harmonics = tuple[tuple[float, float], ...]
+
+_UNBOUNDED = ("alpha", "alpha_phase", "f_e", "f_e_phase", "f_pm", "f_pv", "variation_translation", "variation_rotation")
 
 
 @dataclass(frozen=True)
@@ -108,42 +117,38 @@ class Model:
     f_pv: float = 0.0
 
     def __post_init__(self):
-        numbers = {
-            "b": (0.0, True),
-            "alpha": None,
-            "alpha_phase": None,
-            "f_e": None,
-            "f_e_phase": None,
-            "f_pm": None,
-            "f_pv": None,
-            "xi_mesh": (0.0, True),
-            "variation_translation": None,
-            "variation_rotation": None,
-        }
-        for name, bound in numbers.items():
-            self._set(name, _number(name, getattr(self, name), bound))
-        for name, count, bound in (
-            ("kappa", 2, (0.0, False)),
-            ("xi_translation", 2, (0.0, True)),
-            ("xi_support", 6, (0.0, True)),
-            ("k_support", 6, (0.0, False)),
-        ):
-            self._set(name, _numbers(name, getattr(self, name), count, bound))
+        for name in ("b", "xi_mesh"):
+            self._set(name, finite_number(name, getattr(self, name), at_least=0.0))
+        for name in _UNBOUNDED:
+            self._set(name, finite_number(name, getattr(self, name)))
+        self._set("kappa", finite_numbers("kappa", self.kappa, 2, above=0.0))
+        self._set("xi_translation", finite_numbers("xi_translation", self.xi_translation, 2, at_least=0.0))
+        self._set("xi_support", finite_numbers("xi_support", self.xi_support, 6, at_least=0.0))
+        self._set("k_support", finite_numbers("k_support", self.k_support, 6, above=0.0))
         for name in ("alpha_harmonics", "f_e_harmonics"):
             self._set(name, harmonic_pairs(name, getattr(self, name)))
         for name, top in (("pitch_cone_angle", 180.0), ("pressure_angle", 90.0)):
-            value = _number(name, getattr(self, name), None)
+            value = finite_number(name, getattr(self, name))
             if not 0.0 <= value < top:
                 raise ParameterError(name, value, f"an angle in degrees, at least 0 and below {top:g}")
             self._set(name, value)
-        self._set("translation_coupling", _coupling("translation_coupling", self.translation_coupling, (0.0, True)))
-        self._set("rotation_coupling", _coupling("rotation_coupling", self.rotation_coupling, (0.0, False)))
+        self._set("translation_coupling", _coupling("translation_coupling", self.translation_coupling, at_least=0.0))
+        self._set("rotation_coupling", _coupling("rotation_coupling", self.rotation_coupling, above=0.0))
 
     def _set(self, name, value):
         object.__setattr__(self, name, value)
 
     def replace(self, **changes) -> "Model":
-        """The same gear pair with some parameters changed; a single number stands for all gears and axes."""
+        """The same gear pair with some parameters changed; a single number stands for all gears and axes.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such parameter, or its value is not allowed.
+        """
+        for name in changes:
+            if name not in self.__dataclass_fields__:
+                raise ParameterError(name, changes[name], f"one of {', '.join(self.__dataclass_fields__)}")
         return dataclasses.replace(self, **changes)
 
     @property
@@ -184,8 +189,14 @@ class Model:
         return ((self.f_e, self.f_e_phase), *self.f_e_harmonics)
 
     def stiffness_variation(self, angle) -> np.ndarray:
-        """s(theta) = sum_l alpha_l cos(l theta + Phi_kl) at mesh phases `angle` (rad, any shape)."""
-        angle = np.asarray(angle, dtype=float)
+        """s(theta) = sum_l alpha_l cos(l theta + Phi_kl) at mesh phases `angle` (rad, any shape).
+
+        Raises
+        ------
+        ParameterError
+            If an angle is no finite number.
+        """
+        angle = finite_array("angle", angle, None)
         terms = (a * np.cos(l * angle + p) for l, (a, p) in enumerate(self.stiffness_harmonics(), start=1))
         return sum(terms, np.zeros_like(angle))
 
@@ -220,7 +231,14 @@ class Model:
         return translation, rotation
 
     def load_harmonics(self, omega: float, order: int = 1) -> np.ndarray:
-        """One-sided harmonics F_0 ... F_order of the right-hand side of the mesh row, complex (order + 1,)."""
+        """One-sided harmonics F_0 ... F_order of the right-hand side of the mesh row, complex (order + 1,).
+
+        Raises
+        ------
+        ParameterError
+            If the frequency is not a finite number above 0, or the order is not a whole number from 0.
+        """
+        omega, order = frequency(omega), whole_number("order", order, 0, 10_000)
         load = np.zeros(order + 1, dtype=complex)
         load[0] = self.f_pm
         if order >= 1:
@@ -235,7 +253,13 @@ class Model:
 
         Gain 1 is permanent contact with the mean stiffness. Supports that are alike leave only two modes that involve
         lambda, the lowest and the highest; the others lie at sqrt(k_j).
+
+        Raises
+        ------
+        ParameterError
+            If the gain is no finite number.
         """
+        gain = finite_number("gain", gain)
         mass, _, stiffness = self.matrices()
         translation, rotation = self.mesh_vectors()
         stiffness[:, 6] += gain * (translation + rotation)
@@ -243,46 +267,31 @@ class Model:
         return np.sqrt(np.maximum(np.sort(values.real), 0.0))
 
     def mesh_modes(self, gain: float = 1.0) -> tuple[float, float]:
-        """Lowest and highest natural frequency: the mesh-frequency and the shaft-frequency resonance of the study."""
+        """Lowest and highest natural frequency: the mesh-frequency and the shaft-frequency resonance of the study.
+
+        Raises
+        ------
+        ParameterError
+            If the gain is no finite number.
+        """
         frequencies = self.linear_frequencies(gain)
         return float(frequencies[0]), float(frequencies[-1])
-
-
-def _number(name: str, value, bound: tuple[float, bool] | None) -> float:
-    """`value` as a finite float, with an optional lower bound (value, inclusive)."""
-    allowed = "a finite number"
-    if bound is not None:
-        allowed += f" {'at least' if bound[1] else 'above'} {bound[0]:g}"
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise ParameterError(name, value, allowed)
-    if bound is not None and (value < bound[0] or (value == bound[0] and not bound[1])):
-        raise ParameterError(name, value, allowed)
-    return float(value)
-
-
-def _numbers(name: str, value, count: int, bound) -> tuple[float, ...]:
-    """One number for all, or exactly `count` of them."""
-    if isinstance(value, Real):
-        return (_number(name, value, bound),) * count
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != count:
-        raise ParameterError(name, value, f"one number or a list of {count}")
-    return tuple(_number(f"{name}[{i}]", entry, bound) for i, entry in enumerate(value))
 
 
 def harmonic_pairs(name: str, value) -> Harmonics:
     """`value` as pairs of finite numbers (amplitude, phase); raises ParameterError with `name` otherwise."""
     allowed = "a list of [amplitude, phase] pairs"
-    if isinstance(value, str) or not hasattr(value, "__len__"):
+    if list_length(value) < 0:
         raise ParameterError(name, value, allowed)
     for pair in value:
-        if isinstance(pair, str) or not hasattr(pair, "__len__") or len(pair) != 2:
+        if list_length(pair) != 2:
             raise ParameterError(name, value, allowed)
-    return tuple((_number(name, a, None), _number(name, p, None)) for a, p in value)
+    return tuple((finite_number(name, a), finite_number(name, p)) for a, p in value)
 
 
-def _coupling(name: str, value, bound) -> float | str:
+def _coupling(name: str, value, **bounds: float) -> float | str:
     if isinstance(value, str):
         if value != GEOMETRIC:
             raise ParameterError(name, value, f"a number or the word {GEOMETRIC}")
         return value
-    return _number(name, value, bound)
+    return finite_number(name, value, **bounds)

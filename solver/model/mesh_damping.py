@@ -4,9 +4,7 @@ One damper c_h between the teeth makes xi_h = c_h/(2 m_e Omega_n) and xi_hg = c_
 section 2), so that their ratio stays what it is when c_h changes: m_e/m_g = kappa_g with one mesh force for all rows.
 """
 
-import math
-
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
 
@@ -14,8 +12,7 @@ __all__ = ["MESH_DAMPING"]
 
 
 def _changes(model: Model, value: float) -> dict:
-    if not 0.0 <= value < math.inf:
-        raise ParameterError("mesh_damping", value, "a finite number at least 0")
+    finite_number("mesh_damping", value, at_least=0.0)
     if model.xi_mesh == 0.0:
         allowed = "above 0 where mesh_damping is an axis, which keeps its ratio to xi_translation"
         raise ParameterError("xi_mesh", 0.0, allowed)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, frequency, instance_of, one_of
 from solver.model.contact_system import ContactSystem, reduced
 from solver.model.gear_model import GEOMETRIC, SCALAR_PARAMETERS, Model
 from solver.model.parameters import (
@@ -44,7 +44,7 @@ from solver.model.parameters import (
     B,
 )
 
-__all__ = ["AXES", "SYSTEM_AXES", "axis_vectors", "gear_vectors", "packed", "parameter_vector"]
+__all__ = ["AXES", "SYSTEM_AXES", "axis_vectors", "check_axis", "gear_vectors", "packed", "parameter_vector"]
 
 #: Everything that may be an axis of a plane or of a continuation.
 AXES = ("omega", *SCALAR_PARAMETERS)
@@ -125,6 +125,41 @@ def axis_vectors(model: Model, axis: str, omega: float | None = None) -> tuple[n
     return theta, direction
 
 
+def check_axis(system: Model | ContactSystem, axis: str, low: float, high: float, omega: float | None) -> None:
+    """Refuse what no balance over an axis can be made of.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    axis : str
+        One of `AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+    low, high : float
+        Range of the axis.
+    omega : float or None
+        The mesh frequency, > 0; needed unless it is the axis.
+
+    Raises
+    ------
+    ParameterError
+        If the axis is unknown, its ends do not ascend, an end is not allowed, or the frequency is missing.
+    """
+    instance_of("system", system, Model, ContactSystem)
+    gear = isinstance(system, Model)
+    one_of("axis", axis, AXES if gear else SYSTEM_AXES)
+    finite_number("high", high, above=finite_number("low", low))
+    if axis == "omega":
+        frequency(low)
+    if axis != "omega" or omega is not None:
+        frequency(omega)
+    if axis == "omega":
+        return
+    if gear:
+        for value in (low, high):
+            system.replace(**{axis: value})
+    elif axis == "gap" and system.two_sided:
+        finite_number("gap", low, at_least=0.0)
+
+
 def packed(system: Model | ContactSystem, axis: str, omega: float | None, order: int, period: int):
     """`theta` with the axis at 0, and the direction of the axis, for a balance of order H/nu on nu periods 2 pi/Omega.
 
@@ -155,7 +190,17 @@ def packed(system: Model | ContactSystem, axis: str, omega: float | None, order:
 
 
 def gear_vectors(theta, direction, stiffness, errors, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors of `packed` from those of a gear, with the pairs of further harmonics of its stiffness and error."""
+    """Vectors of `packed` from those of a gear.
+
+    Parameters
+    ----------
+    theta, direction : arrays
+        `axis_vectors` of the gear.
+    stiffness, errors : sequence of (amplitude, phase)
+        Harmonics 2, 3, ... of the mesh stiffness and of the transmission error.
+    order, period : int
+        Harmonics of the mesh frequency, and nu.
+    """
     vectors = []
     for vector, constant in ((theta, 1.0), (direction, 0.0)):
         head = np.zeros(PAIRS)

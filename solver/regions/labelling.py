@@ -29,7 +29,16 @@ class Labeller:
         self.plane, self.crossings, self.amplitude_max = plane, crossings, amplitude_max
 
     def codes(self, slab: Slab, fractions, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there."""
+        """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there.
+
+        Parameters
+        ----------
+        slab : Slab
+        fractions : (v,) sequence of float
+            Where the rows are between the slab's lowest and its highest one.
+        places : (f,) sequence of float
+            Where the places are between two arcs.
+        """
         values = slab.rows(fractions)
         arcs, x = self.crossings.matrix(values)
         x = x[:, [arcs.index(arc) for arc in slab.arcs]]

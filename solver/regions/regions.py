@@ -12,9 +12,9 @@ import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.problem import Plane
-from solver.contact.impact import domain_label
+from solver.contact.impact import domain_label, label_parts
 from solver.continuation.continuation import EndReason, Event
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, instance_of, instances_of, value_range
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
 from solver.regions.areas import slab_areas
@@ -120,7 +120,7 @@ class Regions:
     _windows: dict = field(default_factory=dict, init=False, repr=False)
 
     def thresholds(self, label: str, x_window: tuple[float, float] | None = None) -> tuple[tuple[float, float], ...]:
-        """The ranges (appears, disappears) of p in which a label occurs; see `occurrences`.
+        """The ranges (appears, disappears) of p in which a label occurs; takes and raises what `occurrences` does.
 
         In the plane of omega and b of the published gear, "2/0-2" gives ((0.047920441, 1.010829919),).
         """
@@ -139,13 +139,28 @@ class Regions:
         -------
         tuple of Occurrence
             Ascending, with gaps between; empty if the label occurs nowhere.
+
+        Raises
+        ------
+        ParameterError
+            If it is no label n/I, or the window is not inside the plane.
         """
+        label_parts(label)
         if x_window is not None:
             return self.within(x_window).occurrences(label)
         return tuple(Occurrence(label, *found) for found in self.ranges((label,)))
 
     def ranges(self, labels: Collection[str]) -> tuple[tuple[float, float, float], ...]:
-        """Where in p any of several labels occurs: unbroken ranges (appears, disappears, share of the plane's area)."""
+        """Where in p any of several labels occurs: unbroken ranges (appears, disappears, share of the plane's area).
+
+        Raises
+        ------
+        ParameterError
+            If one is no label n/I.
+        """
+        labels = instances_of("labels", labels, str)
+        for label in labels:
+            label_parts(label)
         found: list[tuple[float, float, float]] = []
         (x_low, x_high), (p_low, p_high) = self.plane.x_range, self.plane.p_range
         for part in self.slabs:
@@ -168,7 +183,8 @@ class Regions:
         ParameterError
             If the window is not inside the plane.
         """
-        key = tuple(map(float, x_window)), tuple(map(float, p_window or self.plane.p_range))
+        p_window = self.plane.p_range if p_window is None else p_window
+        key = value_range("x_window", x_window), value_range("p_window", p_window)
         if key not in self._windows:
             for name, window, whole in zip(
                 ("x_window", "p_window"), key, (self.plane.x_range, self.plane.p_range), strict=True
@@ -180,7 +196,8 @@ class Regions:
         return self._windows[key]
 
     def neighbours(self, label: str) -> dict[str, tuple[Event, ...]]:
-        """The labels next to one, and the kinds of the boundaries between."""
+        """The labels next to one n/I, and the kinds of the boundaries between; raises ParameterError for other text."""
+        label_parts(label)
         found: dict[str, tuple[Event, ...]] = {}
         for frontier in self.adjacency:
             if label in frontier.labels:
@@ -230,8 +247,15 @@ def regions(
     RegionError
         If the boundaries do not divide the plane into regions of one label: one of them is missing or ends early, or
         solutions can nowhere be told apart.
+
+    Notes
+    -----
+    Labels change only where a boundary crosses a row, and the order of crossings only at critical values of p
+    (docs/physics.md, section 5.6).
     """
-    return _divided(Plane(model, x_axis, p_axis, x_range, p_range, omega), tuple(curves), amplitude_max)
+    plane = Plane(instance_of("model", model, Model), x_axis, p_axis, x_range, p_range, omega)
+    curves = instances_of("curves", curves, BoundaryCurve)
+    return _divided(plane, curves, finite_number("amplitude_max", amplitude_max, above=0.0))
 
 
 def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: float) -> Regions:

@@ -14,7 +14,7 @@ import numpy as np
 
 from solver.continuation.continuation import Curve, EndReason, Event
 from solver.harmonic.galerkin import Galerkin
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, instance_of, whole_number
 from solver.rows.crossings import Crossings, crossings
 from solver.rows.seeds import Branches, grown_solution, missing_degree, proven_solutions
 from solver.rows.span import RowSpan, ends_notes, runs
@@ -42,11 +42,13 @@ class LiftedSeeds:
     columns: int = 197
 
     def __post_init__(self):
-        if not 2 <= self.columns <= 10**6:
-            raise ParameterError("certify_columns", self.columns, "from 2 to 1000000")
+        whole_number("certify_columns", self.columns, 2, 10**6)
 
     def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
-        """All branches found."""
+        """All branches found; raises ParameterError if the balance is none of `Galerkin`."""
+        instance_of("span", span, RowSpan)
+        if not isinstance(span.balance, Galerkin):
+            raise ParameterError("seeds", self, f"ProvenSeeds or LinearSeeds for {span.balance}")
         probes = np.linspace(span.low, span.high, self.columns)
         order = [0, self.columns - 1, *range(1, self.columns - 1)]
         if span.balance.period > 1:
@@ -177,7 +179,16 @@ def shifted(motion: np.ndarray, periods: int, period: int) -> np.ndarray:
 
 
 def equal_motions(left: np.ndarray, right: np.ndarray, scale, period: int) -> bool:
-    """Whether two solutions (n,) are one motion, perhaps some forcing periods later."""
+    """Whether two solutions are one motion, perhaps some forcing periods later.
+
+    Parameters
+    ----------
+    left, right : (n,) arrays
+    scale : float or (n,) array
+        Size of the unknowns.
+    period : int
+        nu, forcing periods of the balance.
+    """
     return any(np.max(np.abs(shifted(left, shift, period) - right) / scale) <= _SAME for shift in range(period))
 
 

@@ -12,9 +12,9 @@ from solver.continuation.continuation import Continuation, Curve, EndReason, Eve
 from solver.continuation.problem import Balance
 from solver.enumeration.solutions import Above, Proof
 from solver.harmonic.describing_function import DescribingFunction
-from solver.model.checks import ascending_grid, frequency, one_of
+from solver.model.checks import ascending_grid, has_methods, instance_of
 from solver.model.gear_model import Model
-from solver.model.packing import AXES, packed
+from solver.model.packing import check_axis, packed
 from solver.rows.crossings import crossings
 from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, proven_solutions
 from solver.rows.span import BROKEN, RowSpan
@@ -102,11 +102,25 @@ class Row:
         return self.balance.extremes(self.motions)
 
     def branch_motions(self, curve: Curve) -> np.ndarray:
-        """lambda_m, lambda_c and lambda_s at the points of one of the curves, (3, points)."""
+        """lambda_m, lambda_c and lambda_s at the points of one of the curves, (3, points).
+
+        Raises
+        ------
+        ParameterError
+            If it is no curve.
+        """
+        instance_of("curve", curve, Curve)
         return curve.points[:, [0, *self.balance.fundamental]].T
 
     def branch_impact(self, curve: Curve) -> np.ndarray:
-        """`ImpactState` at the points of one of the curves, int8."""
+        """`ImpactState` at the points of one of the curves, int8.
+
+        Raises
+        ------
+        ParameterError
+            If it is no curve.
+        """
+        instance_of("curve", curve, Curve)
         b = curve.points[:, -1] if self.axis == "b" else self.b[0]
         return impact_state(*self.balance.extremes(curve.points[:, :-1]), b)
 
@@ -168,26 +182,18 @@ def sweep_row(
     Raises
     ------
     ParameterError
-        If the grid, the frequency or the axis is not allowed.
+        If an argument is not allowed.
     RowError
         If at a grid value the balance leaves the mean open, so that there is a continuum of solutions.
     """
     grid = ascending_grid("grid", grid, 2)
-    one_of("axis", axis, AXES)
-    omega = frequency(float(grid[0])) if axis == "omega" else frequency(omega)
-    if axis != "omega":
-        for value in (grid[0], grid[-1]):
-            model.replace(**{axis: float(value)})
-    span = RowSpan(
-        balance or DescribingFunction(),
-        model,
-        axis,
-        float(grid[0]),
-        float(grid[-1]),
-        None if axis == "omega" else omega,
-        continuation or Continuation(),
-    )
-    found = (seeds or ProvenSeeds()).branches(span, grid)
+    balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
+    continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
+    seeds = ProvenSeeds() if seeds is None else has_methods("seeds", seeds, "branches")
+    check_axis(instance_of("model", model, Model), axis, float(grid[0]), float(grid[-1]), omega)
+    low, high = float(grid[0]), float(grid[-1])
+    span = RowSpan(balance, model, axis, low, high, None if axis == "omega" else float(omega), continuation)
+    found = seeds.branches(span, grid)
     return _described(span, grid, found, _raster(span, grid, found))
 
 

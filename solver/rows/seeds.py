@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.continuation.continuation import Curve, EndReason
 from solver.enumeration.solutions import Proof, RowSolutions, enumerate_values
-from solver.model.checks import whole_number
+from solver.model.checks import ParameterError, ascending_grid, instance_of, whole_number
 from solver.rows.crossings import Crossings, Known, crossings
 from solver.rows.span import RowError, RowSpan, ends_notes, runs
 
@@ -84,6 +84,11 @@ class ProvenSeeds:
     every_column : bool
         Whether the values are the row's grid values, with others between them where the grid is coarser than `columns`.
         Every grid value is proven then. Otherwise they are `columns` evenly spaced values, both ends included.
+
+    Raises
+    ------
+    ParameterError
+        If `columns` is not a whole number from 2 to 1000000, or `every_column` is neither True nor False.
     """
 
     columns: int = 197
@@ -91,15 +96,21 @@ class ProvenSeeds:
 
     def __post_init__(self):
         whole_number("certify_columns", self.columns, 2, 10**6)
+        instance_of("every_column", self.every_column, bool)
 
     def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
         """All branches through the solutions at the chosen values: those at both ends first, then ascending.
 
         Raises
         ------
+        ParameterError
+            If the balance is not the describing function of first order, or the grid is not allowed.
         RowError
             If somewhere the balance leaves the mean open: a continuum of solutions.
         """
+        grid = _checked(span, grid)
+        if not span.balance.truncated:
+            raise ParameterError("seeds", self, f"LiftedSeeds for {span.balance}, whose solutions nothing proves")
         if self.every_column:
             probes, place = spread_columns(grid, self.columns)
         else:
@@ -116,6 +127,12 @@ class ProvenSeeds:
             coverage.notes,
             by_enumeration=True,
         )
+
+
+def _checked(span: RowSpan, grid: np.ndarray) -> np.ndarray:
+    """The grid; raises ParameterError where it is not ascending, or what seeds are asked for is no row of one."""
+    instance_of("span", span, RowSpan)
+    return ascending_grid("grid", grid, 2)
 
 
 def spread_columns(grid: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
@@ -261,7 +278,14 @@ class LinearSeeds:
     """Starts from the linear pair without backlash at both ends of the range, and where the degree does not add up."""
 
     def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
-        """The branches found; isolas, whose signs cancel, are not among them."""
+        """The branches found; isolas, whose signs cancel, are not among them.
+
+        Raises
+        ------
+        ParameterError
+            If it is no row, or the grid is not ascending.
+        """
+        _checked(span, grid)
         probes = np.linspace(span.low, span.high, _PROBES)
         curves: list[Curve] = []
         met: list[Crossings] = []

@@ -21,7 +21,20 @@ class RowError(ArithmeticError):
 
 @dataclass(frozen=True)
 class RowSpan:
-    """What is continued in a row: a model over one axis from `low` to `high`, at `omega` unless that is the axis."""
+    """What is continued in a row.
+
+    Parameters
+    ----------
+    balance : Balance
+    model : Model
+    axis : str
+        One of `solver.model.condensation.AXES`.
+    low, high : float
+        Range of the axis.
+    omega : float or None
+        The frequency, None where it is the axis.
+    continuation : Continuation
+    """
 
     balance: Balance
     model: Model

@@ -4,7 +4,6 @@ Deviations from a motion that never switches contact depend on the linear system
 motions of one call share so is computed once.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,17 @@ from solver.continuation.problem import Balance
 from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
-from solver.model.checks import ParameterError
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    finite_number,
+    frequency,
+    has_methods,
+    instance_of,
+    number_array,
+    one_of,
+    whole_number,
+)
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import AXES, SYSTEM_AXES, packed
@@ -144,6 +153,11 @@ def classify(multipliers, static=None, tolerance: float = TOLERANCE) -> np.ndarr
     -------
     (k,) int8 array
 
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
+
     Examples
     --------
     >>> from solver.stability.instability import Instability
@@ -152,7 +166,10 @@ def classify(multipliers, static=None, tolerance: float = TOLERANCE) -> np.ndarr
     >>> [Instability(kind).name for kind in classify([[1.2, 0.8]] * 2, static=[0, 1])]
     ['FOLD', 'CONTRADICTORY']
     """
-    multipliers = np.asarray(multipliers, dtype=complex)
+    multipliers = number_array("multipliers", multipliers, kind=complex).astype(complex)
+    if multipliers.ndim != 2:
+        raise ParameterError("multipliers", f"array of shape {multipliers.shape}", "of shape (k, m)")
+    static, tolerance = _checked_static(static, len(multipliers)), finite_number("tolerance", tolerance, at_least=0.0)
     bits = np.empty(len(multipliers), np.int8)
     _where(np.ascontiguousarray(multipliers.real), np.ascontiguousarray(multipliers.imag), tolerance, bits)
     return named(bits, static)
@@ -160,24 +177,26 @@ def classify(multipliers, static=None, tolerance: float = TOLERANCE) -> np.ndarr
 
 def _checked(system, axis: str, values, motions, omega, order: int, period: int):
     """Packed parameters, axis values (k,) and motions (k, 2 H + 1) as kernels take them."""
-    values = np.array(values, dtype=float)
-    if values.ndim != 1 or not np.all(np.isfinite(values)):
-        raise ParameterError("values", f"array of shape {values.shape}", "a vector of finite numbers")
-    axes = AXES if isinstance(system, Model) else SYSTEM_AXES
-    if axis not in axes:
-        raise ParameterError("axis", axis, f"one of {', '.join(axes)}")
-    frequencies = values if axis == "omega" else np.full(values.size, math.nan if omega is None else omega)
-    if not np.all((frequencies > 0.0) & (frequencies < np.inf)):
-        raise ParameterError("omega", omega, "a finite number above 0")
+    instance_of("system", system, Model, ContactSystem)
+    one_of("axis", axis, AXES if isinstance(system, Model) else SYSTEM_AXES)
+    values, period = finite_array("values", values, (None,)), whole_number("period", period, 1, 10_000)
+    if axis != "omega" or omega is not None:
+        frequency(omega)
+    if axis == "omega" and values.size:
+        frequency(float(values.min()))
     if isinstance(system, Model) and axis != "omega" and values.size:
         for value in (values.min(), values.max()):
             system.replace(**{axis: float(value)})
-    motions = np.ascontiguousarray(motions, dtype=float)
-    if motions.ndim != 2 or len(motions) != values.size or motions.shape[1] % 2 == 0:
+    motions = np.ascontiguousarray(finite_array("motions", motions, (values.size, None)))
+    if motions.shape[1] % 2 == 0:
         raise ParameterError("motions", f"array of shape {motions.shape}", f"({values.size}, an odd number)")
-    if not np.all(np.isfinite(motions)):
-        raise ParameterError("motions", "an array with numbers that are not finite", "finite")
     return *packed(system, axis, omega, order, period), values, motions
+
+
+def _checked_static(static, count: int):
+    if static is not None and number_array("static", static, kind=bool).shape != (count,):
+        raise ParameterError("static", f"array of shape {np.shape(static)}", f"of shape ({count},)")
+    return static
 
 
 def monodromies(
@@ -210,6 +229,11 @@ def monodromies(
     ------
     ParameterError
         If the axis, a value of it, the frequency or the motions are not allowed, or n is not the same for all values.
+
+    Notes
+    -----
+    The contact force is continuous, so that the matrices of the smooth pieces between contact switches multiply,
+    without jumps (docs/physics.md, section 6.2).
     """
     theta, direction, values, motions = _checked(system, axis, values, motions, omega, 1, period)
     if values.size == 0:
@@ -225,7 +249,27 @@ def monodromies(
 def multipliers(
     system: Model | ContactSystem, axis: str, values, motions, *, omega: float | None = None, period: int = 1
 ) -> np.ndarray:
-    """Floquet multipliers, the eigenvalues of `monodromies`: complex (k, 2 n), conjugates side by side."""
+    """Floquet multipliers, the eigenvalues of `monodromies`.
+
+    Parameters
+    ----------
+    system, axis, values, motions, omega, period
+        As for `monodromies`.
+
+    Returns
+    -------
+    (k, 2 n) complex array
+        Conjugates side by side.
+
+    Raises
+    ------
+    ParameterError
+        As `monodromies`.
+
+    Notes
+    -----
+    G. Floquet's theory, as in R. Seydel, Practical Bifurcation and Stability Analysis (3rd ed., 2010), chapter 7.
+    """
     matrices = monodromies(system, axis, values, motions, omega=omega, period=period)
     real, imaginary = np.empty(matrices.shape[:2]), np.empty(matrices.shape[:2])
     _eigenvalues(matrices, real, imaginary)
@@ -248,9 +292,18 @@ def motion_multipliers(system: Model | ContactSystem, omega, motions, period: in
     -------
     (2 n,) or (k, 2 n) complex array
         As from `multipliers`.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
-    many = np.atleast_2d(np.asarray(motions, dtype=float))
-    frequencies = np.broadcast_to(np.asarray(omega, dtype=float), len(many))
+    many, frequencies = np.atleast_2d(number_array("motions", motions)), number_array("omega", omega)
+    if np.ndim(motions) not in (1, 2):
+        raise ParameterError("motions", f"array of shape {many.shape}", "of shape (2 H + 1,) or (k, 2 H + 1)")
+    if frequencies.shape not in ((), (1,), (len(many),)) or not np.all((frequencies > 0.0) & (frequencies < np.inf)):
+        raise ParameterError("omega", omega, f"one or {len(many)} finite numbers above 0")
+    frequencies = np.broadcast_to(frequencies, len(many))
     found = multipliers(system, "omega", frequencies, many, period=period)
     return found[0] if np.ndim(motions) == 1 else found
 
@@ -297,10 +350,13 @@ def assess(
     ParameterError
         If the axis, a value of it, the frequency or the shape of the motions is not allowed.
     """
+    if balance is not None:
+        has_methods("balance", balance, "problem", "extremes")
     order, period, unknowns = (1, 1, 3) if balance is None else (balance.order, balance.period, balance.unknowns)
     theta, direction, values, motions = _checked(system, axis, values, motions, omega, order, period)
     if motions.shape[1] != unknowns:
         raise ParameterError("motions", f"array of shape {motions.shape}", f"of shape ({values.size}, {unknowns})")
+    static, tolerance = _checked_static(static, values.size), finite_number("tolerance", tolerance, at_least=0.0)
     bits, tests = np.empty(values.size, np.int8), np.empty((values.size, TESTS))
     _assess(theta, direction, values, motions, tolerance, bits, tests)
     return Stability(named(bits, static), tests[:, LARGEST].copy(), tests)

@@ -316,7 +316,18 @@ def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, n
 
 
 def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
-    """`locate_bifurcations` of a branch by itself, with the parameters that its problem knows; the branch alone."""
+    """`locate_bifurcations` of a branch by itself, with the parameters that its problem knows; the branch alone.
+
+    Parameters
+    ----------
+    balance : Balance
+    problem : Problem
+        Of that balance.
+    curve : Curve
+        As traced for that problem.
+    continuation : Continuation
+        Whose corrector is used.
+    """
     return locate_bifurcations(packed_parameters(balance, problem), problem, curve, continuation)[0]
 
 

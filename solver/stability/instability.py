@@ -16,8 +16,8 @@ class Instability(Explained):
 
     Static stability, det J > 0, is exact for the balance; its multipliers are those of the motion that the balance
     gives, which is not a true one. A real multiplier beyond -1 or a complex pair outside the unit circle is an
-    instability by itself; one beyond +1 is not, since folds belong to det J (PHYSICS, section 6). Several may hold at
-    once. The first of these that does is the kind:
+    instability by itself; one beyond +1 is not, since folds belong to det J (docs/physics.md, section 6). Several may
+    hold at once. The first of these that does is the kind:
 
     1. UNDECIDED where a multiplier is not finite;
     2. PERIOD_DOUBLING with a real multiplier beyond -1, whatever else holds;

@@ -1,9 +1,9 @@
 """The monodromy matrix of a given periodic motion, from contact switch to contact switch, for kernels.
 
 A motion u = (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu need not be a true one: it tells when there is contact,
-exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches
-(PHYSICS, section 6): saltation matrices are identities. Deviations are carried by the integrator's own recurrence
-(`solver.flow.taylor`).
+exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches:
+saltation matrices are identities (docs/physics.md, section 6). Deviations are carried by the integrator's own
+recurrence (`solver.flow.taylor`).
 
 For kernels (boundaries, test functions) that have the packed parameters of a balance, of either kind:
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.contact.impact import ImpactState, impact_state
 from solver.explained import Explained
+from solver.model.checks import ParameterError, instance_of, number_array
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import Status
 
@@ -82,7 +83,27 @@ class Attractor:
 
 
 def contact_impact(system: ContactSystem, lowest: float, highest: float) -> ImpactState | int:
-    """Impact state for the two gaps of the system, which need not be alike; -1 where an extreme is nan."""
+    """Impact state for the two gaps of the system, which need not be alike.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    lowest, highest : float
+        Extremes of lambda.
+
+    Returns
+    -------
+    ImpactState, or -1 where an extreme is nan.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
+    """
+    instance_of("system", system, ContactSystem)
+    for name, value in (("lowest", lowest), ("highest", highest)):
+        if number_array(name, value).ndim:
+            raise ParameterError(name, value, "one number")
     if not system.two_sided:
         if math.isnan(lowest) or math.isnan(highest):
             return -1

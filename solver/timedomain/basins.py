@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.attractor import Attractor, AttractorKind
 from solver.timedomain.poincare import checked_count
@@ -50,10 +50,23 @@ def wilson_interval(count: int, total: int, quantile: float = 1.959963984540054)
     (E. B. Wilson, "Probable inference, the law of succession, and statistical inference", Journal of the American
     Statistical Association 22 (1927) 209-212).
 
+    Parameters
+    ----------
+    count : int
+        From 0 to total.
+    total : int
+        From 1.
+    quantile : float
+        z, > 0.
+
+    Returns
+    -------
+    (low, high)
+
     Raises
     ------
     ParameterError
-        If count is not an integer from 0 to total.
+        If an argument is not allowed.
 
     Examples
     --------
@@ -61,7 +74,7 @@ def wilson_interval(count: int, total: int, quantile: float = 1.959963984540054)
     >>> float(low), round(high, 4)
     (0.0, 0.2775)
     """
-    total = checked_count("total", total)
+    total, quantile = checked_count("total", total), finite_number("quantile", quantile, above=0.0)
     count = checked_count("count", count, 0, total)
     share, square = count / total, quantile**2 / total
     centre = share + 0.5 * square
@@ -78,8 +91,13 @@ def basin_box(system: ContactSystem, omega: float) -> np.ndarray:
     Positions reach 3 times the largest gap (both are lengths of lambda) plus the deflection that the sum of the load
     amplitudes gives in permanent contact; speeds reach as far times the frequency of the softest mode in contact, or
     times Omega where that is lower, so that a start at the edge has energy of the order of one at the edge in position.
+
+    Raises
+    ------
+    ParameterError
+        If it is no ContactSystem, or omega is not a finite number above 0.
     """
-    inverse = np.linalg.inv(system.mass)
+    inverse, omega = np.linalg.inv(instance_of("system", system, ContactSystem).mass), frequency(omega)
     closed = system.stiffness + np.outer(system.force, system.contact)
     frequencies = np.sqrt(np.abs(np.linalg.eigvals(inverse @ closed)))
     frequencies = frequencies[frequencies > 1e-9 * max(1.0, float(np.max(frequencies)))]
@@ -95,7 +113,21 @@ def same_attractor(one: Attractor, other: Attractor, tolerance: float = 1e-5) ->
     Periodic motions are compared by their sections, whichever comes first. Aperiodic ones are one attractor when mean
     and amplitude agree to a twentieth of their range of lambda: over finite windows no more can be said. Failures and
     unbounded motions count as one outcome each.
+
+    Parameters
+    ----------
+    one, other : Attractor
+    tolerance : float
+        Largest distance of sections, as a share of the motion's size.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not allowed.
     """
+    instance_of("one", one, Attractor)
+    instance_of("other", other, Attractor)
+    finite_number("tolerance", tolerance, above=0.0)
     if one.kind is not other.kind or one.period != other.period:
         return False
     if one.kind.periodic:
@@ -136,9 +168,11 @@ def basin_shares(
         If an argument is not allowed.
     """
     count, seed = checked_count("count", count), checked_count("seed", seed, 0, 2**63 - 1)
-    width = np.asarray(basin_box(system, omega) if box is None else box, dtype=float)
+    instance_of("system", system, ContactSystem)
+    omega = frequency(omega)
+    width = basin_box(system, omega) if box is None else finite_array("box", box, None)
     ends = np.array([-width, width]) if width.ndim == 1 else width
-    if ends.shape != (2, 2 * system.degrees) or not np.all(np.isfinite(ends)) or not np.all(ends[0] <= ends[1]):
+    if ends.shape != (2, 2 * system.degrees) or not np.all(ends[0] <= ends[1]):
         raise ParameterError("box", box, f"{2 * system.degrees} half widths, or as many lower and upper ends")
     starts = np.random.default_rng(seed).uniform(ends[0], ends[1], (count, 2 * system.degrees))
     groups: list[list[Attractor]] = []

@@ -27,7 +27,7 @@ from solver.flow.taylor import (
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, whole_number
 from solver.model.contact_system import ContactSystem, in_motion
 from solver.timedomain.polynomial import evaluate, first_exit
 
@@ -221,7 +221,7 @@ class Trajectory:
         ParameterError
             If a time lies outside.
         """
-        at = np.asarray(at, dtype=float)
+        at = finite_array("at", at, None)
         if not (np.all(at >= self.times[0]) and np.all(at <= self.times[-1])) or self.zones.size == 0:
             raise ParameterError("at", at, f"within the trajectory, from {self.times[0]} to {self.times[-1]}")
         flat = np.ascontiguousarray(at.ravel())
@@ -235,27 +235,30 @@ def checked_system(system: ContactSystem, omega: float) -> SwitchedSystem:
     Raises
     ------
     ParameterError
-        If omega is not a finite number above 0.
+        If it is no ContactSystem, or omega is not a finite number above 0.
     """
-    if not (np.ndim(omega) == 0 and 0.0 < omega < math.inf):
-        raise ParameterError("omega", omega, "a finite number above 0")
-    return loaded_system(system, float(omega))
+    return loaded_system(instance_of("system", system, ContactSystem), frequency(omega))
 
 
 def checked_states(system: ContactSystem, states, name: str = "states") -> np.ndarray:
     """Initial states as a fresh (k, 2 n) array; one state may come as (2 n,).
+
+    Parameters
+    ----------
+    system : ContactSystem
+    states : (k, 2 n) or (2 n,) array_like
+        y, then y'.
+    name : str
+        The parameter as the user knows it.
 
     Raises
     ------
     ParameterError
         If they are not finite numbers of that shape.
     """
-    size = 2 * system.degrees
-    try:
-        array = np.array(states, dtype=float, ndmin=2)
-    except (TypeError, ValueError):
-        array = np.empty((0, 0))
-    if array.ndim != 2 or array.shape[1] != size or not np.all(np.isfinite(array)):
+    size = 2 * instance_of("system", system, ContactSystem).degrees
+    array = np.atleast_2d(finite_array(name, states, None))
+    if array.ndim != 2 or array.shape[1] != size:
         raise ParameterError(name, states, f"finite numbers, {size} for each state (y, y')")
     return array
 
@@ -268,7 +271,29 @@ def with_the_rest(system: ContactSystem, states: np.ndarray) -> np.ndarray:
     return whole
 
 
-def checked_tolerance(tolerance: float) -> float:
+def checked_state(system: ContactSystem, state, name: str = "state") -> np.ndarray:
+    """One initial state as a fresh (2 n,) array.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    state : (2 n,) array_like
+        y, then y'.
+    name : str
+        The parameter as the user knows it.
+
+    Raises
+    ------
+    ParameterError
+        If it is none.
+    """
+    states = checked_states(system, state, name)
+    if len(states) != 1:
+        raise ParameterError(name, state, "one state")
+    return states[0]
+
+
+def checked_tolerance(tolerance: float, name: str = "tolerance") -> float:
     """A tolerance of the integration.
 
     Raises
@@ -276,9 +301,7 @@ def checked_tolerance(tolerance: float) -> float:
     ParameterError
         If it is not from 1e-15 to 1e-2.
     """
-    if not 1e-15 <= tolerance <= 1e-2:
-        raise ParameterError("tolerance", tolerance, "from 1e-15 to 1e-2")
-    return float(tolerance)
+    return finite_number(name, tolerance, at_least=1e-15, at_most=1e-2)
 
 
 def integrate(
@@ -315,20 +338,17 @@ def integrate(
     ParameterError
         If an argument is not allowed. A motion that cannot be continued is told by the status.
     """
-    initial = checked_states(system, state, "state")
-    if len(initial) != 1:
-        raise ParameterError("state", state, "one state")
-    if not (math.isfinite(start) and math.isfinite(stop) and start <= stop):
-        raise ParameterError("start, stop", (start, stop), "finite and in this order")
-    if not 1 <= max_steps <= 10**8:
-        raise ParameterError("max_steps", max_steps, "from 1 to 100000000")
+    initial = checked_state(system, state)
+    start = finite_number("start", start)
+    stop = finite_number("stop", stop, at_least=start)
+    max_steps = whole_number("max_steps", max_steps, 1, 10**8)
     tolerance = checked_tolerance(tolerance)
     loaded, room = checked_system(system, omega), min(256, max_steps)
     while True:
         table, zones = np.empty((room, MOTION_ORDER + 1)), np.empty(room, np.int64)
-        times, states = np.empty(room + 1), np.empty((room + 1, initial.shape[1]))
-        times[0], states[0] = start, initial[0]
-        status, count, end = _integrate(loaded, float(stop), tolerance, table, times, states, zones)
+        times, states = np.empty(room + 1), np.empty((room + 1, initial.size))
+        times[0], states[0] = start, initial
+        status, count, end = _integrate(loaded, stop, tolerance, table, times, states, zones)
         if status != TOO_MANY_STEPS or room == max_steps:
             break
         # Cheaper than to grow the arrays within the kernel: the first attempts are small.

@@ -15,7 +15,7 @@ from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
 from solver.flow.taylor import SERIES, column_at, new_series
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_number, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import (
     CEILING,
@@ -24,6 +24,7 @@ from solver.timedomain.integrator import (
     TOO_MANY_STEPS,
     Status,
     advance_step,
+    checked_state,
     checked_states,
     checked_system,
     checked_tolerance,
@@ -194,9 +195,12 @@ def checked_count(name: str, value, lowest: int = 1, highest: int = 10**9) -> in
     ParameterError
         If it is none.
     """
-    if not isinstance(value, int | np.integer) or isinstance(value, bool) or not lowest <= value <= highest:
-        raise ParameterError(name, value, f"an integer from {lowest} to {highest}")
-    return int(value)
+    return whole_number(name, value, lowest, highest)
+
+
+def checked_ceiling(ceiling: float) -> float:
+    """A ceiling of |lambda|, above 0 and infinite where there is none; raises ParameterError otherwise."""
+    return ceiling if ceiling == math.inf else finite_number("ceiling", ceiling, above=0.0)
 
 
 def advance(
@@ -224,7 +228,8 @@ def advance(
     current = checked_states(system, states)
     sections = np.empty((len(current), checked_count("periods", periods), current.shape[1]))
     status = np.empty(len(current), np.int64)
-    _advance(checked_system(system, omega), current, checked_tolerance(tolerance), float(ceiling), sections, status)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
+    _advance(checked_system(system, omega), current, tolerance, ceiling, sections, status)
     return Sections(sections, status)
 
 
@@ -244,16 +249,35 @@ def measure(
     The harmonics are those of the multiples of Omega / divisor; they are amplitudes of lines of the spectrum where
     `periods` is a multiple of `divisor`.
 
+    Parameters
+    ----------
+    system, omega, tolerance, ceiling
+        As for `advance`.
+    state : (2 n,) array_like
+        y, then y', at tau = 0.
+    periods : int
+        Forcing periods.
+    divisor : int
+        The lowest harmonic is that of Omega / divisor.
+    order : int
+        Highest harmonic.
+
+    Returns
+    -------
+    Measurement
+
     Raises
     ------
     ParameterError
         If an argument is not allowed.
     """
-    (current,) = checked_states(system, state, "state")
+    current = checked_state(system, state)
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
-    watch, loaded = Watch(extremes, sums, np.zeros(1, np.int64), omega / divisor), checked_system(system, omega)
-    status = Status(_measure(loaded, current, periods, checked_tolerance(tolerance), float(ceiling), watch))
+    loaded = checked_system(system, omega)
+    watch = Watch(extremes, sums, np.zeros(1, np.int64), omega / divisor)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
+    status = Status(_measure(loaded, current, periods, tolerance, ceiling, watch))
     if status is not Status.COMPLETE:
         return Measurement(current, np.full(len(sums), np.nan + 0j), math.nan, math.nan, 0, status)
     harmonics = (sums[:, 0] - 1j * sums[:, 1]) * omega / (math.pi * periods)
@@ -266,16 +290,37 @@ def monodromy(
 ) -> tuple[np.ndarray, np.ndarray, Status]:
     """The state (2 n,) after some periods from tau = 0 and its derivative (2 n, 2 n) by the initial state.
 
+    Parameters
+    ----------
+    system, omega, tolerance, ceiling
+        As for `advance`.
+    state : (2 n,) array_like
+        y, then y', at tau = 0.
+    periods : int
+        Forcing periods.
+
+    Returns
+    -------
+    state : (2 n,) array
+    matrix : (2 n, 2 n) array
+    status : Status
+        Where it is not COMPLETE, the others are of no use.
+
     Raises
     ------
     ParameterError
         If an argument is not allowed.
+
+    Notes
+    -----
+    The contact force is continuous, so that the matrices of the smooth pieces multiply (docs/physics.md, section 6.2).
     """
-    (current,) = checked_states(system, state, "state")
+    current = checked_state(system, state)
     periods, loaded = checked_count("periods", periods), checked_system(system, omega)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
     # Rows of the kernel's array are columns of the matrix.
     tangents = np.eye(current.size)
-    status = _carry(loaded, current, tangents, periods, checked_tolerance(tolerance), float(ceiling), np.empty(0))
+    status = _carry(loaded, current, tangents, periods, tolerance, ceiling, np.empty(0))
     return current, tangents.T.copy(), Status(status)
 
 
@@ -314,10 +359,11 @@ def growth(
     ParameterError
         If an argument is not allowed.
     """
-    (current,) = checked_states(system, state, "state")
-    (deviation,) = checked_states(system, np.ones(current.size) if direction is None else direction, "direction")
-    tangent = deviation[None, :] / np.linalg.norm(deviation)
-    logarithms = np.full(checked_count("periods", periods), np.nan)
-    loaded = checked_system(system, omega)
-    status = _carry(loaded, current, tangent, periods, checked_tolerance(tolerance), float(ceiling), logarithms)
+    current, periods = checked_state(system, state), checked_count("periods", periods)
+    deviation = np.ones(current.size) if direction is None else checked_state(system, direction, "direction")
+    if not np.any(deviation):
+        raise ParameterError("direction", direction, "other than 0")
+    tangent, logarithms = deviation[None, :] / np.linalg.norm(deviation), np.full(periods, np.nan)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
+    status = _carry(checked_system(system, omega), current, tangent, periods, tolerance, ceiling, logarithms)
     return logarithms, current, Status(status)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import finite_number, frequency, instance_of
 from solver.model.contact_system import ContactSystem, in_motion, reduced
 from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
 from solver.timedomain.integrator import Status, checked_states, checked_tolerance, with_the_rest
@@ -70,8 +70,7 @@ class Settling:
         checked_count("lyapunov_periods", self.lyapunov_periods, 40)
         checked_tolerance(self.tolerance)
         for name in ("near", "close", "lyapunov_floor", "ceiling"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise ParameterError(name, getattr(self, name), "a finite number above 0")
+            finite_number(name, getattr(self, name), above=0.0)
 
 
 def length_scale(system: ContactSystem, omega: float) -> float:
@@ -105,7 +104,9 @@ def settle(system: ContactSystem, omega: float, states, *, settling: Settling | 
     ParameterError
         If an argument is not allowed.
     """
-    settling = Settling() if settling is None else settling
+    instance_of("system", system, ContactSystem)
+    settling = Settling() if settling is None else instance_of("settling", settling, Settling)
+    omega = frequency(omega)
     starts, kept = checked_states(system, states), np.tile(in_motion(system), 2)
     if not np.all(kept):
         found = settle(reduced(system), omega, starts[:, kept], settling=settling)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.explained import Explained
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of
 from solver.model.contact_system import ContactSystem, in_motion, reduced
-from solver.timedomain.integrator import Status, checked_states, with_the_rest
+from solver.timedomain.integrator import Status, checked_state, checked_tolerance, with_the_rest
 from solver.timedomain.poincare import checked_count, measure, monodromy
 
 __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
@@ -113,9 +113,10 @@ def shoot(
         If an argument is not allowed.
     """
     period, max_iterations = checked_count("period", period), checked_count("max_iterations", max_iterations)
-    if not 0.0 < tolerance < 1.0:
-        raise ParameterError("tolerance", tolerance, "above 0 and below 1")
-    (current,) = checked_states(system, state, "state")
+    tolerance = finite_number("tolerance", tolerance, above=0.0, below=1.0)
+    order = checked_count("order", order, 0, 10_000)
+    checked_tolerance(integration_tolerance, "integration_tolerance")
+    current = checked_state(system, state)
     kept = np.tile(in_motion(system), 2)
     if not np.all(kept):
         settings = dict(
@@ -205,7 +206,7 @@ def _minimal_period(flow: _Map, state, tolerance: float) -> int:
 
 def _failure(state, period, order, residual, iterations, status) -> PeriodicOrbit:
     nothing = np.full(state.size, np.nan + 0j)
-    harmonics = np.full(checked_count("order", order, 0, 10_000) + 1, np.nan + 0j)
+    harmonics = np.full(order + 1, np.nan + 0j)
     return PeriodicOrbit(state, period, period, nothing, residual, harmonics, math.nan, math.nan, 0, iterations, status)
 
 
@@ -233,8 +234,9 @@ def orbit_state(
     ParameterError
         If an argument is not allowed.
     """
-    values = np.asarray(coefficients, dtype=float)
-    if values.ndim != 1 or values.size % 2 == 0 or not np.all(np.isfinite(values)):
+    instance_of("system", system, ContactSystem)
+    omega, values = frequency(omega), finite_array("coefficients", coefficients, (None,))
+    if values.size % 2 == 0:
         raise ParameterError("coefficients", coefficients, "an odd number of finite numbers")
     period = checked_count("period", period)
     order = values.size // 2

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.model.checks import ParameterError
+from solver.model.checks import ParameterError, finite_array, instance_of
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.attractor import Attractor, AttractorKind
-from solver.timedomain.integrator import checked_states
+from solver.timedomain.integrator import checked_state
 from solver.timedomain.settling import Settling, settle
 
 __all__ = ["AttractorSweep", "resting_state", "sweep_attractors"]
@@ -42,7 +42,14 @@ class AttractorSweep:
 
 
 def resting_state(system: ContactSystem) -> np.ndarray:
-    """State (2 n,) at rest under the mean load with the front contact closed."""
+    """State (2 n,) at rest under the mean load with the front contact closed.
+
+    Raises
+    ------
+    ParameterError
+        If it is no ContactSystem.
+    """
+    instance_of("system", system, ContactSystem)
     closed = system.stiffness + np.outer(system.force, system.contact)
     right = system.load[0].real + system.force * system.front_gap
     return np.concatenate([np.linalg.lstsq(closed, right, rcond=None)[0], np.zeros(system.degrees)])
@@ -73,11 +80,13 @@ def sweep_attractors(
     ParameterError
         If an argument is not allowed.
     """
-    values = np.array(values, dtype=float)
-    if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
+    if not callable(system_at):
+        raise ParameterError("system_at", system_at, "a function of a value that gives (system, omega)")
+    values = finite_array("values", values, (None,))
+    if values.size == 0:
         raise ParameterError("values", values, "a list of at least one finite number")
     first, _ = system_at(float(values[0]))
-    (state,) = checked_states(first, resting_state(first) if start is None else start, "start")
+    state = checked_state(first, resting_state(first) if start is None else start, "start")
     up, state = _follow(system_at, values, state, settling)
     down, _ = _follow(system_at, values[::-1], state, settling)
     return AttractorSweep(values, up, down[::-1])

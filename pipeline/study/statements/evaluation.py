@@ -10,6 +10,7 @@ from pipeline.study.numerals import signed
 from pipeline.study.statements.planes import Planes
 from pipeline.study.statements.published import STATEMENTS
 from pipeline.study.statements.statement import Statement
+from solver.model.checks import instance_of
 
 __all__ = ["Evaluated", "evaluate", "evaluate_all"]
 
@@ -52,8 +53,14 @@ def evaluate(statement: Statement, planes: Planes | Mapping[str, Path]) -> Evalu
     Returns
     -------
     Evaluated
-        With the verdict "cannot be compared" and the reason where the numbers cannot be computed; nothing is raised.
+        With the verdict "cannot be compared" and the reason where the numbers cannot be computed.
+
+    Raises
+    ------
+    solver.ParameterError
+        If there is no statement, or the planes are no mapping of names to paths.
     """
+    instance_of("statement", statement, Statement)
     planes = planes if isinstance(planes, Planes) else Planes(planes)
     try:
         ours = statement.quantity.values(planes)
@@ -71,7 +78,13 @@ def evaluate(statement: Statement, planes: Planes | Mapping[str, Path]) -> Evalu
 
 
 def evaluate_all(planes: Mapping[str, Path]) -> tuple[Evaluated, ...]:
-    """Every statement, in order."""
+    """Every statement, in order.
+
+    Raises
+    ------
+    solver.ParameterError
+        If it is no mapping of names to paths.
+    """
     shared = Planes(planes)
     return tuple(evaluate(statement, shared) for statement in STATEMENTS)
 

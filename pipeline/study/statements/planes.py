@@ -11,8 +11,9 @@ from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from pipeline.plane.regions import stored_regions
 from pipeline.plane.resonances import Resonance, common_resonances
-from pipeline.store import read_plan
+from pipeline.store import read_plan, store_path
 from solver import Model
+from solver.model.checks import instance_of
 from solver.regions import RegionError, Regions
 
 __all__ = ["Planes", "default_model", "default_value"]
@@ -37,10 +38,16 @@ class Planes:
     ----------
     paths : mapping of str to Path
         Of the planes that there are; statements about others say that they cannot be computed.
+
+    Raises
+    ------
+    solver.ParameterError
+        If they are none.
     """
 
     def __init__(self, paths: Mapping[str, Path]):
-        self.paths = {name: Path(path) for name, path in paths.items()}
+        instance_of("planes", paths, Mapping)
+        self.paths = {name: store_path(f"planes[{name!r}]", path) for name, path in paths.items()}
         self.plan, self.whole, self.part = cache(self._plan), cache(self._whole), cache(self._part)
 
     def _plan(self, plane: str) -> Plan:

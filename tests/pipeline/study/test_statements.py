@@ -112,7 +112,7 @@ def test_what_cannot_be_computed_says_why(planes, tmp_path):
     plan = small_plan("plane=omega_b", "plane.parameter.max=0.5", columns=9, rows=3)
     low = small_store(tmp_path / "low.zarr", plan, blocks=[])
     assert "does not reach b = 1" in evaluate(folds, {"omega_b": low}).reason
-    for label, end, message in (("1/1", "to", "1/1 to lies at the border"), ("9/9", "to", "there is no 9/9")):
+    for label, end, message in (("1/1", "to", "1/1 to lies at the border"), ("9/0", "to", "there is no 9/0")):
         with pytest.raises(StoreError, match=message):
             LabelThreshold("omega_b", "mesh", ((label, end),)).values(planes)
     other = planes.paths["omega_alpha"]

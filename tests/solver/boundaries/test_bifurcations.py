@@ -174,13 +174,13 @@ def test_wrong_input_is_refused():
     start = starts_of("published", "f_e", HIGHER)[0]
     with pytest.raises(ParameterError, match="of the kinds"):
         boundary_curves(published(), "omega", "f_e", OMEGA, RANGE, [(Event.BRANCH_POINT, np.zeros(5))])
-    with pytest.raises(ParameterError, match="9 numbers"):
+    with pytest.raises(ParameterError, match=r"starts = .* 9\)"):
         boundary_curves(published(), "omega", "f_e", OMEGA, RANGE, [(start[0], start[1][:5])], balance=HIGHER)
     with pytest.raises(ParameterError, match="inside the plane"):
         boundary_curves(published(), "omega", "f_e", OMEGA, (0.0, 0.01), [start], balance=HIGHER)
     with pytest.raises(ParameterError, match="another parameter"):
         Plane(published(), "b", "b", (0.1, 0.2), (0.1, 0.2), omega=1.0)
-    with pytest.raises(ParameterError, match="as no axis is the frequency"):
+    with pytest.raises(ParameterError, match="omega = None"):
         Plane(published(), "b", "alpha", (0.1, 0.2), (0.1, 0.2))
 
 

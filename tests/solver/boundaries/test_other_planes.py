@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Continuation, EndReason, Event, ParameterError, sweep_row
-from solver.boundaries import SpecialPoint, boundary_curves, row_events
+from solver.boundaries import SpecialPoint, boundary_curves, row_events, tracer
 from tests.conftest import published
 from tests.solver.boundary_planes import GRID, OMEGA, RANGES, curves_of, cusp_equations, distance, specials, starts_of
 
@@ -95,3 +95,15 @@ def test_what_is_not_allowed_is_named(changes, name):
     with pytest.raises(ParameterError) as caught:
         boundary_curves(published(), **{**values, **changes})
     assert caught.value.name == name
+
+
+def test_where_no_tangent_can_be_told_a_start_is_a_curve_of_one_point(monkeypatch):
+    def lost(problem, y):
+        return np.full(y.size, np.nan)
+
+    row = sweep_row(published(), "omega", np.linspace(0.5, 0.8, 9))
+    starts = row_events(row.curves, published().f_e)
+    monkeypatch.setattr(tracer, "curve_tangent", lost)
+    curves = boundary_curves(published(), "omega", "f_e", (0.5, 0.8), (0.1, 0.3), starts)
+    assert len(curves) == len(starts) > 1
+    assert all(len(curve.points) == 1 and curve.ends == (EndReason.STEP_TOO_SMALL,) * 2 for curve in curves)

@@ -37,7 +37,7 @@ orders = pytest.mark.parametrize("balance", list(ORDERS.values()), ids=list(ORDE
 
 def boundary(axes, balance):
     place = PLANES[axes]
-    plane = Plane(MODEL, *axes, *((value - 0.3, value + 0.4) for value in place), OMEGA)
+    plane = Plane(MODEL, *axes, *((max(value - 0.3, 0.1 * value), value + 0.4) for value in place), OMEGA)
     return FirstOrderProblem(plane) if balance is None else HarmonicProblem(plane, balance)
 
 

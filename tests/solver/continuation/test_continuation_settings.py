@@ -10,23 +10,23 @@ from solver import Broyden, Continuation, ParameterError
 
 
 @pytest.mark.parametrize(
-    "name, value, allowed",
+    "name, value",
     [
         *(
-            (name, bad, "a finite number above 0")
+            (name, bad)
             for name in ("first_step", "largest_step", "smallest_step", "growth", "amplitude_max")
             for bad in (0.0, -1.0, np.inf, np.nan)
         ),
-        *(("largest_angle", bad, "above 0 and at most 3.14159") for bad in (0.0, 3.2, np.nan)),
-        *(("largest_distance", bad, "above 0 and at most 10") for bad in (0.0, 11.0, np.nan)),
-        *(("parameter_step", bad, "above 0 and at most 1") for bad in (0.0, 1.5, np.nan)),
-        *(("max_points", bad, "from 2 to 10000000") for bad in (1, 10**8)),
+        *(("largest_angle", bad) for bad in (0.0, 3.2, np.nan)),
+        *(("largest_distance", bad) for bad in (0.0, 11.0, np.nan)),
+        *(("parameter_step", bad) for bad in (0.0, 1.5, np.nan)),
+        *(("max_points", bad) for bad in (1, 10**8)),
     ],
 )
-def test_settings_out_of_range_are_refused(name, value, allowed):
+def test_settings_out_of_range_are_refused(name, value):
     with pytest.raises(ParameterError) as caught:
         Continuation(**{name: value})
-    assert str(caught.value) == f"{name} = {value!r} is not allowed: it must be {allowed}"
+    assert caught.value.name == name and str(caught.value).startswith(f"{name} = {value!r} is not allowed")
 
 
 def test_settings_are_frozen_and_comparable():

@@ -159,10 +159,10 @@ def test_rows_do_not_depend_on_the_corrector(gear, parameter, values):
 @pytest.mark.parametrize("kind", [Newton, Broyden])
 def test_settings_out_of_range_are_refused(kind):
     for tolerance in (0.0, -1e-9, 1e-5, float("nan")):
-        with pytest.raises(ParameterError, match=r"tolerance = .* must be above 0 and at most 1e-6"):
+        with pytest.raises(ParameterError, match=r"tolerance = .* 0 .* 1e-06"):
             kind(tolerance=tolerance)
     for limit in (1, 0, 101):
-        with pytest.raises(ParameterError, match=f"max_iterations = {limit} .* must be from 2 to 100"):
+        with pytest.raises(ParameterError, match=f"max_iterations = {limit} .* from 2 to 100"):
             kind(max_iterations=limit)
     assert kind(tolerance=1e-6, max_iterations=2).tolerance == 1e-6
     assert kind() == kind() and hash(kind()) == hash(kind())

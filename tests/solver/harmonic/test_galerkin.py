@@ -46,7 +46,7 @@ def test_jacobian_of_all_columns_along_every_axis(axis, model, omega, balance, s
     u, p = motion(balance, seed), value_on(model, axis)
     b = p if axis == "b" else model.b
     assume(away_from_grazing(balance, u, b, -b))
-    problem = balance.problem(model, axis, 0.0, 1.0, omega)
+    problem = balance.problem(model, axis, 0.01, 1.01, omega)
     y = np.append(u, p)
     _, jacobian = evaluated(problem, y)
     expected = np.column_stack(
@@ -70,7 +70,7 @@ def test_a_gear_is_an_instance_of_a_contact_system(axis, model, omega, balance, 
     assert signs[0] == signs[1]
     p = {"omega": omega, "gap": model.b + 0.01, "alpha": model.alpha, "excitation": 0.9}[axis]
     assume(away_from_grazing(balance, u, p, -p) if axis == "gap" else away_from_grazing(balance, u, model.b, -model.b))
-    problem = balance.problem(system, axis, 0.0, 2.0, omega)
+    problem = balance.problem(system, axis, 0.01, 2.01, omega)
     y = np.append(u, p)
     _, jacobian = evaluated(problem, y)
     expected = difference(lambda x: evaluated(problem, y + x * np.eye(y.size)[-1])[0], 0.0, 1e-5)

@@ -159,7 +159,7 @@ def test_what_cannot_go_on_is_told_by_the_status():
         ((0.6, np.full(4, np.nan), 0.0, 1.0), "state"),
         ((0.6, "abcd", 0.0, 1.0), "state"),
         ((0.6, np.ones((2, 4)), 0.0, 1.0), "state"),
-        ((0.6, np.ones(4), 1.0, 0.0), "start, stop"),
+        ((0.6, np.ones(4), 1.0, 0.0), "stop"),
     ],
 )
 def test_bad_input_is_named(arguments, name):

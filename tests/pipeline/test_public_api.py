@@ -1,0 +1,99 @@
+"""Every public function of the pipeline, and every question to a stored plane, refuses what it cannot use.
+
+As `tests.solver.test_public_api`: what is public is found by inspection.
+"""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis import boundaries
+from pipeline.errors import StoreError
+from pipeline.study.statements import STATEMENTS
+from solver import ParameterError
+from tests.pipeline.planes import small_plan, small_store
+from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, assert_wrong_calls_are_refused, optional, public
+
+PUBLIC = public(("pipeline", "pipeline.api"))
+#: What the documentation calls besides.
+PUBLIC |= public(("pipeline.store",), "read_plan") | public(("pipeline.study.statements",), "evaluate", "evaluate_all")
+#: Made by `open_plane`; the others are given by both names.
+RESULTS = {"pipeline.api.OpenPlane"}
+TWICE = {"pipeline.api.open_plane"}
+
+PATHS = (None, 1, True, [], {}, b"omega_fe", "", "a\0b", "x" * 5000, "nowhere.zarr")
+WRONG_PLANES = (None, 1, "omega_fe", ["omega_fe"], *({"omega_fe": path} for path in PATHS[:-1]))
+LABELS = (*(value for value in NAME if value is not None), "2/7", "2/1-0", "0/0", "1/-")
+
+
+@pytest.fixture(scope="module")
+def plane(tmp_path_factory):
+    path = tmp_path_factory.mktemp("asked") / "omega_fe.zarr"
+    planned = small_plan("plane=omega_fe", columns=20, rows=3)
+    boundaries.trace(small_store(path, planned), planned)
+    return pipeline.open_plane(path)
+
+
+def place():
+    """A point of the plane; what is wrong with either coordinate."""
+    return {
+        "omega": argument(0.6, (*NUMBER, 0.0, 2.5, np.array([0.6, 0.7])), "place"),
+        "f_e": argument(0.2, (*NUMBER, -0.1, 5.0), "place"),
+    }
+
+
+def row():
+    return {"f_e": argument(0.2, (*NUMBER, -0.1, 5.0), "place")}
+
+
+def window(plane):
+    return {
+        "label": argument("2/0-1", LABELS),
+        "window": argument((0.5, 0.8), optional((*RANGE, (0.0, 0.8), (0.5, 9.0)))),
+    }
+
+
+CALLS = {
+    "pipeline.open_plane": lambda plane: {
+        "name": argument(plane.path, PATHS, "nowhere.zarr"),
+        "root": argument("outputs", PATHS[:-1]),
+    },
+    "pipeline.scales_of": lambda plane: {"plan": argument(plane.plan, OBJECT)},
+    "pipeline.store.read_plan": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr")},
+    "pipeline.study.statements.evaluate": lambda plane: {
+        "statement": argument(STATEMENTS[0], OBJECT),
+        "planes": argument({}, WRONG_PLANES),
+    },
+    "pipeline.study.statements.evaluate_all": lambda plane: {"planes": argument({}, WRONG_PLANES)},
+    "pipeline.thresholds": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr"), **window(plane)},
+    "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row()},
+    "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row()},
+    "pipeline.api.OpenPlane.label_at": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.label_near": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.label_of": lambda plane: {
+        "self": plane,
+        "code": argument(132, (None, "1", True, 2.5, 2.0, np.nan, -1, 2**16, [1], {})),
+    },
+    "pipeline.api.OpenPlane.mask": lambda plane: {"self": plane, "what": argument("jump", (*NAME, "2/7", "99/0", {}))},
+    "pipeline.api.OpenPlane.motions_at": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.motions_near": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.nearest_boundaries": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.thresholds": lambda plane: {"self": plane, **window(plane)},
+}
+
+
+def test_every_public_function_has_its_wrong_calls():
+    asked = {name for name, one in PUBLIC.items() if one.parameters} - RESULTS - TWICE
+    assert asked == set(CALLS) and set(PUBLIC) >= RESULTS | TWICE
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_what_is_right_is_taken_and_what_is_wrong_is_named(name, plane):
+    assert_wrong_calls_are_refused(PUBLIC[name].function, CALLS[name](plane), ParameterError, StoreError)
+
+
+@pytest.mark.parametrize("name", [name for name in CALLS if name.endswith(("_at", "_near", "nearest_boundaries"))])
+def test_places_are_given_by_the_names_of_the_axes(name, plane):
+    for given in ({}, {"b": 1.0}, {"omega": 0.6}, {"omega": 0.6, "f_e": 0.2, "b": 1.0}):
+        with pytest.raises(ParameterError, match="place = "):
+            PUBLIC[name].function(plane, **given)

@@ -1,0 +1,176 @@
+"""Wrong calls of Floquet stability and direct integration."""
+
+import functools
+import math
+
+import numpy as np
+
+import solver
+from solver.harmonic.galerkin import Galerkin
+from tests.public import COUNT, NAME, NOT_NEGATIVE, NUMBER, OBJECT, POSITIVE, argument, array, optional
+from tests.solver.calls.subjects import GRID, MOTION, WRONG_OMEGA, model, row, stop, wrong_settings
+
+
+def motions(**further) -> dict:
+    column = int(np.argmax(row().n_solutions))
+    here = row().motions[column][row().stable[column] >= 0]
+    values = np.full(len(here), GRID[column])
+    return {
+        "system": argument(model(), OBJECT),
+        "axis": argument("omega", NAME),
+        "values": argument(values, array(values, values[:1].repeat(7), -values), "motions", "omega"),
+        "motions": argument(here, array(here, here[:, :2], here[:1].repeat(9, axis=0))),
+        **further,
+    }
+
+
+def batch(**further) -> dict:
+    """A system, its frequency and one state."""
+    state = np.array([0.3, 0.1])
+    return {
+        "system": argument(stop(), OBJECT),
+        "omega": argument(0.9, POSITIVE),
+        "state": argument(state, array(state, [1.0] * 3, [[0.0, 0.0]] * 2)),
+        **further,
+    }
+
+
+def periods(right: int = 2):
+    return argument(right, (*COUNT, 0))
+
+
+def tolerances(right: float = 1e-9):
+    return argument(right, (*POSITIVE, 1.0))
+
+
+def ceilings():
+    return argument(math.inf, tuple(v for v in POSITIVE if not (isinstance(v, float) and v == math.inf)))
+
+
+@functools.cache
+def settled():
+    short = solver.timedomain.Settling(max_periods=120, block=60)
+    return solver.timedomain.settle(stop(), 0.9, [0.3, 0.0], settling=short)[0]
+
+
+CALLS = {
+    "solver.stability.assess": lambda: motions(
+        omega=argument(None, WRONG_OMEGA),
+        balance=argument(None, optional((*OBJECT, Galerkin, Galerkin(2))), "motions"),
+        static=argument([1, 0, 1], (1, "ab", [1], [1.0] * 9, [None] * 3, {}, object())),
+        tolerance=argument(1e-6, NOT_NEGATIVE),
+    ),
+    "solver.stability.classify": lambda: {
+        "multipliers": argument(np.ones((2, 2)), array(np.ones((2, 2)), finite=False)),
+        "static": argument([1, 0], (1, "ab", [1], [1.0] * 9, [None] * 2, {}, object())),
+        "tolerance": argument(1e-6, NOT_NEGATIVE),
+    },
+    "solver.stability.monodromies": lambda: motions(omega=argument(None, WRONG_OMEGA), period=argument(1, (*COUNT, 0))),
+    "solver.stability.multipliers": lambda: motions(omega=argument(None, WRONG_OMEGA), period=argument(1, (*COUNT, 0))),
+    "solver.stability.motion_multipliers": lambda: {
+        "system": argument(model(), OBJECT),
+        "omega": argument(0.6, (*(v for v in POSITIVE if v != [1.0]), [0.6, 0.7, 0.8])),
+        "motions": argument(MOTION, array(MOTION, [1.0, 2.0])),
+        "period": argument(1, (*COUNT, 0)),
+    },
+    "solver.timedomain.Settling": lambda: {
+        **{name: periods(99) for name in ("max_periods", "block")},
+        "highest_period": argument(24, (*COUNT, 0, 3)),
+        "lyapunov_periods": argument(99, (*COUNT, 0, 39)),
+        **{name: argument(1e-3, POSITIVE) for name in ("near", "close", "lyapunov_floor", "ceiling")},
+        "tolerance": tolerances(),
+    },
+    "solver.timedomain.Trajectory.displacement": lambda: {
+        "self": solver.timedomain.integrate(stop(), 0.9, [0.3, 0.0], 0.0, 2.0),
+        "at": argument([0.5, 1.0], array([0.5, 1.0], [3.0], [-1.0], any_shape=True)),
+    },
+    "solver.timedomain.advance": lambda: {
+        **{name: one for name, one in batch().items() if name != "state"},
+        "states": argument(np.zeros((2, 2)), array(np.zeros((2, 2)), np.zeros((2, 3)), np.zeros(3))),
+        "periods": periods(),
+        "tolerance": tolerances(),
+        "ceiling": ceilings(),
+    },
+    "solver.timedomain.basin_box": lambda: {"system": argument(stop(), OBJECT), "omega": argument(0.9, POSITIVE)},
+    "solver.timedomain.basin_shares": lambda: {
+        "system": argument(stop(), OBJECT),
+        "omega": argument(0.9, POSITIVE),
+        "count": periods(),
+        "seed": argument(1, tuple(v for v in COUNT if v != 10**18)),
+        "box": argument(None, optional(array([1.0, 1.0], [1.0] * 3, [-1.0, 1.0], [[1.0, 1.0], [0.0, 0.0]]))),
+        "settling": argument(solver.timedomain.Settling(max_periods=60), wrong_settings()),
+    },
+    "solver.timedomain.contact_impact": lambda: {
+        "system": argument(stop(), OBJECT),
+        **{name: argument(0.1, (None, "1", True, [1.0], {})) for name in ("lowest", "highest")},
+    },
+    "solver.timedomain.growth": lambda: batch(
+        periods=periods(),
+        tolerance=tolerances(),
+        ceiling=ceilings(),
+        direction=argument(None, optional(array([1.0, 0.0], [1.0], [0.0, 0.0]))),
+    ),
+    "solver.timedomain.integrate": lambda: batch(
+        start=argument(0.0, (*NUMBER, 3.0), "stop"),
+        stop=argument(2.0, (*NUMBER, -1.0)),
+        tolerance=tolerances(),
+        max_steps=argument(1000, (*COUNT, 0)),
+    ),
+    "solver.timedomain.measure": lambda: batch(
+        periods=periods(), divisor=periods(), order=argument(4, COUNT), tolerance=tolerances(), ceiling=ceilings()
+    ),
+    "solver.timedomain.monodromy": lambda: batch(periods=periods(), tolerance=tolerances(), ceiling=ceilings()),
+    "solver.timedomain.orbit_state": lambda: {
+        "system": argument(stop(), OBJECT),
+        "omega": argument(0.9, POSITIVE),
+        "coefficients": argument(MOTION, array(MOTION, [1.0, 2.0])),
+        "period": periods(1),
+        "samples": argument(64, (*COUNT, 0, 4)),
+    },
+    "solver.timedomain.resting_state": lambda: {"system": argument(stop(), OBJECT)},
+    "solver.timedomain.same_attractor": lambda: {
+        "one": argument(settled(), OBJECT),
+        "other": argument(settled(), OBJECT),
+        "tolerance": argument(1e-5, POSITIVE),
+    },
+    "solver.timedomain.settle": lambda: {
+        "system": argument(stop(), OBJECT),
+        "omega": argument(0.9, POSITIVE),
+        "states": argument(np.zeros((1, 2)), array(np.zeros((1, 2)), np.zeros((2, 3)), np.zeros(3))),
+        "settling": argument(solver.timedomain.Settling(max_periods=60), wrong_settings()),
+    },
+    "solver.timedomain.shoot": lambda: batch(
+        period=periods(1),
+        order=argument(4, COUNT),
+        tolerance=tolerances(),
+        integration_tolerance=tolerances(1e-12),
+        max_iterations=argument(20, (*COUNT, 0)),
+    ),
+    "solver.timedomain.sweep_attractors": lambda: {
+        "system_at": argument(lambda omega: (stop(), omega), (None, 1, "ab", {}, [])),
+        "values": argument([0.8, 0.9], array([0.8, 0.9])),
+        "start": argument(None, optional(array([0.3, 0.0], [1.0], [[0.0, 0.0]] * 2))),
+        "settling": argument(solver.timedomain.Settling(max_periods=60), wrong_settings()),
+    },
+    "solver.timedomain.wilson_interval": lambda: {
+        "count": argument(1, (*COUNT, 9)),
+        "total": argument(3, (*COUNT, 0), "count"),
+        "quantile": argument(1.96, POSITIVE),
+    },
+}
+
+#: Calls over other axes and with other systems: what is called, and with what.
+FURTHER = {
+    "multipliers of a stop": (
+        "solver.stability.multipliers",
+        lambda: {
+            "system": argument(stop(), OBJECT),
+            "axis": argument("alpha", (*NAME, "f_e")),
+            "values": argument([0.0, 0.1], array([0.0, 0.1], [0.1]), "motions"),
+            "motions": argument(
+                np.tile(MOTION, (2, 1)), array(np.tile(MOTION, (2, 1)), np.ones((2, 4)), np.ones((3, 5)))
+            ),
+            "omega": argument(0.9, (None, *WRONG_OMEGA)),
+        },
+    )
+}
