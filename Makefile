@@ -4,7 +4,9 @@ VENV := .venv
 READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs-ready
 
-.PHONY: map test test-slow check format docs bench clean
+LOWEST := .venv-lowest
+
+.PHONY: map test test-slow check format docs lowest bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -38,9 +40,17 @@ $(DOCS_READY): $(READY)
 docs: $(DOCS_READY)
 	$(VENV)/bin/python -m sphinx -E -W --keep-going --quiet -b html docs docs/_build
 
+# The lowest versions that pyproject.toml allows, in an environment of their own: a map, its boundaries and its figures.
+lowest:
+	$(PYTHON) -m venv --clear $(LOWEST)
+	sed -n '/^dependencies/,/^]/s/.*"\(.*\)>=\(.*\)".*/\1==\2/p' pyproject.toml > $(LOWEST)/lowest.txt
+	$(LOWEST)/bin/pip install --quiet --constraint $(LOWEST)/lowest.txt --editable .
+	NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -W error -m pipeline \
+		plane.sweep.num=40 plane.parameter.num=8 'stages=[sweep,boundaries,figures,check,list]' output.root=$(LOWEST)/outputs
+
 # QUICK=1 leaves out what takes long.
 bench: $(READY)
 	$(VENV)/bin/python -m benchmarks $(if $(QUICK),quick)
 
 clean:
-	rm -rf $(VENV)
+	rm -rf $(VENV) $(LOWEST)

@@ -1,6 +1,6 @@
 """From a configuration to stored planes, and from these to figures and tables."""
 
-__all__ = ["open_plane", "scales_of", "thresholds"]
+__all__ = ["compute", "open_plane", "scales_of", "thresholds"]
 
 
 def __getattr__(name: str):
@@ -9,10 +9,10 @@ def __getattr__(name: str):
         from pipeline.plane.regions import thresholds
 
         return thresholds
-    if name == "open_plane":
-        from pipeline.api import open_plane
+    if name in ("compute", "open_plane"):
+        from pipeline import api
 
-        return open_plane
+        return getattr(api, name)
     if name == "scales_of":
         from pipeline.plan.scales import scales_of
 

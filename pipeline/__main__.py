@@ -12,17 +12,18 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
     from pipeline.cli.process import ended_by_signals, unread_output
-
-    with unread_output(), ended_by_signals():
-        return _status(arguments)
-
-
-def _status(arguments: list[str]) -> int:
-    """The exit status; whatever ends the run is one line."""
-    from pipeline.errors import ConfigurationError
     from pipeline.run.progress import Reporter
 
-    reporter = Reporter()
+    with unread_output():
+        reporter = Reporter()
+        with ended_by_signals(lambda number: _end_abruptly(number, reporter)):
+            return _status(arguments, reporter)
+
+
+def _status(arguments: list[str], reporter) -> int:
+    """The exit status; whatever ends the run is one line."""
+    from pipeline.errors import ConfigurationError
+
     try:
         return _run(arguments, reporter)
     except ConfigurationError as error:
@@ -34,64 +35,105 @@ def _status(arguments: list[str]) -> int:
     except KeyboardInterrupt as error:
         # As a shell has it: 128 and the number of the signal.
         number = getattr(error, "number", signal.SIGINT)
-        reporter.error(f"interrupted{f' by {error}' if number != signal.SIGINT else ''}{_KEPT}")
+        reporter.error(_interrupted(number))
         return 128 + number
+
+
+def _interrupted(number: int) -> str:
+    return f"interrupted{f' by {signal.Signals(number).name}' if number != signal.SIGINT else ''}{_KEPT}"
+
+
+def _end_abruptly(number: int, reporter) -> None:
+    """What an interrupted run owes to others, where its own code has no turn any more."""
+    import multiprocessing
+
+    from pipeline.store.lock import let_go
+
+    for worker in multiprocessing.active_children():
+        worker.kill()
+    let_go()
+    reporter.error(_interrupted(number))
 
 
 def _run(arguments: list[str], reporter) -> int:
     from pipeline.cli.arguments import parse
+    from pipeline.config.folders import quoted_home
 
-    asked = parse(arguments)
+    asked = parse([quoted_home(argument) for argument in arguments])
+    text = _answer(asked)
+    if text is None:
+        return _run_overrides(asked, reporter)
+    print(text, end="")
+    return 0
+
+
+def _answer(asked) -> str | None:
+    """What is printed where nothing is to be run."""
     if asked.usage:
         from pipeline.cli.help import usage
 
-        print(usage(asked.config_dir), end="")
-        return 0
+        return usage(asked.config_dir)
+    if asked.version:
+        from pipeline.cli.information import version
+
+        return f"{version()}\n"
     if asked.complete is not None:
         from pipeline.cli.completion import candidates
 
-        print("\n".join(candidates(asked.complete)))
-        return 0
+        return "\n".join([*candidates(asked.complete), ""])
     if asked.shell is not None:
         from pipeline.cli.completion import script
 
-        print(script(asked.shell), end="")
-        return 0
-    return _run_overrides(asked, reporter)
+        return script(asked.shell)
+    return None
 
 
 def _run_overrides(asked, reporter) -> int:
     from pipeline.config.compose import compose, expand
-    from pipeline.errors import ConfigurationError
+    from pipeline.errors import ConfigurationError, shown
 
-    combinations = expand(asked.overrides)
+    combinations = expand(asked.overrides, asked.config_dir)
     if len(combinations) > 1 and not asked.multirun:
-        raise ConfigurationError(f"{' '.join(asked.overrides)}: several values need -m")
+        raise ConfigurationError(f"{shown(' '.join(asked.overrides))}: several values need -m")
     all_settings = [compose(combination, asked.config_dir) for combination in combinations]
-    if asked.show:
+    if asked.show or asked.info:
+        from pipeline.cli.information import configuration, information
+
         for settings in all_settings:
-            print(settings.yaml(), end="")
+            print(information(settings) if asked.info else configuration(settings, asked.package), end="")
         return 0
     return _run_all(all_settings, reporter)
 
 
+def _check_names(all_settings) -> None:
+    """Raise ConfigurationError unless every plane of a multirun has a store of its own."""
+    from pipeline.config.typed import key_of
+    from pipeline.errors import ConfigurationError
+
+    by_path = {}
+    for settings in all_settings:
+        other = by_path.setdefault(settings.store_path.resolve(), settings)
+        if other is settings or not ("sweep" in settings.config.stages or "sweep" in other.config.stages):
+            continue
+        varied = [key_of(mine) for mine, its in zip(settings.overrides, other.overrides, strict=True) if mine != its]
+        name = "-".join([other.default_name, *(f"${{{key}}}" for key in varied if key != "store.name")])
+        raise ConfigurationError(
+            f"store.name = {other.store_name!r} is not allowed here: several planes would share that store; "
+            f"store.name='{name}' gives each its own"
+        )
+
+
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
-    from pipeline.cli.warmup import warm_up
     from pipeline.errors import ConfigurationError
     from pipeline.run.libraries import load_zarr
 
     load_zarr()
-    from pipeline.run.kernels import kernels_for
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce
 
     status, jobs = 0, []
-    names = [settings.store_name for settings in all_settings]
-    if len(set(names)) < len(names) and any("sweep" in settings.config.stages for settings in all_settings):
-        raise ConfigurationError(
-            f"store.name = {names[0]!r} is not allowed here: several planes would share that store"
-        )
+    _check_names(all_settings)
     for settings in all_settings:
         try:
             jobs.append(prepare(settings))
@@ -100,9 +142,6 @@ def _run_all(all_settings, reporter) -> int:
             status = max(status, error.status)
     if not jobs:
         return status
-    # Workers of a running scheduler have a cache of their own.
-    configs = [job.settings.config for job in jobs if job.settings.config.cluster.kind != "scheduler"]
-    warm_up([name for config in configs for name in kernels_for(config.stages, config.solver.balance)], reporter)
     with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))

@@ -4,6 +4,8 @@ An object around the DataTree, not an accessor on it: the answers need the store
 tree does not carry, and an accessor would be looked up by a name that no editor knows.
 """
 
+import html
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,10 +14,16 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.margins.distances import Margin
-from pipeline.errors import StoreError
+from pipeline.config.compose import compose
+from pipeline.errors import ComputationError, StoreError
+from pipeline.figures.plots import Plots
 from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.labels import TRAITS
+from pipeline.run.libraries import check_zarr
+from pipeline.run.preparation import prepare, run_plane_stages
+from pipeline.run.progress import SilentReporter
+from pipeline.run.workforce import Workforce
 from pipeline.store import COMPLETE, read_plan, statuses, store_path
 from pipeline.store.identity import root_attributes
 from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
@@ -23,10 +31,58 @@ from solver.enumeration.solutions import Proof
 from solver.model.checks import finite_number
 from solver.regions.regions import Occurrence
 
-__all__ = ["OpenPlane", "open_plane"]
+__all__ = ["OpenPlane", "compute", "open_plane"]
 
 _MOTION = ("mean", "amplitude", "phase", "stable", "impact")
 _BRANCH = ("mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
+
+
+def compute(
+    plane: str, overrides: Sequence[str] = (), config_dir: Path | str | None = None, progress: bool | None = None
+) -> "OpenPlane":
+    """Compute a plane with its boundaries, as `python -m pipeline plane=NAME` does, and open it.
+
+    What its store has already is kept, so that calling it again only opens the plane.
+
+    Parameters
+    ----------
+    plane : str
+        Name of a plane, such as "omega_fe", or of a file in `config_dir`/plane.
+    overrides : sequence of str
+        As on the command line: `["gear.b=0.5", "quality=draft", "cluster.workers=4"]`. `stages=[...]` replaces the
+        sweep and the boundaries.
+    config_dir : Path or str, optional
+        A folder with files of one's own for gears, planes, ...
+    progress : bool, optional
+        Whether to draw a bar; in a notebook and on a terminal unless told.
+
+    Returns
+    -------
+    OpenPlane
+
+    Raises
+    ------
+    ConfigurationError
+        If the configuration is not allowed, or names a store that was made with another; nothing is written then.
+    ComputationError
+        If rows or boundaries could not be computed. What could is stored, and `open_plane` opens it.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> plane = pipeline.compute("omega_fe", ["gear.b=0.5", "quality=draft"])  # doctest: +SKIP
+    >>> plane.plot.map()  # doctest: +SKIP
+    """
+    check_zarr()
+    if not any(override.startswith("stages=") for override in overrides):
+        overrides = [*overrides, "stages=[sweep,boundaries]"]
+    settings = compose([f"plane={plane}", *overrides], None if config_dir is None else str(config_dir))
+    job, reporter = prepare(settings), SilentReporter(progress)
+    with Workforce(settings.config.cluster, reporter.note) as workforce:
+        status = run_plane_stages(job, workforce, reporter)
+    if status:
+        raise ComputationError("; ".join(reporter.errors) or f"some rows of {job.store_path} failed")
+    return open_plane(job.store_path)
 
 
 def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPlane":
@@ -43,9 +99,12 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPla
     ------
     StoreError
         If there is no such store, it is a volume, or this program cannot read it.
+    ConfigurationError
+        If zarr is set up in such a way that it would wait for ever.
     solver.ParameterError
         If the name or the root is no path.
     """
+    check_zarr()
     path, folder = store_path("name", name), store_path("root", root)
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = folder / f"{name}.zarr"
@@ -114,6 +173,41 @@ class OpenPlane:
     def __repr__(self) -> str:
         sizes = " x ".join(f"{axis.name} {axis.num}" for axis in self.plan.axes)
         return f"OpenPlane({self.path.stem!r}: {sizes}; {', '.join(sorted(self.tree.children))})"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self.describe())}</pre>"
+
+    def describe(self) -> str:
+        """What the plane is, and what is stored of it: a few lines."""
+        solver, cells = self.plan.solver, self.tree["domain"]
+        order = "first order" if solver["balance"] == "describing_function" else f"{solver['order']} harmonics"
+        complete = int(np.sum(statuses(self.path) == COMPLETE))
+        shown = [self.label_of(int(code)) for code in np.unique(cells) if code]
+        axes = [f"{axis.name} from {axis.low:g} to {axis.high:g} ({axis.num} values)" for axis in self.plan.axes]
+        lines = {
+            "plane": " over ".join(axes),
+            "solved at": order,
+            "rows": f"{complete} of {self.plan.parameter.num} complete",
+            "labels": ", ".join(shown) or "none",
+            "groups": ", ".join(sorted(self.tree.children)),
+            "store": str(self.path),
+        }
+        return "\n".join([repr(self), *(f"  {name:9} {text}" for name, text in lines.items())])
+
+    @property
+    def plot(self) -> Plots:
+        """Figures: `plane.plot.map()`, `plane.plot.curves(f_e=0.2)`, `plane.plot.backbone()`."""
+        return Plots(self.path, self.plan)
+
+    def to_xarray(self) -> xr.DataTree:
+        """Everything that is stored, read into memory: the raster at the root, and the groups by name.
+
+        Returns
+        -------
+        xarray.DataTree
+            A copy, which may be changed: the store is not.
+        """
+        return self.tree.copy(deep=False).load()
 
     @property
     def attributes(self) -> dict:

@@ -1,10 +1,34 @@
 """What a user can get wrong and what can be wrong with a store, as exceptions with a one-line message."""
 
-__all__ = ["ConfigurationError", "DamagedError", "StoreError", "WorkerLost"]
+import re
+
+__all__ = ["ComputationError", "ConfigurationError", "DamagedError", "StoreError", "WorkerLost", "shown"]
+
+
+_LONG_WORD = re.compile(r"(\S{120})\S{200,}")
+_LONGEST = 4000
+
+
+def shown(text: str, longest: int = 120) -> str:
+    """A text as a message quotes it: on one line, printable and not too long.
+
+    Examples
+    --------
+    >>> shown("gear.b=1\\n2"), shown("9" * 1000, 8)
+    ('gear.b=1\\\\n2', '99999999…')
+    """
+    short = text if len(text) <= longest else f"{text[:longest]}…"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in short)
 
 
 class ConfigurationError(Exception):
-    """The configuration is not allowed; the message names the key, its value and what is allowed."""
+    """The configuration is not allowed; the message names the key, its value and what is allowed.
+
+    It is one printable line whatever it quotes, and a long word is shortened, so that what follows it can be read.
+    """
+
+    def __init__(self, text: str = ""):
+        super().__init__(shown(_LONG_WORD.sub(r"\1…", text), _LONGEST))
 
     #: Exit status of a run that ends with it.
     status = 2
@@ -19,6 +43,10 @@ class DamagedError(StoreError):
 
     status = 1
     what = ""
+
+
+class ComputationError(RuntimeError):
+    """Something could not be computed; what could is stored."""
 
 
 class WorkerLost(RuntimeError):

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from pipeline.cli.arguments import OPTIONS
-from pipeline.config.compose import conf_folder
+from pipeline.config.typed import loader
 from pipeline.errors import ConfigurationError
 from pipeline.stages import STAGES
 
@@ -97,6 +97,8 @@ def candidates(words: tuple[str, ...]) -> list[str]:
     >>> candidates(("bevelmap", "stages=[sweep,ta"))
     ['stages=[sweep,tables']
     """
+    if not words:
+        return []
     given = list(words[3 if Path(words[0]).name.startswith("python") else 1 :]) or [""]
     *before, word = given
     if word.startswith("-"):
@@ -135,22 +137,17 @@ def _split(words: list[str]) -> tuple[str | None, list[str]]:
 
 def _asked(word: str, overrides: list[str], config_dir: str | None) -> list[str]:
     """Hydra's answer, without its own settings."""
-    from hydra._internal.config_loader_impl import ConfigLoaderImpl
-    from hydra._internal.utils import create_config_search_path
     from hydra.plugins.completion_plugin import DefaultCompletionPlugin
 
-    path = create_config_search_path(f"file://{conf_folder()}")
-    if config_dir is not None:
-        path.append("user", f"file://{Path(config_dir).resolve()}")
-    loader = ConfigLoaderImpl(config_search_path=path)
-    found = DefaultCompletionPlugin(loader)._query("config", " ".join([*overrides, word]))
+    known = loader(config_dir)
+    found = DefaultCompletionPlugin(known)._query("config", " ".join([*overrides, word]))
     # It also offers its own settings, and members of lists as keys.
     found = [one for one in found if one.startswith(word) and not one.startswith("hydra") and not _MEMBER.search(one)]
-    lists = _lists(loader, overrides, found)
+    lists = _lists(known, overrides, found)
     return sorted({_with_value(one, lists) for one in found})
 
 
-def _lists(loader, overrides: list[str], found: list[str]) -> set[str]:
+def _lists(known, overrides: list[str], found: list[str]) -> set[str]:
     """Which of the keys that Hydra takes for sections are lists."""
     from hydra.errors import HydraException
     from hydra.types import RunMode
@@ -158,7 +155,7 @@ def _lists(loader, overrides: list[str], found: list[str]) -> set[str]:
 
     sections = [key for key in found if key.endswith(".")]
     try:
-        config = loader.load_configuration("config", overrides=overrides, run_mode=RunMode.RUN) if sections else {}
+        config = known.load_configuration("config", overrides=overrides, run_mode=RunMode.RUN) if sections else {}
     except HydraException:
         return set()
     return {key for key in sections if OmegaConf.is_list(OmegaConf.select(config, key[:-1]))}

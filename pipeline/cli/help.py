@@ -4,14 +4,13 @@ import re
 import textwrap
 from pathlib import Path
 
-from pipeline.config.compose import conf_folder
+from pipeline.config.typed import GROUPS, conf_folder
 from pipeline.stages import STAGES
 
 __all__ = ["usage"]
 
 _WIDTH = 100
 _INDENT = 22
-_GROUPS = ("plane", "gear", "quality", "solver", "cluster")
 
 _HEAD = """\
 usage: python -m pipeline [-m] [--config-dir DIR] [GROUP=CHOICE ...] [KEY=VALUE ...]
@@ -43,7 +42,9 @@ options
   -m, --multirun            every combination of comma-separated values, on one cluster:
                             -m plane=omega_b,omega_fe
   --config-dir DIR          a folder with your own gear/, plane/, ... files, listed here too
-  --cfg                     print the resolved configuration and do nothing
+  --cfg job                 print the resolved configuration; of --package gear, that section
+  --info                    print versions, where configuration files are, and the name of the store
+  --version                 print the version
   --shell-completion SHELL  print completion for bash, zsh or fish: eval "$(... bash)"
   -h, --help                this text
 
@@ -60,7 +61,7 @@ def usage(config_dir: str | None = None) -> str:
     configuration = (folders[0] / "config.yaml").read_text(encoding="utf-8")
     usual = dict(re.findall(r"^  - (\w+): (\w+)$", configuration, re.MULTILINE))
     lines = ["groups and their choices (* unless told otherwise)"]
-    for group in _GROUPS:
+    for group in GROUPS:
         lines.append(f"  {group}")
         for file in sorted(file for folder in folders for file in (folder / group).glob("*.yaml")):
             mark = "*" if usual.get(group) == file.stem else " "

@@ -4,19 +4,22 @@ import contextlib
 import errno
 import os
 import signal
+import socket
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 __all__ = ["Terminated", "ended_by_signals", "unread_output"]
 
 #: Who reads has gone: a closed pipe, a closed terminal, a descriptor that was never open.
 _UNREAD = (errno.EPIPE, errno.EIO, errno.EBADF)
+#: Seconds until a signal has its effect, and then to tidy up.
+_PATIENCE, _TIDY = 1.0, 10.0
 
 
 class Terminated(KeyboardInterrupt):
-    """A signal asked the process to end; whatever cleans up after Ctrl-C does so after this too."""
+    """A signal asked the process to end; whatever tidies up after Ctrl-C does so after this too."""
 
     def __init__(self, number: int):
         super().__init__(signal.Signals(number).name)
@@ -24,30 +27,69 @@ class Terminated(KeyboardInterrupt):
 
 
 @contextlib.contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """SIGTERM and SIGHUP raise `Terminated` within; one that is ignored, as below nohup, stays so."""
+def ended_by_signals(abruptly: Callable[[int], None]) -> Iterator[None]:
+    """SIGINT, SIGTERM and SIGHUP raise `Terminated` within; one that is ignored, as below nohup, stays so.
+
+    Python runs handlers of signals between its own instructions alone. While a compiled loop goes on there are none; so
+    a thread hears of the signal too, and ends the process itself if nothing comes of it for a while.
+
+    Parameters
+    ----------
+    abruptly : callable
+        Takes the number of the signal; does in a moment what must be done before the process ends.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {number: signal.getsignal(number) for number in (getattr(signal, name) for name in names)}
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in numbers}
+    ours = [number for number in numbers if before[number] in (signal.SIG_DFL, signal.default_int_handler)]
+    raised = threading.Event()
 
     def end(number, _):
         # Once: while the process tidies up, more of them change nothing.
-        for other in before:
+        for other in ours:
             signal.signal(other, signal.SIG_IGN)
+        raised.set()
         raise Terminated(number)
 
-    for number, handler in before.items():
-        if handler is signal.SIG_DFL:
+    with _heard(ours, raised, abruptly):
+        for number in ours:
             signal.signal(number, end)
+        try:
+            yield
+        finally:
+            for number in ours:
+                signal.signal(number, before[number])
+
+
+@contextlib.contextmanager
+def _heard(numbers: list[int], raised: threading.Event, abruptly: Callable[[int], None]) -> Iterator[None]:
+    """A thread that is told of signals at once, whatever the main thread is at."""
+    told, tells = socket.socketpair()
+    tells.setblocking(False)
+
+    def listen() -> None:
+        while said := told.recv(1):
+            if said[0] not in numbers:
+                continue
+            if not raised.wait(_PATIENCE) or not over.wait(_TIDY):
+                abruptly(said[0])
+                os._exit(128 + said[0])
+
+    over = threading.Event()
+    listener = threading.Thread(target=listen, name="signals", daemon=True)
+    listener.start()
+    # What is sent more often than it is read says nothing new.
+    before = signal.set_wakeup_fd(tells.fileno(), warn_on_full_buffer=False)
     try:
         yield
     finally:
-        for number, handler in before.items():
-            # None: it was not set from Python.
-            if handler is not None:
-                signal.signal(number, handler)
+        signal.set_wakeup_fd(before)
+        over.set()
+        tells.close()
+        listener.join()
+        told.close()
 
 
 class _Unread:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import difflib
-import itertools
+import functools
 import re
 import typing
 from collections.abc import Sequence
@@ -12,13 +12,14 @@ from pathlib import Path
 from omegaconf import OmegaConf
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
+from pipeline.config.default_name import default_name, is_name
 from pipeline.config.files import check_files
+from pipeline.config.folders import local_folder
 from pipeline.config.schema import Configuration
-from pipeline.errors import ConfigurationError
+from pipeline.config.typed import GROUPS, conf_folder, expand, key_of
+from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["Settings", "compose", "conf_folder", "expand"]
-
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,119}")
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Settings:
         As the user typed them.
     choices : dict
         Which file each group took, e.g. {"gear": "published"}.
+    default_name : str
+        Of the store, where `store.name` is null; see `pipeline.config.default_name`.
     config_dir : str or None
         The folder of the user's own files.
     """
@@ -39,23 +42,14 @@ class Settings:
     config: Configuration
     overrides: tuple[str, ...]
     choices: dict[str, str]
+    default_name: str
     config_dir: str | None = None
 
     @property
     def store_name(self) -> str:
-        """`store.name`, or the plane's name with what is not usual: see `name_of`."""
+        """`store.name`, or the default name."""
         name = self.config.store.name
-        return self.name_of(self.choices["plane"]) if name is None else name
-
-    def name_of(self, plane: str) -> str:
-        """Default name of a store: -<gear> unless published, -<quality> unless paper, -order<H> and -period<nu>."""
-        extras = [(self.choices["gear"], "published"), (self.choices["quality"], "paper")]
-        words = [plane, *(name for name, usual in extras if name != usual)]
-        if self.config.solver.balance != "describing_function":
-            words.append(f"order{self.config.solver.order}")
-        if self.config.solver.period != 1:
-            words.append(f"period{self.config.solver.period}")
-        return "-".join(words)
+        return self.default_name if name is None else name
 
     @property
     def store_path(self) -> Path:
@@ -68,44 +62,34 @@ class Settings:
         return Path(self.config.output.root)
 
     def overridden(self, key: str) -> bool:
-        """Whether the user gave this key, or one above or below it, a value."""
-        names = [re.split("[=@]", override.lstrip("+~"))[0] for override in self.overrides]
-        return any(name == key or name.startswith(f"{key}.") for name in names)
+        """Whether the user gave this key, or one below it, a value."""
+        return any(name == key or name.startswith(f"{key}.") for name in map(key_of, self.overrides))
+
+    def typed(self, key: str) -> bool:
+        """Whether the user gave this key a value of its own, or one of the sections that it is in; a choice of a
+        group's file does neither."""
+        names = {key_of(override) for override in self.overrides} - set(GROUPS)
+        return any(key == name or key.startswith(f"{name}.") for name in names)
+
+    def chosen(self, group: str) -> bool:
+        """Whether the user chose the file of a group."""
+        return group in map(key_of, self.overrides)
+
+    def of_plane(self, plane: str) -> "Settings":
+        """The same settings for another plane, under its default name; without what its axes replace."""
+        kept = [override for override in self.overrides if key_of(override) not in ("plane", "store.name")]
+        found = compose([f"plane={plane}", *kept], self.config_dir)
+        axes = (found.config.plane.sweep, found.config.plane.parameter, found.config.plane.parameter2)
+        replaced = {f"gear.{axis.name}" for axis in axes if axis is not None} & set(map(key_of, kept))
+        if not replaced:
+            return found
+        return compose(
+            [f"plane={plane}", *(override for override in kept if key_of(override) not in replaced)], self.config_dir
+        )
 
     def yaml(self) -> str:
         """The resolved configuration."""
         return OmegaConf.to_yaml(OmegaConf.structured(self.config))
-
-
-def conf_folder() -> Path:
-    """The configuration folder: inside the installed package where it exists, else the repository's."""
-    package = Path(__file__).resolve().parents[1]
-    for folder in (package / "conf", package.parent / "conf"):
-        if (folder / "config.yaml").is_file():
-            return folder
-    raise ConfigurationError(f"no configuration found at {package / 'conf'} or {package.parent / 'conf'}")
-
-
-def expand(overrides: Sequence[str]) -> list[list[str]]:
-    """All combinations of comma-separated values, in the order in which Hydra's multirun takes them."""
-    from hydra.core.override_parser.overrides_parser import OverridesParser
-    from hydra.errors import HydraException
-
-    for override in overrides:
-        if not re.match(r"[+~]{0,2}[A-Za-z]", override):
-            raise ConfigurationError(f"{override} is not allowed: it must be KEY=VALUE, such as gear.b=0.5")
-    parser, choices = OverridesParser.create(), []
-    for override in overrides:
-        try:
-            parsed = parser.parse_override(override)
-        except HydraException as error:
-            raise ConfigurationError(f"{override} cannot be read as KEY=VALUE: {_one_line(error)}") from None
-        if parsed.is_sweep_override():
-            key = parsed.get_key_element()
-            choices.append([f"{key}={value}" for value in parsed.sweep_string_iterator()])
-        else:
-            choices.append([override])
-    return [list(combination) for combination in itertools.product(*choices)]
 
 
 def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings:
@@ -127,23 +111,43 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
     ConfigurationError
         One line that names the key.
     """
-    import hydra
-    from hydra.errors import HydraException
-
-    extra = []
     if config_dir is not None:
         folder = Path(config_dir)
         if not folder.is_dir():
             raise ConfigurationError(f"--config-dir = {config_dir!r} is not allowed: it must be an existing folder")
         check_files(folder)
-        extra = [f"hydra.searchpath=['file://{folder.resolve()}']"]
-    for override in overrides:
-        if override.lstrip("+~").startswith("hydra"):
-            raise ConfigurationError(f"{override}: Hydra's own settings are fixed here, so that it writes nothing")
+    runs = expand(overrides, config_dir)
+    if len(runs) > 1:
+        raise ConfigurationError(f"{shown(' '.join(overrides))}: several values need -m")
+    (overrides,) = runs
+    config, choices = _composed(tuple(overrides), config_dir)
+    for name in ("gear", "plane", "solver", "cluster", "quality", "output", "store"):
+        if getattr(config, name) is None:
+            raise ConfigurationError(f"{name} has no value")
+    config.output.root = local_folder("output.root", config.output.root)
+    config.store.root = local_folder("store.root", config.store.root)
+    if config.debug.row is not None:
+        # Looking at one row is then all that is done.
+        config.stages = ["debug"]
+    settings = Settings(config, tuple(overrides), choices, _name(config, choices, overrides, config_dir), config_dir)
+    if not is_name(settings.store_name):
+        raise ConfigurationError(
+            f"store.name = {shown(settings.store_name)!r} is not allowed: it must be a plain name of at most 120 "
+            "letters, digits and _ . + = -, without a folder, that every system takes"
+        )
+    return settings
+
+
+def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Configuration, dict[str, str]]:
+    """What Hydra makes of overrides, typed and resolved: the configuration, and which file each group took."""
+    import hydra
+    from hydra.errors import HydraException
+
+    extra = [] if config_dir is None else [f"hydra.searchpath=['file://{Path(config_dir).resolve()}']"]
     try:
         with hydra.initialize_config_dir(version_base="1.3", config_dir=str(conf_folder())):
             composed = hydra.compose("config", [*overrides, *extra], return_hydra_config=True)
-        choices = dict(composed.hydra.runtime.choices)
+        choices = {key: str(value) for key, value in composed.hydra.runtime.choices.items()}
         plain = OmegaConf.masked_copy(composed, [key for key in composed if key != "hydra"])
         typed = OmegaConf.merge(OmegaConf.structured(Configuration), plain)
         OmegaConf.resolve(typed)
@@ -151,19 +155,35 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
         if missing:
             raise ConfigurationError(f"{min(missing)} has no value")
         config = OmegaConf.to_object(typed)
-        if config.debug.row is not None:
-            # Looking at one row is then all that is done.
-            config.stages = ["debug"]
     except (HydraException, OmegaConfBaseException) as error:
-        raise ConfigurationError(_one_line(error)) from None
-    groups = {key: str(value) for key, value in choices.items() if not key.startswith("hydra/")}
-    settings = Settings(config, tuple(overrides), groups, config_dir)
-    if not _NAME.fullmatch(settings.store_name):
+        said = _one_line(error)
+        if not any(key_of(override) in said for override in overrides):
+            said = f"{shown(' '.join(overrides))} is not allowed: {said}"
+        raise ConfigurationError(said) from None
+    except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError, RecursionError, OSError) as error:
+        # What Hydra and OmegaConf did not expect of an override either.
+        reason = shown(" ".join(str(error).split()), 300)
         raise ConfigurationError(
-            f"store.name = {settings.store_name!r} is not allowed: "
-            "it must be a plain name of at most 120 letters, digits and _ . + = -, without a folder"
-        )
-    return settings
+            f"{shown(' '.join(overrides))} is not allowed: no configuration comes of it "
+            f"({type(error).__name__}: {reason})"
+        ) from None
+    return config, {key: value for key, value in choices.items() if not key.startswith("hydra/")}
+
+
+def _name(config: Configuration, choices: dict, overrides: Sequence[str], config_dir: str | None) -> str:
+    """Default name of the store."""
+    here, keys = dataclasses.asdict(config), map(key_of, overrides)
+    if all(key in GROUPS or re.split("[./]", key)[0] not in GROUPS for key in keys):
+        # Files were chosen, and no value in them was typed.
+        return default_name(choices, here, here)
+    return default_name(choices, here, _usual(tuple(sorted(choices.items())), config_dir))
+
+
+@functools.lru_cache(maxsize=64)
+def _usual(choices: tuple[tuple[str, str], ...], config_dir: str | None) -> dict:
+    """The configuration of some choices where nothing else was typed, as plain data."""
+    config, _ = _composed(tuple(f"{group}={name}" for group, name in choices if group in GROUPS), config_dir)
+    return dataclasses.asdict(config)
 
 
 def _keys() -> list[str]:
@@ -197,9 +217,11 @@ def _one_line(error: Exception) -> str:
                 )
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
+        if " is not Optional" in said:
+            said = re.sub(r".*'(.+)'.*", r"\1 = null is not allowed: it must have a value", said)
         if "is not a ListConfig, list or tuple" in said:
             said = f"{key} is not allowed: it must be a list, such as [a,b]"
-        return said if key in said else f"{key}: {said}"
+        return shown(said if key in said else f"{key}: {said}", 500)
     said = " ".join(str(error).split())
     # Where Hydra looked for a file, and where its grammar is explained, does not help here.
-    return re.split(r" Config search path:| See https?://", said)[0]
+    return shown(re.split(r" Config search path:| See https?://", said)[0], 500)

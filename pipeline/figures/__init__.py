@@ -10,8 +10,6 @@ from pipeline.store import read_plan
 
 __all__ = ["check_options", "draw", "draw_design"]
 
-_STYLE = Path(__file__).with_name("bevelmap.mplstyle")
-
 
 def draw(
     store_path: Path,
@@ -82,14 +80,13 @@ def draw_design(
     """
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
-        from matplotlib import style
-
+        from pipeline.figures.drawing import own_style
         from pipeline.figures.margins import draw_margins
         from pipeline.figures.output import write_figure
         from pipeline.figures.stored import read_stored
 
         plane = read_stored(store_path, physical=units == "physical")
-        with style.context(_STYLE, after_reset=True):
+        with own_style():
             return write_figure(draw_margins(plane, answer), plane, folder, "margins", formats, dpi)
 
 
@@ -110,10 +107,9 @@ def _without_collector() -> Iterator[None]:
 
 def _draw(store_path, folder, curves, formats, dpi, window, stability, units, only) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
-    from matplotlib import style
-
     from pipeline.figures.backbone import draw_backbone, has_backbone
     from pipeline.figures.curves import draw_curves
+    from pipeline.figures.drawing import own_style
     from pipeline.figures.map import draw_map, draw_window
     from pipeline.figures.output import write_figure
     from pipeline.figures.stored import read_stored
@@ -133,8 +129,7 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability, units, on
     if has_backbone(plane):
         drawers["backbone"] = lambda: draw_backbone(plane)
     paths = []
-    # A user's own matplotlibrc must not change our figures.
-    with style.context(_STYLE, after_reset=True):
+    with own_style():
         for name, drawn in drawers.items():
             if only is None or name in only:
                 paths += write_figure(drawn(), plane, folder, name, formats, dpi)
@@ -142,12 +137,11 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability, units, on
 
 
 def _draw_layers(store_path, folder, formats, dpi, dynamic) -> list[Path]:
-    from matplotlib import style
-
+    from pipeline.figures.drawing import own_style
     from pipeline.figures.output import write_figure
     from pipeline.figures.volume import draw_volume, read_layers
 
     layers = read_layers(store_path, dynamic)
     (first, *_) = layers.values()
-    with style.context(_STYLE, after_reset=True):
+    with own_style():
         return write_figure(draw_volume(store_path, layers), first, folder, "layers", formats, dpi)

@@ -5,9 +5,9 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from pipeline.figures.drawing import Drawing
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units, titled
@@ -49,7 +49,7 @@ def _spread(plane: StoredPlane, most: int) -> np.ndarray:
     return np.linspace(0, count - 1, min(most, count)).round().astype(int)
 
 
-def draw_backbone(plane: StoredPlane) -> Figure:
+def draw_backbone(plane: StoredPlane) -> Drawing:
     """Draw the backbones, and the largest stable amplitude near each resonance over the rows.
 
     Parameters
@@ -59,7 +59,7 @@ def draw_backbone(plane: StoredPlane) -> Figure:
 
     Returns
     -------
-    Figure
+    Drawing
     """
     rows = _spread(plane, _PEAKS)
     peaks = resonance_peaks(plane, rows)
@@ -71,7 +71,7 @@ def draw_backbone(plane: StoredPlane) -> Figure:
     shown = plane.scales is not None
     panel, beside = (_PANEL - 0.54, _BESIDE + 0.44) if shown else (_PANEL, _BESIDE)
     height = _BOTTOM + _HEIGHT + _TOP + (LIFT if shown else 0.0)
-    figure = Figure((_WIDTH, height))
+    figure = Drawing((_WIDTH, height))
     for mode, title in enumerate(_TITLES):
         left = _LEFT + mode * (panel + beside)
         axes = figure.add_axes((left / _WIDTH, _BOTTOM / height, panel / _WIDTH, _HEIGHT / height))

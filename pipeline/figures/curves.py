@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from pipeline.figures.drawing import Drawing
 from pipeline.figures.naming import STATE_NAMES, axis_label, fixed_parameters, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
@@ -51,7 +51,7 @@ def chosen_rows(plane: StoredPlane, values: list[float] | None) -> list[int]:
     return list(dict.fromkeys(int(np.argmin(np.abs(rows - value))) for value in values))
 
 
-def draw_curves(plane: StoredPlane, values: list[float] | None) -> Figure:
+def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
     """Draw the curves of the rows nearest to `values`, a line of two panels each.
 
     Parameters
@@ -62,7 +62,7 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Figure:
 
     Returns
     -------
-    Figure
+    Drawing
     """
     rows = chosen_rows(plane, values)
     sweep = plane.plan.sweep
@@ -70,7 +70,7 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Figure:
     bottom = _BOTTOM + _PITCH * -(-len(keys) // _COLUMNS) + 0.08
     top = _TOP + (0.0 if plane.scales is None else LIFT)
     height = bottom + len(rows) * (_HEIGHT + _BETWEEN) - _BETWEEN + top
-    figure = Figure((_WIDTH, height))
+    figure = Drawing((_WIDTH, height))
     aside = 0.0 if plane.scales is None else _ASIDE
     width = (_WIDTH - _LEFT - _RIGHT - _BESIDE - 2 * aside) / 2
     limits = _limits(plane, rows)

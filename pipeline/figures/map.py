@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
+from pipeline.figures.drawing import Drawing
 from pipeline.figures.layout import (
     BETWEEN,
     BOTTOM,
@@ -53,7 +53,7 @@ _HEAD = 0.14
 _NARROW = 1e-3
 
 
-def draw_map(plane: StoredPlane) -> Figure:
+def draw_map(plane: StoredPlane) -> Drawing:
     """Draw the map of a plane.
 
     Where several stable motions coexist in a narrow stretch of the sweep axis, a panel below enlarges that stretch.
@@ -64,7 +64,7 @@ def draw_map(plane: StoredPlane) -> Figure:
 
     Returns
     -------
-    Figure
+    Drawing
     """
     sweep = plane.plan.sweep
     zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
@@ -87,7 +87,7 @@ def draw_map(plane: StoredPlane) -> Figure:
     return figure
 
 
-def draw_window(plane: StoredPlane, window: list[float]) -> Figure:
+def draw_window(plane: StoredPlane, window: list[float]) -> Drawing:
     """Draw a part of the plane alone.
 
     Parameters
@@ -98,7 +98,7 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Figure:
 
     Returns
     -------
-    Figure
+    Drawing
     """
     figure, axes, _ = with_main_panel(plane, [panel_of(plane, tuple(window[:2]), tuple(window[2:]))], 0.0, False)
     axes.set(xlim=window[:2], ylim=window[2:])
@@ -116,7 +116,7 @@ def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, share
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + below
     height = bottom + tall + TOP + lift(plane) + (0.0 if plane.scales is None else _HEAD)
-    figure = Figure((WIDTH, height))
+    figure = Drawing((WIDTH, height))
     axes = figure.add_axes(shares_of((LEFT, bottom, PANEL - spare(plane), tall), height))
     fill(axes, panels[0], plane)
     fixed = fixed_parameters(plane.plan, plane.scales)

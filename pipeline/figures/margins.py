@@ -1,10 +1,10 @@
 """A design point on its map: operating range, tolerances, the largest safe box, the ways to the nearest boundaries."""
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
+from pipeline.figures.drawing import Drawing
 from pipeline.figures.layout import BETWEEN, ZOOM_HEIGHT, mark_window, shares_of, zoom_places
 from pipeline.figures.map import fill, with_main_panel
 from pipeline.figures.map_legend import Entry
@@ -46,7 +46,7 @@ _HIT = {
 _SMALL, _AROUND = 0.5, 0.35
 
 
-def draw_margins(plane: StoredPlane, answer) -> Figure:
+def draw_margins(plane: StoredPlane, answer) -> Drawing:
     """Draw the map with what was found of a design point.
 
     Where all of it is small in the plane, a panel below enlarges it.
@@ -58,7 +58,7 @@ def draw_margins(plane: StoredPlane, answer) -> Figure:
 
     Returns
     -------
-    Figure
+    Drawing
     """
     window = _window(plane, answer, _hits(answer)) or _window(plane, answer, [])
     panels = [panel_of(plane)] + ([panel_of(plane, *window)] if window else [])

@@ -124,7 +124,11 @@ def _set_of(lowest: np.ndarray, highest: np.ndarray, b: np.ndarray) -> np.ndarra
 
 def _codes(sets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Codes of the labels of sets, and whether these are sets: no state was taken away more often than it was there."""
-    present, place = np.unique(sets, return_inverse=True)
+    # Neighbours are mostly equal: runs of them are sorted, and not every pixel.
+    flat = sets.ravel()
+    starts = np.flatnonzero(np.concatenate([[True], flat[1:] != flat[:-1]]))
+    present, run = np.unique(flat[starts], return_inverse=True)
+    place = np.repeat(run, np.diff(starts, append=flat.size))
     counts = present[:, None] >> _BITS * np.arange(_STATES) & (1 << _BITS) - 1
     possible = (present >= 0) & np.all(counts < 1 << _BITS - 1, axis=1)
     counts[~possible] = 0

@@ -3,6 +3,7 @@
 from time import perf_counter
 
 from pipeline.run.job import Job, note_unfinished
+from pipeline.run.made import made_from, still_made, write_record
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
@@ -28,10 +29,16 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
     folder = job.settings.output_root / "figures" / job.settings.store_name
-    paths = figures.draw(job.store_path, folder, **_options(job))
+    record, origin = folder / ".figures.json", made_from(job.store_path, _options(job))
+    if (paths := still_made(record, origin)) is None:
+        paths = figures.draw(job.store_path, folder, **_options(job))
+        write_record(record, origin, paths)
+        took = f"{perf_counter() - begin:.2f} s"
+    else:
+        took = "up to date"
     names = ", ".join(path.name for path in paths)
-    reporter.line(f"figures: {names} in {folder.resolve()} ({perf_counter() - begin:.2f} s)")
+    reporter.line(f"figures: {names} in {folder.resolve()} ({took})")
     return 0
 
 
-STAGE = Stage("figures", _run, _check_options, of_volumes=True)
+STAGE = Stage("figures", _run, _check_options, of_volumes=True, tells_map=True)

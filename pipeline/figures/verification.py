@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from pipeline.analysis.verification.credibility import Credibility
 from pipeline.analysis.verification.group import StoredVerification, read_verification
 from pipeline.analysis.verification.verdicts import Verdict
+from pipeline.figures.drawing import Drawing
 from pipeline.figures.layout import (
     BETWEEN,
     BOTTOM,
@@ -83,7 +83,7 @@ def verification_of(store_path: Path) -> StoredVerification | None:
     return read_verification(store_path)
 
 
-def draw_verification(plane: StoredPlane, found: StoredVerification) -> Figure:
+def draw_verification(plane: StoredPlane, found: StoredVerification) -> Drawing:
     """Draw the plane with agreement.
 
     A cell has one mark, for the worst that became of its solutions. Marks that would overlap are left out, those of
@@ -96,7 +96,7 @@ def draw_verification(plane: StoredPlane, found: StoredVerification) -> Figure:
 
     Returns
     -------
-    Figure
+    Drawing
     """
     sweep, parameter = plane.plan.sweep, plane.plan.parameter
     columns, rows = cell_borders(sweep), cell_borders(parameter)
@@ -107,7 +107,7 @@ def draw_verification(plane: StoredPlane, found: StoredVerification) -> Figure:
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + (ZOOM_HEIGHT + BETWEEN if windows else 0.0)
     height = bottom + tall + TOP
-    figure = Figure((WIDTH, height))
+    figure = Drawing((WIDTH, height))
     main = figure.add_axes(shares_of((LEFT, bottom, PANEL, tall), height))
     _fill(main, plane, found, (PANEL, tall), whole, up, verdicts)
     figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed_parameters(plane.plan), ha="right", va="top", fontsize=8)

@@ -4,8 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
+from pipeline.figures.drawing import Drawing
 from pipeline.figures.layout import BOTTOM, LEFT, LEGEND, PANEL, RIGHT, WIDTH, shares_of
 from pipeline.figures.map import fill, modes_within
 from pipeline.figures.map_legend import draw_legend, legend_entries, legend_height
@@ -28,7 +28,7 @@ def read_layers(path: Path, dynamic: bool = False) -> dict[float, StoredPlane]:
     return {float(axis.values[index]): read_stored(path, dynamic, layer=index) for index in chosen}
 
 
-def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Figure:
+def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Drawing:
     """Draw the maps of layers.
 
     Parameters
@@ -40,7 +40,7 @@ def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Figure:
 
     Returns
     -------
-    Figure
+    Drawing
     """
     volume, planes = read_plan(path), list(layers.values())
     panels = [panel_of(plane) for plane in planes]
@@ -48,7 +48,7 @@ def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Figure:
     rows = -(-len(planes) // _COLUMNS)
     tall = max(rows * (_TALL + _TITLE), legend_height(entries) + _TITLE)
     height = BOTTOM + tall + _ABOVE
-    figure, wide = Figure((WIDTH, height)), (PANEL - (_COLUMNS - 1) * _GAP) / _COLUMNS
+    figure, wide = Drawing((WIDTH, height)), (PANEL - (_COLUMNS - 1) * _GAP) / _COLUMNS
     for number, (value, plane) in enumerate(layers.items()):
         row, column = divmod(number, _COLUMNS)
         bottom = BOTTOM + tall - (row + 1) * (_TALL + _TITLE)

@@ -19,7 +19,7 @@ _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Block:
     """Rows start ... stop - 1: one chunk of the store and one task. Rows of a volume are numbered through, layer by
     layer; a block belongs to one layer."""
@@ -117,6 +117,12 @@ class Plan:
         rows = slice(start, start + block.stop - block.start)
         return (rows,) if self.parameter2 is None else (layer, rows)
 
+    def chunk_of(self, block: Block) -> tuple[int, ...]:
+        """Numbers of a block's chunk along `row_axes`."""
+        layer, start = divmod(block.start, self.parameter.num)
+        number = start // self.rows_per_block
+        return (number,) if self.parameter2 is None else (layer, number)
+
     @property
     def motion_size(self) -> int:
         """Numbers of a motion stored beside mean, amplitude and phase: all harmonics of a Galerkin balance."""
@@ -142,6 +148,11 @@ class Plan:
         first = rows.start - rows.start % layer
         begin = (rows.start - first) // size * size
         return [Block(first + i, first + min(i + size, layer)) for i in range(begin, rows.stop - first, size)]
+
+    @property
+    def n_blocks(self) -> int:
+        """Number of blocks, without making them."""
+        return self.rows // self.parameter.num * -(-self.parameter.num // self.rows_per_block)
 
     @property
     def bytes(self) -> int:

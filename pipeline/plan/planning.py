@@ -16,7 +16,14 @@ from pipeline.plan.scales import cycle_note
 from pipeline.plan.thermal import thermal_numbers
 from solver import SCALAR_PARAMETERS, GearPair, ParameterError, Scales
 
-__all__ = ["check_numbers", "gear_of", "plan", "warnings"]
+__all__ = ["asked_numbers", "check_numbers", "gear_of", "plan", "warnings"]
+
+#: Values of an axis, and rows of all layers together; and blocks of rows, each of which has a file per array.
+_MOST_VALUES, _MOST_BLOCKS = 10**6, 10**5
+#: Temperatures at which a gear is tried before anything runs.
+_MOST_TEMPERATURES = 1000
+#: Parameters of which one mesh force makes two follow from the third.
+_DAMPING_PARTS = ("xi_mesh", "xi_translation", "kappa")
 
 
 def plan(settings: Settings) -> Plan:
@@ -35,15 +42,10 @@ def plan(settings: Settings) -> Plan:
     ConfigurationError
         Naming the key, its value and what is allowed.
     """
-    config = settings.config
-    gear, physical = gear_of(config.gear)
-    scales = None if physical is None else _scales(physical)
-    axes = axes_of(config.plane, SCALAR_PARAMETERS, scales)
-    thermal = _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None
-    names = {axis.name for axis in axes.values()}
-    omega = config.plane.omega
-    if omega is not None:
-        omega = value_of("plane.omega", "omega", omega, scales)
+    config, found = settings.config, _parts(settings)
+    gear, physical = found["gear"], found["physical"]
+    names = {axis.name for role in ROLES if (axis := found.get(role)) is not None}
+    omega = found["omega"]
     if "omega" in names and omega is not None:
         raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
     if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
@@ -65,19 +67,41 @@ def plan(settings: Settings) -> Plan:
                 f"{key} = {gear[name]} is not allowed: {name} is an axis, so it must be one number"
             )
     # What an axis replaces does not belong to the configuration.
-    result = Plan(
-        gear={key: value for key, value in gear.items() if key not in names},
-        **axes,
-        omega=omega,
-        solver=asdict(config.solver),
-        max_solutions=config.store.max_solutions,
-        max_branches=config.store.max_branches,
-        max_points=config.store.max_points,
-        physical=physical,
-        thermal=thermal,
-    )
+    result = Plan(**{**found, "gear": {key: value for key, value in gear.items() if key not in names}})
     check_numbers(result)
     return result
+
+
+def _parts(settings: Settings) -> dict:
+    """Keyword arguments of the plan, each for itself; the gear still has what an axis replaces."""
+    config = settings.config
+    gear, physical = gear_of(config.gear)
+    scales = None if physical is None else _scales(physical)
+    axes = axes_of(config.plane, SCALAR_PARAMETERS, scales)
+    omega = config.plane.omega
+    return {
+        "gear": gear,
+        **axes,
+        "omega": None if omega is None else value_of("plane.omega", "omega", omega, scales),
+        "solver": asdict(config.solver),
+        **{name: getattr(config.store, name) for name in ("max_solutions", "max_branches", "max_points")},
+        "physical": physical,
+        "thermal": _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None,
+    }
+
+
+def asked_numbers(settings: Settings) -> dict:
+    """What a configuration asks for, as `Plan.numbers` has it, whether or not it makes a plane as a whole.
+
+    The gear still has what an axis replaces.
+
+    Raises
+    ------
+    ConfigurationError
+        If one of its parts is not allowed.
+    """
+    parts = _parts(settings)
+    return json.loads(json.dumps({name: asdict(part) if name in ROLES else part for name, part in parts.items()}))
 
 
 def gear_of(config) -> tuple[dict, dict | None]:
@@ -130,6 +154,7 @@ def _outer_planes(plan: Plan) -> list[Plan]:
 
 def check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
+    _check_sizes(plan)
     axis = row_axis(plan)
     if not isinstance(axis, str) and plan.sweep.name in axis.uses:
         raise ConfigurationError(
@@ -145,7 +170,8 @@ def check_numbers(plan: Plan) -> None:
     rows = [plan.parameter.low, plan.parameter.high]
     if plan.thermal is not None:
         # Gears may jam between temperatures at which they do not.
-        rows += plan.parameter.values[1:-1].tolist()
+        step = -(-plan.parameter.num // _MOST_TEMPERATURES)
+        rows += plan.parameter.values[step:-1:step].tolist()
     for plane in _outer_planes(plan):
         for row, column in product(rows, (plan.sweep.low, plan.sweep.high)):
             try:
@@ -154,6 +180,21 @@ def check_numbers(plan: Plan) -> None:
                 key = _key_of(error, plan)
                 message = str(error).replace(error.name, key, 1)
                 raise ConfigurationError(message) from None
+
+
+def _check_sizes(plan: Plan) -> None:
+    """Raise if a plane has more values, rows or blocks than memory should ever be asked for."""
+    for role, axis in zip(ROLES, plan.axes, strict=False):
+        if axis.num > _MOST_VALUES:
+            raise ConfigurationError(f"plane.{role}.num = {axis.num} is not allowed: it must be at most {_MOST_VALUES}")
+    roles = " x ".join(f"plane.{role}.num" for role, _ in zip(ROLES[1:], plan.row_axes, strict=False))
+    if plan.rows > _MOST_VALUES:
+        raise ConfigurationError(f"{roles} = {plan.rows} is not allowed: it must be at most {_MOST_VALUES} rows")
+    if plan.n_blocks > _MOST_BLOCKS:
+        raise ConfigurationError(
+            f"{roles} = {plan.rows} is not allowed: in chunks of {plan.rows_per_block} rows it must be at most "
+            f"{_MOST_BLOCKS * plan.rows_per_block}; fewer columns or store.max_points make room for more"
+        )
 
 
 def _key_of(error, plan: Plan) -> str:
@@ -165,8 +206,16 @@ def _key_of(error, plan: Plan) -> str:
     return f"gear.{error.name.replace('variation_', 'variation.')}"
 
 
-def warnings(plan: Plan) -> list[str]:
-    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics."""
+def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
+    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics.
+
+    Parameters
+    ----------
+    plan : Plan
+    settings : Settings, optional
+        What the user typed: that the published gear's own mesh damping breaks it is then left out, unless that was
+        changed or is an axis.
+    """
     lines = []
     corners = [
         model_at(plane, row, column)
@@ -179,13 +228,15 @@ def warnings(plan: Plan) -> list[str]:
         lines.append(
             f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical"
         )
+    names = {axis.name for axis in plan.axes}
+    changed = any(name in names or (settings and settings.overridden(f"gear.{name}")) for name in _DAMPING_PARTS)
+    if settings is not None and settings.choices["gear"] == "published" and not changed:
+        return lines
     model = corners[0]
     ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
     if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
         shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
-        parts = ("xi_mesh", "xi_translation", "kappa")
-        moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in parts]
-        names = {axis.name for axis in plan.axes}
+        moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in _DAMPING_PARTS]
         hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in names else ""
         lines.append(
             f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "

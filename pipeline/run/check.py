@@ -52,7 +52,7 @@ def _recompute(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline.run.recompute import compare_row, drawn_rows
 
     path, options, begin = job.store_path, job.settings.config.check, perf_counter()
-    plan = store.read_plan(path)
+    plan = store.read_layout(path).plan
     rows = drawn_rows(path, plan, options.recompute, options.seed)
     if rows:
         workforce.start()
@@ -82,9 +82,18 @@ def _check_options(job: Job) -> None:
 
 def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Compute what has been marked as pending."""
-    plan = store.read_plan(job.store_path)
+    plan = store.read_layout(job.store_path).plan
     workforce.start()
     return compute(Job(job.settings, plan), store.pending_blocks(job.store_path, plan), workforce, reporter)
 
 
-STAGE = Stage("check", _run, _check_options, on_workers=True, writes=True, needs_plan=False, of_volumes=True)
+STAGE = Stage(
+    "check",
+    _run,
+    _check_options,
+    on_workers=True,
+    writes=True,
+    only_reads=lambda job: not job.settings.config.check.repair,
+    needs_plan=False,
+    of_volumes=True,
+)

@@ -9,7 +9,7 @@ from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError
 from pipeline.run.libraries import load_dask
 
-__all__ = ["KINDS", "address_of", "check_cluster", "security_of", "setting_of"]
+__all__ = ["KINDS", "address_of", "check_cluster", "check_start", "security_of", "setting_of"]
 
 KINDS = ("local", "none", "scheduler")
 
@@ -29,9 +29,9 @@ def check_cluster(config: Cluster) -> None:
         raise ConfigurationError(f"cluster.workers = {config.workers} is not allowed: it must be from 1 to 1024")
     if not 0.0 < config.row_seconds <= 1e6:
         raise ConfigurationError(f"cluster.row_seconds = {config.row_seconds} is not allowed: it must be from 0 to 1e6")
-    if config.kind != "none" or config.memory != "auto":
+    if config.memory != "auto":
         load_dask()
-    _check_memory(config)
+        _check_memory(config)
     if config.dashboard and importlib.util.find_spec("bokeh") is None:
         raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
     if not 0.0 < config.timeout <= 3600.0:
@@ -42,21 +42,22 @@ def check_cluster(config: Cluster) -> None:
         security_of(config, address_of(config))
 
 
+def check_start(config: Cluster) -> None:
+    """Raise ConfigurationError unless workers can be started or reached here; dask is loaded, which takes a second."""
+    load_dask()
+    from distributed.system import MEMORY_LIMIT
+
+    if config.kind == "local" and config.memory == "auto" and config.workers * _LEAST_MEMORY > MEMORY_LIMIT:
+        raise ConfigurationError(
+            f"cluster.workers = {config.workers} is not allowed here: the memory of this machine, "
+            f"{MEMORY_LIMIT / 1e9:.3g} GB, is enough for {MEMORY_LIMIT // _LEAST_MEMORY}"
+        )
+
+
 def _check_memory(config: Cluster) -> None:
-    """The size is allowed, and what a worker of this machine gets is enough for it to begin."""
+    """The size is allowed, and enough for a worker to begin."""
     from dask.utils import parse_bytes
 
-    if config.memory == "auto":
-        if config.kind != "local":
-            return
-        from distributed.system import MEMORY_LIMIT
-
-        if config.workers * _LEAST_MEMORY > MEMORY_LIMIT:
-            raise ConfigurationError(
-                f"cluster.workers = {config.workers} is not allowed here: the memory of this machine, "
-                f"{MEMORY_LIMIT / 1e9:.3g} GB, is enough for {MEMORY_LIMIT // _LEAST_MEMORY}"
-            )
-        return
     try:
         enough = parse_bytes(config.memory) >= _LEAST_MEMORY
     except (ValueError, OverflowError):

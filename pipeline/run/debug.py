@@ -6,6 +6,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
+from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 
 __all__ = ["STAGE"]
@@ -23,6 +24,7 @@ def _check(job: Job) -> None:
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline.run import trace_log as diary
 
+    warm_up_for(job, reporter)
     begin, row = perf_counter(), job.settings.config.debug.row
     found = diary.row_diary(job.store_path, job.plan, row)
     sheets = diary.write_sheets(found, job.settings.output_root / "debug" / job.settings.store_name)

@@ -1,6 +1,7 @@
 """What a stage is given: a checked configuration and the plan of its plane; its log; and what stages say alike."""
 
 import itertools
+import shlex
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,11 +10,13 @@ import numpy as np
 
 from pipeline import store
 from pipeline.config.compose import Settings
+from pipeline.config.typed import key_of
+from pipeline.errors import StoreError
 from pipeline.plan.layers import Layer
 from pipeline.plan.plan import Plan
 from pipeline.run.progress import Reporter
 
-__all__ = ["Job", "note_unfinished", "open_log", "say_failures", "sweep_command"]
+__all__ = ["Job", "command", "note_unfinished", "open_log", "other_numbers", "say_failures"]
 
 
 @dataclass(frozen=True)
@@ -34,20 +37,40 @@ class Job:
         return stage in self.settings.config.stages
 
 
-def sweep_command(settings: Settings, plane: str | None = None) -> str:
-    """The command that computes a plane with these choices of gear, quality and store."""
-    choices, root = settings.choices, settings.config.store.root
-    words = ["python -m pipeline", f"plane={plane or choices['plane']}"]
-    words += [
-        f"{group}={choices[group]}"
-        for group, usual in (("gear", "published"), ("quality", "paper"))
-        if choices[group] != usual
-    ]
-    kept = ("output.root=", "store.root=", "solver=", "solver.order=", "solver.period=")
-    words += [override for override in settings.overrides if override.startswith(kept)]
-    if plane is None and settings.config.store.name is not None:
-        words.append(f"store.name={settings.config.store.name}")
-    return " ".join(words) if root else words[0]
+def command(settings: Settings, *changes: str) -> str:
+    """The command that computes the plane of some settings, with everything that was typed but the stages.
+
+    Parameters
+    ----------
+    settings : Settings
+    *changes : str
+        Overrides in place of those of the same key; "store.name=" alone leaves that out.
+
+    Examples
+    --------
+    >>> from pipeline.config.compose import compose
+    >>> command(compose(["gear.b=0.5", "stages=[figures]", "figures.curves=[0.1]"]), "store.overwrite=true")
+    "python -m pipeline plane=omega_fe gear.b=0.5 'figures.curves=[0.1]' store.overwrite=true"
+    """
+    gone = {"stages", "debug.row", *map(key_of, changes)}
+    typed = [override for override in settings.overrides if key_of(override) not in gone]
+    if "plane" not in map(key_of, typed):
+        typed = [f"plane={settings.choices['plane']}", *typed]
+    own = [f"--config-dir={settings.config_dir}"] if settings.config_dir else []
+    changed = [change for change in changes if not change.endswith("=")]
+    return " ".join(["python -m pipeline", *map(shlex.quote, [*own, *typed, *changed])])
+
+
+def other_numbers(settings: Settings, path: Path, changes: str) -> StoreError:
+    """What is said where a store was made with other numbers than are asked for: the difference and the ways on."""
+    if settings.default_name != settings.store_name:
+        beside = command(settings, "store.name=")
+    else:
+        beside = command(settings, f"store.name={settings.store_name}-2")
+    return StoreError(
+        f"{path} was made with other numbers ({changes}); another store beside it: {beside}; "
+        f"this one computed again: {command(settings, 'store.overwrite=true')}"
+    )
 
 
 def open_log(job: Job, reporter: Reporter) -> None:

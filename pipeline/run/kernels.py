@@ -28,6 +28,7 @@ _ROWS = {
         "solver.harmonic.galerkin.monitor",
         "solver.harmonic.galerkin._extremes",
         "solver.continuation.correctors._newton",
+        "solver.continuation.correctors.correct_all",
     ),
 }
 
@@ -44,7 +45,6 @@ NEEDED = {
         ),
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
-    "figures": {"describing_function": ("solver.contact.dead_zone.describing_functions",)},
     "debug": _ROWS,
 }
 

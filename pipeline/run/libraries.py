@@ -7,7 +7,7 @@ import functools
 
 from pipeline.errors import ConfigurationError
 
-__all__ = ["load_dask", "load_zarr"]
+__all__ = ["check_zarr", "load_dask", "load_zarr"]
 
 
 @functools.cache
@@ -25,6 +25,24 @@ def load_zarr() -> None:
         zarr.config.refresh(paths=[], env={})
     except Exception as error:
         raise _unreadable("zarr", error) from None
+
+
+def check_zarr() -> None:
+    """Leave zarr's settings as they are in a process that is the user's own, if it can be used with them.
+
+    Raises
+    ------
+    ConfigurationError
+        If it would wait for ever.
+    """
+    import zarr
+
+    concurrency = zarr.config.get("async.concurrency", None)
+    if concurrency is not None and not (isinstance(concurrency, int) and concurrency >= 1):
+        raise ConfigurationError(
+            f"async.concurrency = {concurrency!r} of zarr's configuration (ZARR_ASYNC__CONCURRENCY) is not allowed: "
+            "it must be a whole number from 1 on"
+        )
 
 
 def load_dask() -> None:

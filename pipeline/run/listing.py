@@ -45,4 +45,4 @@ def _table(found, reporter: Reporter) -> None:
     Console(file=reporter.stream).print(table)
 
 
-STAGE = Stage("list", _run, needs_plan=False)
+STAGE = Stage("list", _run, only_reads=lambda job: True, needs_plan=False)

@@ -9,6 +9,7 @@ out.
 import contextlib
 import logging
 import signal
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
@@ -43,6 +44,16 @@ class _QuietWorker(_WithoutHttp, Worker):
     pass
 
 
+class _HastyNanny(Nanny):
+    """Ends its worker at once, as nobody waits for it any more: what it has computed is stored."""
+
+    async def close(self, *arguments, **options):
+        self.auto_restart = False
+        if self.process is not None and self.process.process is not None:
+            await self.process.process.kill()
+        return await super().close(*arguments, **options)
+
+
 @contextlib.contextmanager
 def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCluster]:
     """A scheduler in this process and workers as processes of their own, one thread each.
@@ -62,9 +73,9 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
     """
     # Workers import and read what is in their folders; dask's usual place for them may belong to somebody else.
     with tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True) as folder:
-        with _deaf_to_interrupts():
+        with _deaf_to_interrupts(), _main_module_hidden():
             cluster = _started(workers, memory, dashboard, folder)
-        with contextlib.closing(cluster):
+        with contextlib.closing(cluster), _main_module_hidden():
             yield cluster
 
 
@@ -73,7 +84,7 @@ def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecClu
     common = {"host": _LOOPBACK, "protocol": "tls://", "security": security}
     pages = {"dashboard": True, "dashboard_address": f"{_LOOPBACK}:0"} if dashboard else {"dashboard": False}
     worker = {
-        "cls": Nanny,
+        "cls": _HastyNanny,
         "options": {
             **common,
             "worker_class": _QuietWorker,
@@ -97,6 +108,22 @@ def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecClu
             security=security,
             silence_logs=logging.CRITICAL,
         )
+
+
+@contextlib.contextmanager
+def _main_module_hidden() -> Iterator[None]:
+    """Processes started inside do not run the user's script again, as they would to find what is defined there.
+
+    Workers are given functions of this package alone, and a script without `if __name__ == "__main__"` would start
+    itself without end.
+    """
+    main = sys.modules["__main__"]
+    kept = {name: vars(main).pop(name) for name in ("__spec__", "__file__") if name in vars(main)}
+    main.__spec__ = None
+    try:
+        yield
+    finally:
+        vars(main).update(kept)
 
 
 @contextlib.contextmanager

@@ -1,5 +1,6 @@
 """Preparing and running the stages that were asked for. Checks come first and write nothing."""
 
+import contextlib
 import os
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,10 +9,13 @@ from pathlib import Path
 from pipeline import store
 from pipeline.config.compose import Settings
 from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan.differences import by_key, differences, of_typed
 from pipeline.plan.layers import layer_of, of_layer
+from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
+from pipeline.plane.result import result_line
 from pipeline.run.cluster_settings import check_cluster
-from pipeline.run.job import Job, sweep_command
+from pipeline.run.job import Job, command, other_numbers
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
@@ -19,7 +23,7 @@ from pipeline.stages import STAGES
 from pipeline.store.extraction import extract_layer
 from pipeline.store.lock import holding
 
-__all__ = ["prepare", "run_plane_stages", "run_shared_stages"]
+__all__ = ["prepare", "run_plane_stages", "run_shared_stages", "stored_plan"]
 
 
 def _asked(job: Job, several_planes: bool) -> list[Stage]:
@@ -42,23 +46,31 @@ def prepare(settings: Settings) -> Job:
             raise ConfigurationError(f"stages = {name!r} is not allowed: it must be a list of {', '.join(known)}")
     if not config.stages:
         raise ConfigurationError(f"stages = [] is not allowed: it must be a list of {', '.join(known)}")
-    for key, folder in (("output.root", config.output.root), ("store.root", config.store.root)):
-        _check_folder(key, Path(folder))
     job = Job(settings, None)
     plane_stages = _asked(job, several_planes=False)
     asked = [*plane_stages, *_asked(job, several_planes=True)]
+    if not all(stage.only_reads(job) for stage in asked):
+        _check_folder("output.root", Path(config.output.root))
+    if _write_into_store(asked, job):
+        _check_folder("store.root", Path(config.store.root))
     if any(stage.on_workers for stage in asked):
         check_cluster(config.cluster)
     layered = config.plane.layer is not None
-    if job.asks("sweep"):
-        job = Job(settings, plan(settings))
-    elif job.asks("debug") and not job.store_path.exists():
+    reads = any(stage.needs_plan or layered for stage in plane_stages)
+    if job.asks("sweep") or (job.asks("debug") and not job.store_path.exists()):
         # A row can be looked at before there is a store.
         job = Job(settings, plan(settings))
-    elif any(stage.needs_plan or layered for stage in plane_stages):
-        if not job.store_path.exists():
-            raise StoreError(f"there is no store at {job.store_path}: {sweep_command(settings)} makes it")
-        job = Job(settings, store.read_plan(job.store_path))
+        if job.asks("sweep") and not layered and not config.store.overwrite:
+            _refuse_other(settings, job.store_path, job.plan)
+    elif reads:
+        job = Job(settings, stored_plan(settings))
+    elif plane_stages and job.store_path.exists():
+        # What is damaged is for the stage to say.
+        found = None
+        with contextlib.suppress(StoreError):
+            found = store.read_plan(job.store_path)
+        if found is not None:
+            _check_typed(settings, job.store_path, found)
     if job.plan is not None:
         job = _of_layer(job) if layered else _of_volume(job, plane_stages)
     for stage in asked:
@@ -67,13 +79,44 @@ def prepare(settings: Settings) -> Job:
     return job
 
 
+def stored_plan(settings: Settings) -> Plan:
+    """The plan of the store of some settings, for which everything holds that the user typed.
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no such store, or it was made with other numbers; the message has the ways on.
+    """
+    path = settings.store_path.resolve()
+    if not path.exists():
+        raise StoreError(f"there is no store at {path}: {command(settings)} makes it")
+    found = store.read_plan(path)
+    _check_typed(settings, path, found)
+    return found
+
+
+def _check_typed(settings: Settings, path: Path, found: Plan) -> None:
+    if changes := of_typed(settings, found):
+        raise other_numbers(settings, path, changes)
+
+
+def _refuse_other(settings: Settings, path: Path, wanted: Plan) -> None:
+    """Raise unless there is no store, or the one of exactly this plan."""
+    try:
+        store.check(path, wanted)
+    except StoreError:
+        # What is there may be no store at all, which is then what there is to say.
+        changes = differences(by_key(store.read_numbers(path)), by_key(wanted.numbers))
+        raise other_numbers(settings, path, changes) from None
+
+
 def _of_layer(job: Job) -> Job:
     """The plane of one layer; what is stored under the names of the volume and of the plane must be these."""
     layer = layer_of(job.settings, job.plan)
-    store.check(layer.volume, job.plan)
+    _refuse_other(job.settings, layer.volume, job.plan)
     found = Job(of_layer(job.settings, job.plan, layer), job.plan.layer(layer.index), layer)
     if not job.settings.config.store.overwrite:
-        store.check(found.store_path, found.plan)
+        _refuse_other(found.settings, found.store_path, found.plan)
     return found
 
 
@@ -91,12 +134,25 @@ def _of_volume(job: Job, plane_stages: Iterable[Stage]) -> Job:
     return replace(job, settings=replace(job.settings, config=replace(job.settings.config, stages=kept)))
 
 
-def _check_folder(key: str, folder: Path) -> None:
-    """Raise unless the folder exists and can be written, or can be made."""
+def _write_into_store(stages: Iterable[Stage], job: Job) -> bool:
+    return any(stage.writes and not stage.only_reads(job) for stage in stages)
+
+
+def _existing(folder: Path) -> Path:
+    """The folder, or what is there of the folders that it is in."""
     place = folder.resolve()
     while not place.exists() and place != place.parent:
         place = place.parent
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+    return place
+
+
+def _is_writable(folder: Path) -> bool:
+    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
+
+
+def _check_folder(key: str, folder: Path) -> None:
+    """Raise unless the folder exists and can be written, or can be made."""
+    if not _is_writable(place := _existing(folder)):
         raise ConfigurationError(
             f"{key} = {str(folder)!r} is not allowed: it must be a folder that can be written ({place})"
         )
@@ -105,14 +161,25 @@ def _check_folder(key: str, folder: Path) -> None:
 def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
     stages = _asked(job, several_planes=False)
-    if job.layer is None and not any(stage.writes for stage in stages):
-        return _run(stages, job, workforce, reporter)
+    makes = _write_into_store(stages, job) or (job.layer is not None and not job.store_path.exists())
+    # Nobody writes where nobody can.
+    alone = any(stage.writes for stage in stages) and _is_writable(_existing(job.store_path.parent))
+    if not (makes or alone):
+        return _run_with_result(stages, job, workforce, reporter)
     with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
         store.remove_left_overs(job.store_path)
         # What was checked before a wait may have become another store.
         job = prepare(job.settings) if waited else job
         _take_out_layer(job, reporter)
-        return _run(stages, job, workforce, reporter)
+        return _run_with_result(stages, job, workforce, reporter)
+
+
+def _run_with_result(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    """Run stages, and where they were about the map say at the end what it tells."""
+    status = _run(stages, job, workforce, reporter)
+    if any(stage.tells_map for stage in stages) and (text := result_line(job.store_path)):
+        reporter.line(f"{job.settings.store_name}: {text}")
+    return status
 
 
 def _take_out_layer(job: Job, reporter: Reporter) -> None:

@@ -5,7 +5,9 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-__all__ = ["Reporter", "RowProgress"]
+from pipeline.printable import printable
+
+__all__ = ["Reporter", "RowProgress", "SilentReporter"]
 
 
 class Reporter:
@@ -23,20 +25,30 @@ class Reporter:
 
     @property
     def on_terminal(self) -> bool:
-        """Whether a bar makes sense."""
+        """Whether somebody watches what is printed."""
         return self.stream.isatty()
+
+    def console(self):
+        """A `rich.console.Console` to draw a bar on; None where plain lines are better."""
+        if not self.on_terminal:
+            return None
+        from rich.console import Console
+
+        return Console(file=self.stream)
 
     def line(self, text: str) -> None:
         """One line for the reader, with its time in the log."""
+        text = printable(text)
         print(text, file=self.stream, flush=True)
         self._write(text)
 
     def note(self, text: str) -> None:
         """One line for the log alone."""
-        self._write(f"info {text}")
+        self._write(printable(f"info {text}"))
 
     def error(self, text: str) -> None:
         """One line on standard error."""
+        text = printable(text)
         print(f"error: {text}", file=sys.stderr, flush=True)
         self._write(f"error: {text}")
 
@@ -52,6 +64,33 @@ class Reporter:
             print(f"note: the log cannot be written any more: {error}", file=sys.stderr, flush=True)
 
 
+class SilentReporter(Reporter):
+    """Says nothing and keeps errors; draws bars in a notebook and on a terminal, or as told.
+
+    Parameters
+    ----------
+    bars : bool, optional
+    """
+
+    def __init__(self, bars: bool | None = None):
+        super().__init__()
+        self.bars, self.errors = bars, []
+
+    def console(self):
+        from rich.console import Console
+
+        console = Console()
+        wanted = console.is_jupyter or console.is_terminal if self.bars is None else self.bars
+        return console if wanted else None
+
+    def line(self, text: str) -> None:
+        self._write(text)
+
+    def error(self, text: str) -> None:
+        self.errors.append(text)
+        self._write(f"error: {text}")
+
+
 class RowProgress:
     """Rows done, rate, time left and failures.
 
@@ -62,7 +101,7 @@ class RowProgress:
     total : int
         Rows to do.
     every : float
-        Seconds between plain lines; the first and the last always come.
+        Seconds between plain lines; what takes less has none.
     what : str
         The stage.
     unit : str
@@ -79,8 +118,8 @@ class RowProgress:
         self._bar = self._task = None
 
     def __enter__(self):
-        if self.reporter is not None and self.reporter.on_terminal:
-            from rich.console import Console
+        console = None if self.reporter is None else self.reporter.console()
+        if console is not None:
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             self._bar = Progress(
@@ -90,7 +129,7 @@ class RowProgress:
                 TextColumn("{task.fields[rate]}"),
                 TimeRemainingColumn(),
                 TextColumn("{task.fields[failed]} failed"),
-                console=Console(file=self.reporter.stream),
+                console=console,
             )
             self._task = self._bar.add_task(self.what, total=self.total, rate="", failed=0)
             self._bar.start()
@@ -107,11 +146,25 @@ class RowProgress:
         elapsed = max(now - self._begin, 1e-9)
         rate = self.done / elapsed
         if self._bar is not None:
-            self._bar.update(self._task, completed=self.done, rate=f"{rate:.0f} {self.unit}/s", failed=self.failed)
-        elif self.reporter is not None and (self.done == self.total or now - self._said >= self.every):
+            self._bar.update(self._task, completed=self.done, rate=_rate(rate, self.unit), failed=self.failed)
+        elif self.reporter is not None and 0 < self.done < self.total and now - self._said >= self.every:
+            # The last one is the stage's own to say.
             self._said = now
-            left = (self.total - self.done) / rate if rate > 0.0 else float("inf")
+            failed = f", {self.failed} failed" if self.failed else ""
             self.reporter.line(
-                f"  {self.done}/{self.total} {self.unit}, {rate:.0f} {self.unit}/s, {left:.0f} s left, "
-                f"{self.failed} failed"
+                f"  {self.done}/{self.total} {self.unit}, {_rate(rate, self.unit)}, "
+                f"{(self.total - self.done) / rate:.0f} s left{failed}"
             )
+
+
+def _rate(rate: float, unit: str) -> str:
+    """How fast it goes, with two digits at least.
+
+    Examples
+    --------
+    >>> _rate(110.4, "rows"), _rate(1.34, "rows"), _rate(0.05, "rows")
+    ('110 rows/s', '1.3 rows/s', '20 s a row')
+    """
+    if rate >= 0.5:
+        return f"{rate:.0f} {unit}/s" if rate >= 10.0 else f"{rate:.2g} {unit}/s"
+    return f"{1.0 / rate:.2g} s a {unit.removesuffix('s')}" if rate > 0.0 else ""

@@ -14,6 +14,10 @@ def _nothing(job: Job) -> None:
     """Nothing to check."""
 
 
+def _never(job: Job) -> bool:
+    return False
+
+
 @dataclass(frozen=True)
 class Stage:
     """One thing to do.
@@ -30,10 +34,14 @@ class Stage:
         Whether it needs the cluster.
     writes : bool
         Whether it writes into the store, so that it must be alone there.
+    only_reads : callable
+        only_reads(job): whether it writes nothing at all this time, so that folders that cannot be written will do.
     needs_plan : bool
         Whether it is given the plan of the plane.
     of_volumes : bool
         Whether it works on a volume, and not on a plane alone.
+    tells_map : bool
+        Whether it is about the map, so that a run ends with what that tells.
     """
 
     name: str
@@ -41,5 +49,7 @@ class Stage:
     check: Callable[[Job], None] = _nothing
     on_workers: bool = False
     writes: bool = False
+    only_reads: Callable[[Job], bool] = _never
     needs_plan: bool = True
     of_volumes: bool = False
+    tells_map: bool = False

@@ -4,8 +4,6 @@ import shutil
 from collections.abc import Sequence
 from time import perf_counter
 
-import numpy as np
-
 from pipeline import store
 from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import ROLES
@@ -14,6 +12,7 @@ from pipeline.plan.planning import warnings
 from pipeline.run.job import Job, open_log
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.stage import Stage
+from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.names import STORE_FILE
@@ -46,7 +45,7 @@ def _check_store(job: Job) -> None:
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     settings, path = job.settings, job.store_path
-    for text in warnings(job.plan):
+    for text in warnings(job.plan, settings):
         reporter.line(f"note: {text}")
     begin = perf_counter()
     present = store.check(path, job.plan) if not settings.config.store.overwrite else False
@@ -54,6 +53,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
+    warm_up_for(job, reporter)
     where = workforce.start()
     open_log(job, reporter)
     if present:
@@ -84,12 +84,11 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     path, rows, ready = job.store_path, sum(block.stop - block.start for block in blocks), perf_counter()
     forget_tries(path)
     lost, points = _run_blocks(job, blocks, workforce, reporter, RowProgress(reporter, rows))
-    pending = store.statuses(path) == store.PENDING
-    lost += [
-        f"rows {block.start}-{block.stop - 1} are stored no longer: the same command computes them again"
-        for block in job.plan.blocks
-        if not lost and np.any(pending[block.start : block.stop])
-    ]
+    if not lost:
+        lost += [
+            f"rows {block.start}-{block.stop - 1} are stored no longer: the same command computes them again"
+            for block in store.pending_blocks(path, job.plan, (store.COMPLETE, store.FAILED))
+        ]
     seconds = perf_counter() - ready
     failed = store.failures(path)
     _list_rows(job, reporter, failed, "failed: ")
@@ -97,10 +96,10 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     for text in lost:
         reporter.error(text)
     # A chunk that went missing while the others were computed would be read as fill values.
-    store.read_plan(path)
+    store.read_layout(path)
     reporter.line(
         f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
-        f"(after {waited:.2f} s to get ready), {len(failed)} rows failed"
+        f"(after {waited:.2f} s to get ready)" + (f", {len(failed)} rows failed" if failed else "")
     )
     proven = store.proven_cells(path)
     if proven is not None:
@@ -138,4 +137,4 @@ def _run_blocks(job: Job, blocks, workforce: Workforce, reporter: Reporter, prog
     return lost, points
 
 
-STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True, of_volumes=True)
+STAGE = Stage("sweep", _run, _check_store, on_workers=True, writes=True, of_volumes=True, tells_map=True)

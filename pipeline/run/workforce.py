@@ -15,7 +15,7 @@ from queue import SimpleQueue
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError, WorkerLost
 from pipeline.run.admission import Admission, Unequal, call_if_equal, introduce
-from pipeline.run.cluster_settings import address_of, security_of, setting_of
+from pipeline.run.cluster_settings import address_of, check_start, security_of, setting_of
 
 __all__ = ["Task", "Workforce"]
 
@@ -67,8 +67,10 @@ class Workforce:
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
-        self.close()
+    def __exit__(self, *error):
+        # An interrupt ends workers at once.
+        self._connection = None
+        return self._open.__exit__(*error)
 
     def start(self) -> str:
         """Start or reach the workers, once; a sentence that says where tasks run.
@@ -82,6 +84,7 @@ class Workforce:
             return "tasks run in this process"
         local = self.config.kind == "local"
         if self._connection is None:
+            check_start(self.config)
             _silence()
             self._connection = self._start_local() if local else self._reach_scheduler()
             self._open.callback(self._connection.close)
@@ -264,8 +267,7 @@ class Workforce:
 
     def close(self) -> None:
         """Stop the workers that this object started; a foreign scheduler goes on."""
-        self._connection = None
-        self._open.close()
+        self.__exit__(None, None, None)
 
 
 def _silence() -> None:

@@ -4,11 +4,11 @@ Only the task that owns a block writes its chunks, `status` last, so that a bloc
 """
 
 from pipeline.store.attributes import axis_attributes, flags, label_flags
-from pipeline.store.blocks import RowValues, kept_rows, read_rows, row_values, write_block
-from pipeline.store.identity import check, read_numbers, read_plan, refuse_foreign, store_path
+from pipeline.store.blocks import RowValues, kept_rows, pending_blocks, read_rows, row_values, write_block
+from pipeline.store.identity import check, read_layout, read_plan, refuse_foreign, store_path
 from pipeline.store.inspection import damage_error, find_damage
 from pipeline.store.repair import remove_left_overs, repair
-from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, notes, pending_blocks, proven_cells, statuses
+from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, notes, proven_cells, statuses
 from pipeline.store.template import consolidate, create
 
 __all__ = [
@@ -29,7 +29,7 @@ __all__ = [
     "notes",
     "pending_blocks",
     "proven_cells",
-    "read_numbers",
+    "read_layout",
     "read_plan",
     "read_rows",
     "refuse_foreign",

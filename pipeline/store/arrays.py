@@ -11,7 +11,7 @@ from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, domain_labels
 from solver.stability import Instability
 
-__all__ = ["arrays_of", "axes_in_store", "layouts_of", "row_layouts"]
+__all__ = ["arrays_of", "axes_in_store", "layouts_of", "row_layouts", "status_layout"]
 
 
 def arrays_of(plan: Plan) -> dict[str, dict]:
@@ -144,6 +144,12 @@ def layouts_of(plan: Plan) -> dict[str, ArrayLayout]:
         for name, axis in axes_in_store(plan).items()
     }
     return axes | row_layouts(plan)
+
+
+def status_layout(plan: Plan) -> ArrayLayout:
+    """The layout of `status` alone, which is asked for block by block."""
+    names, shape = zip(*((axis.name, axis.num) for axis in plan.row_axes), strict=True)
+    return ArrayLayout("status", shape, (*(1,) * (len(shape) - 1), plan.rows_per_block), "uint8", names, PENDING)
 
 
 def row_layouts(plan: Plan) -> dict[str, ArrayLayout]:

@@ -11,14 +11,25 @@ import zarr
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import MOST_TEXT
-from pipeline.store.arrays import arrays_of, row_layouts
-from pipeline.store.chunk_files import read_chunk
+from pipeline.store.arrays import arrays_of, row_layouts, status_layout
+from pipeline.store.chunk_files import encoded, read_chunk
 from pipeline.store.codecs import every_chunk
+from pipeline.store.durable import settle, write_whole
 from pipeline.store.removal import remove_file
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
 
-__all__ = ["RowValues", "is_stored", "kept_rows", "read_rows", "row_values", "write_block"]
+__all__ = [
+    "RowValues",
+    "is_stored",
+    "kept_rows",
+    "pending_blocks",
+    "read_rows",
+    "read_states",
+    "row_values",
+    "write_block",
+    "write_states",
+]
 
 #: Array name -> the entries of one row.
 RowValues = dict[str, np.ndarray]
@@ -94,21 +105,40 @@ def kept_rows(path: Path, plan: Plan, block: Block) -> dict[int, RowValues]:
     return {block.start + int(i): {name: values[i, ...] for name, values in stored.items()} for i in complete}
 
 
+def pending_blocks(path: Path, plan: Plan, done: tuple[int, ...] = (COMPLETE,)) -> list[Block]:
+    """Blocks with a row whose state is not `done`; each is computed again as a whole, as far as its rows are not kept.
+
+    Raises
+    ------
+    DamagedError
+        If a chunk of `status` is damaged.
+    """
+    return [block for block in plan.blocks if not np.all(np.isin(read_states(path, plan, block), done))]
+
+
 def is_stored(path: Path, plan: Plan, block: Block) -> bool:
-    """Whether rows of a block are stored, by its chunk of `status`; without one it was never written.
+    """Whether rows of a block are stored, complete or failed; raises as `read_states`."""
+    return bool(np.any(read_states(path, plan, block) != PENDING))
+
+
+def read_states(path: Path, plan: Plan, block: Block) -> np.ndarray:
+    """State of every row of a block, by its chunk of `status`; pending where there is none, which was never written.
 
     Raises
     ------
     DamagedError
         If that chunk is damaged.
     """
-    status = row_layouts(plan)["status"]
+    status = status_layout(plan)
     (file,) = status.files(*plan.place(block))
-    return (path / file).exists() and bool(np.any(read_chunk(path, file, status) != PENDING))
+    count = block.stop - block.start
+    if not (path / file).exists():
+        return np.full(count, PENDING, np.uint8)
+    return read_chunk(path, file, status).reshape(-1)[:count]
 
 
 def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> None:
-    """Write one block, the only writer of its chunks.
+    """Write one block, the only writer of its chunks; they are on the disk before `status` says so, and then it is.
 
     Parameters
     ----------
@@ -123,24 +153,35 @@ def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> 
     if root.attrs["configuration_hash"] != plan.digest:
         # A task of a run that is no more, on a scheduler that goes on.
         raise StoreError(f"{path} is no longer the store that these rows are of")
-    with every_chunk():
-        # What an array writes is settled when it is opened.
-        arrays = {name: root[name] for name in row_layouts(plan)}
-    place = plan.place(block)
+    layouts, place = row_layouts(plan), plan.place(block)
+    files = {name: next(layout.files(*place)) for name, layout in layouts.items() if name != "status"}
     # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
-    _forget_part(path, plan, block, "status")
-    arrays["status"][place] = PENDING
-    for name, array in arrays.items():
-        if name != "status":
-            _forget_part(path, plan, block, name)
-        array[place] = np.stack([row[name] for row in rows])
-
-
-def _forget_part(path: Path, plan: Plan, block: Block, name: str) -> None:
-    """Remove the chunk of a block that ends before its chunk does: zarr would read it to write the rest again."""
-    if block.stop - block.start < plan.rows_per_block:
-        for file in row_layouts(plan)[name].files(*plan.place(block)):
+    write_states(path, plan, block, PENDING)
+    for name, file in files.items():
+        if block.stop - block.start < plan.rows_per_block:
+            # It ends before its chunk does: zarr would read the rest of what is there.
             remove_file(path / file)
+        with every_chunk():
+            # What an array writes is settled when it is opened.
+            array = root[name]
+        array[place] = np.stack([row[name] for row in rows])
+    settle(path / file for file in files.values())
+    write_states(path, plan, block, np.array([row["status"] for row in rows]))
+
+
+def write_states(path: Path, plan: Plan, block: Block, states: np.ndarray | int) -> None:
+    """Write the state of every row of a block, on the disk when this returns.
+
+    Parameters
+    ----------
+    path : Path
+    plan : Plan
+    block : Block
+    states : (rows,) ndarray or int
+    """
+    status = status_layout(plan)
+    (file,) = status.files(*plan.place(block))
+    write_whole(path / file, encoded(np.broadcast_to(states, block.stop - block.start), status))
 
 
 def _fill_raster(values: RowValues, row: Row) -> None:

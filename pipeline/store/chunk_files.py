@@ -4,6 +4,7 @@ A chunk is the little-endian bytes of its entries, compressed by zstd, with a ch
 """
 
 import math
+import os
 from pathlib import Path
 
 import google_crc32c
@@ -14,10 +15,10 @@ from numcodecs.zstd import Zstd
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.damage import damaged
 
-__all__ = ["LONGEST_HEADER", "ChunkError", "claim_fault", "decoded", "fault_of", "read_chunk"]
+__all__ = ["ChunkError", "claim_of", "decoded", "encoded", "fault_of", "read_chunk"]
 
 #: Bytes at the start of a file that tell how many it stands for.
-LONGEST_HEADER = 18
+_HEADER = 18
 _MAGIC = b"\x28\xb5\x2f\xfd"
 _CHECKSUM = 4
 
@@ -48,7 +49,7 @@ def read_chunk(path: Path, file: str, array: ArrayLayout) -> np.ndarray:
         If the file is missing, or is not a whole chunk of this array.
     """
     try:
-        return decoded(_content(path / file), array)
+        return decoded(_content(path / file, array), array)
     except ChunkError as error:
         raise damaged(path, f"{file} {error}") from None
 
@@ -56,7 +57,7 @@ def read_chunk(path: Path, file: str, array: ArrayLayout) -> np.ndarray:
 def fault_of(file: Path, array: ArrayLayout) -> str | None:
     """What is wrong with a chunk file; None if nothing is."""
     try:
-        decoded(_content(file), array)
+        decoded(_content(file, array), array)
     except ChunkError as error:
         return str(error)
     return None
@@ -74,7 +75,7 @@ def decoded(content: bytes, array: ArrayLayout) -> np.ndarray:
     frame, checksum = content[:-_CHECKSUM], content[-_CHECKSUM:]
     if google_crc32c.value(frame) != int.from_bytes(checksum, "little"):
         raise ChunkError("does not agree with its checksum")
-    if (fault := claim_fault(frame[:LONGEST_HEADER], array)) is not None:
+    if (fault := _claim_fault(frame[:_HEADER], array)) is not None:
         raise ChunkError(fault)
     try:
         entries = Zstd().decode(frame)
@@ -91,7 +92,22 @@ def decoded(content: bytes, array: ArrayLayout) -> np.ndarray:
         raise ChunkError("holds what is no text") from None
 
 
-def claim_fault(header: bytes, array: ArrayLayout) -> str | None:
+def encoded(entries: np.ndarray, array: ArrayLayout) -> bytes:
+    """What the file of a chunk of numbers holds; entries at its end that are not given are the fill value.
+
+    Parameters
+    ----------
+    entries : (n,) ndarray
+        In the order of the chunk.
+    array : ArrayLayout
+    """
+    chunk = np.full(math.prod(array.chunks), array.fill, np.dtype(array.kind).newbyteorder("<"))
+    chunk[: entries.size] = entries
+    frame = Zstd(level=0).encode(chunk.tobytes())
+    return frame + google_crc32c.value(frame).to_bytes(_CHECKSUM, "little")
+
+
+def _claim_fault(header: bytes, array: ArrayLayout) -> str | None:
     """What is wrong with the size that a chunk claims for its entries, by the first bytes of its file, if anything.
 
     Whoever decompresses it makes room for so many bytes.
@@ -107,6 +123,39 @@ def claim_fault(header: bytes, array: ArrayLayout) -> str | None:
     )
 
 
+def claim_of(file: Path, array: ArrayLayout) -> int:
+    """Bytes that a chunk file stands for, compared with what its array may have, without decompressing it.
+
+    Raises
+    ------
+    ChunkError
+        If it is missing, empty, too long, or claims another size than it may.
+    """
+    if array.kind == "string":
+        # How many texts there are is told behind the compression; these chunks are small.
+        decoded(_content(file, array), array)
+    try:
+        with file.open("rb", buffering=0) as stream:
+            header, size = stream.read(_HEADER), os.fstat(stream.fileno()).st_size
+    except (FileNotFoundError, NotADirectoryError):
+        raise ChunkError("is missing") from None
+    except IsADirectoryError:
+        raise ChunkError("is a folder") from None
+    if not header:
+        raise ChunkError("is empty")
+    if size > _longest_file(array):
+        raise ChunkError("is longer than a chunk can be")
+    if (fault := _claim_fault(header, array)) is not None:
+        raise ChunkError(fault)
+    return _frame_size(header)
+
+
+def _longest_file(array: ArrayLayout) -> int:
+    """What zstd makes of what it cannot compress, and the checksum."""
+    most = array.chunk_bytes[1]
+    return most + most // 128 + 1024
+
+
 def _frame_size(header: bytes) -> int | None:
     """Bytes that a zstd frame stands for, by its header (RFC 8878, section 3.1.1.1); None where it does not tell."""
     if header[:4] != _MAGIC or len(header) < 5:
@@ -119,8 +168,10 @@ def _frame_size(header: bytes) -> int | None:
     return int.from_bytes(field, "little") + (256 if width == 2 else 0) if field and len(field) == width else None
 
 
-def _content(file: Path) -> bytes:
+def _content(file: Path, array: ArrayLayout) -> bytes:
     try:
+        if file.stat().st_size > _longest_file(array):
+            raise ChunkError("is longer than a chunk can be")
         return file.read_bytes()
     except (FileNotFoundError, NotADirectoryError):
         raise ChunkError("is missing") from None

@@ -31,7 +31,7 @@ def extract_layer(layer: Layer, path: Path, plan: Plan, name: str, configuration
     DamagedError
         If anything that is stored of the layer is missing or damaged.
     """
-    volume = store.read_plan(layer.volume)
+    volume = store.read_layout(layer.volume).plan
     draft = path.with_name(f".{path.name}.layer")
     remove_known(draft, STORE_FILE)
     store.create(draft, plan, name, configuration)

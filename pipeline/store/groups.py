@@ -11,9 +11,11 @@ from pathlib import Path
 import numpy as np
 import zarr
 
+from pipeline.store.array_layout import MOST_TEXT
 from pipeline.store.codecs import COMPRESSORS, every_chunk
 from pipeline.store.documents import listed_in
-from pipeline.store.identity import read_plan
+from pipeline.store.durable import move_whole
+from pipeline.store.identity import read_layout
 from pipeline.store.names import ADDED, GROUP_FILE
 from pipeline.store.removal import refuse_unknown, remove_known
 from pipeline.store.template import consolidate
@@ -44,13 +46,14 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
     """
     if name not in ADDED:
         raise ValueError(f"{name!r} is no group that stages add: one of {', '.join(ADDED)}")
-    read_plan(path)
+    read_layout(path)
     draft = _beside(path, name, "draft")
     remove_known(draft, GROUP_FILE)
     group = zarr.create_group(draft, zarr_format=3, attributes=attributes)
     for key, variable in variables.items():
         text = variable.dtype == "str"
-        data = np.array(variable.data, dtype=object if text else variable.dtype, order="C")
+        values = [str(one)[:MOST_TEXT] for one in variable.data] if text else variable.data
+        data = np.array(values, dtype=object if text else variable.dtype, order="C")
         most = max(data.size, 1) if data.ndim == 1 else _CHUNK
         with every_chunk():
             group.create_array(
@@ -63,7 +66,7 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
                 attributes=variable.attributes,
             )[...] = data
     remove_group(path, name)
-    draft.rename(path / name)
+    move_whole(draft, path / name)
     consolidate(path)
 
 

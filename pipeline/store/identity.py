@@ -6,14 +6,14 @@ from pathlib import Path
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.documents import read_json
-from pipeline.store.layout import validate_layout
+from pipeline.store.layout import Layout, validate_layout
 from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of
 from pipeline.store.removal import refuse_unknown
 from pipeline.store.seal import sealed
 from pipeline.store.validation import validate_plan
 from solver import ParameterError
 
-__all__ = ["check", "plan_from", "read_numbers", "read_plan", "refuse_foreign", "root_attributes", "store_path"]
+__all__ = ["check", "plan_from", "read_layout", "read_plan", "refuse_foreign", "root_attributes", "store_path"]
 
 
 def store_path(name: str, value: str | Path) -> Path:
@@ -128,30 +128,37 @@ def _short(error: Exception) -> str:
     return said if len(said) <= 200 else f"{said[:200]}…"
 
 
-def read_numbers(path: Path) -> dict:
-    """What the numbers of an existing store depend on; raises StoreError as `read_plan` does."""
-    return read_plan(path).numbers
-
-
-def read_plan(path: Path) -> Plan:
-    """The plan of an existing store.
+def read_layout(path: Path, going_on: bool = False) -> Layout:
+    """A store looked over, as `validate_layout` does; whatever is done with one begins with this.
 
     Raises
     ------
     StoreError
-        If there is no store, or it is not one of ours or of this version, or names and metadata show it to be damaged.
+        If there is no store, or it is not one of ours or of this version, or names, metadata and sizes of files show it
+        to be damaged.
     solver.ParameterError
         If the path is none.
     """
     path = store_path("path", path)
     attributes = root_attributes(path)
-    plan = plan_from(attributes, path)
-    validate_layout(path, plan, attributes)
-    return plan
+    return validate_layout(path, plan_from(attributes, path), attributes, going_on)
+
+
+def read_plan(path: Path) -> Plan:
+    """The plan of an existing store whose rows are to be read.
+
+    Raises
+    ------
+    StoreError
+        As `read_layout`, and if next to nothing of a large plane is computed.
+    """
+    layout = read_layout(path)
+    layout.refuse_hollow()
+    return layout.plan
 
 
 def check(path: Path, plan: Plan) -> bool:
-    """Whether a store for exactly this plan exists.
+    """Whether a store for exactly this plan exists, which a sweep can go on with.
 
     Raises
     ------
@@ -160,7 +167,7 @@ def check(path: Path, plan: Plan) -> bool:
     """
     if not path.exists() or _left_over(path):
         return False
-    stored = read_numbers(path)
+    stored = read_layout(path, going_on=True).plan.numbers
     if stored == plan.numbers:
         return True
     old, new = _flatten(stored), _flatten(plan.numbers)

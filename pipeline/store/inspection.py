@@ -5,30 +5,24 @@ added group must be there and agree with its checksum.
 """
 
 import contextlib
-import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-import google_crc32c
-import numpy as np
-import zarr
-
-from pipeline.errors import StoreError
+from pipeline.errors import DamagedError, StoreError
 from pipeline.plan.plan import Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.arrays import axes_in_store, layouts_of, row_layouts
+from pipeline.store.blocks import is_stored
+from pipeline.store.chunk_files import fault_of, read_chunk
 from pipeline.store.damage import Damage, damaged
 from pipeline.store.documents import document
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import Layout, group_faults, listing_faults
 from pipeline.store.names import METADATA, ROWS
-from pipeline.store.states import PENDING
 from pipeline.store.template import create_again
 
 __all__ = ["damage_error", "find_damage", "template_of"]
-
-_CHECKSUM = 4
 
 
 def find_damage(path: Path) -> list[Damage]:
@@ -42,9 +36,9 @@ def find_damage(path: Path) -> list[Damage]:
     """
     with template_of(path) as (plan, template):
         layout = Layout.of(path, plan)
-        found = [*listing_faults(layout), *_metadata(layout, template), *_axes(layout), *_rows(layout, template)]
+        found = [*listing_faults(layout), *_metadata(layout, template), *_axes(layout), *_rows(layout)]
         for group in layout.groups:
-            found += [*group_faults(layout, group), *_group(layout, group)]
+            found += _group(layout, group)
     return list({damage.file: damage for damage in reversed(found)}.values())[::-1]
 
 
@@ -73,60 +67,42 @@ def _metadata(layout: Layout, template: Path) -> Iterator[Damage]:
             yield Damage(METADATA, f"does not say what it should of {name}")
 
 
-def _fault(file: Path) -> str | None:
-    """What is wrong with a chunk file, by its checksum; None if nothing is."""
-    try:
-        content = file.read_bytes()
-    except (FileNotFoundError, NotADirectoryError):
-        return "is missing"
-    except IsADirectoryError:
-        return "is a folder"
-    if not content:
-        return "is empty"
-    # As zarr's codec crc32c writes it: the last four bytes, little-endian.
-    if google_crc32c.value(content[:-_CHECKSUM]) != int.from_bytes(content[-_CHECKSUM:], "little"):
-        return "does not agree with its checksum"
-    return None
-
-
 def _axes(layout: Layout) -> Iterator[Damage]:
+    """Chunks of axes, with the values that the plan gives them."""
     arrays = layouts_of(layout.plan)
-    for file in (file for name in axes_in_store(layout.plan) for file in arrays[name].files()):
-        if (fault := _fault(layout.path / file)) is not None:
+    for name, axis in axes_in_store(layout.plan).items():
+        (file,) = arrays[name].files()
+        if (fault := fault_of(layout.path / file, arrays[name])) is not None:
             yield Damage(file, fault)
+        elif read_chunk(layout.path, file, arrays[name]).tobytes() != axis.values.tobytes():
+            yield Damage(file, "does not hold the values that it should")
 
 
-def _rows(layout: Layout, template: Path) -> Iterator[Damage]:
+def _rows(layout: Layout) -> Iterator[Damage]:
     """Chunks of rows: of a block that is stored all must be there; those that are there must be sound."""
     path, plan, arrays = layout.path, layout.plan, row_layouts(layout.plan)
-    for block in plan.blocks:
-        place = plan.place(block)
-        files = [file for array in arrays.values() for file in array.files(*place)]
-        (status,) = arrays["status"].files(*place)
+    for block in layout.touched_blocks:
+        files = {array.name: next(array.files(*plan.place(block))) for array in arrays.values()}
         # It is written first and last: where it is damaged, or gone and others are there, the block may be stored.
-        pending = not any(file in layout.files for file in files) or (
-            _fault(path / status) is None and _all_pending(path / status, template, status, place)
-        )
-        for file in files:
-            fault = _fault(path / file)
+        try:
+            pending = (path / files["status"]).exists() and not is_stored(path, plan, block)
+        except DamagedError:
+            pending = False
+        for name, file in files.items():
+            fault = fault_of(path / file, arrays[name])
             if fault is not None and not (pending and fault == "is missing"):
                 yield Damage(file, fault, block)
 
 
-def _all_pending(status: Path, template: Path, name: str, place: tuple) -> bool:
-    """Whether a sound chunk of `status` says that none of its rows is stored; read with the template's metadata."""
-    copy = template / name
-    copy.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(status, copy)
-    return bool(np.all(zarr.open_array(template / "status", mode="r")[place] == PENDING))
-
-
 def _group(layout: Layout, group: str) -> Iterator[Damage]:
-    """Chunks of an added group, of those arrays whose metadata is sound."""
-    for name in sorted(name.rpartition("/")[0] for name in layout.files if name.startswith(f"{group}/")):
+    """What is wrong with an added group; only if its metadata and sizes are sound are its chunks read."""
+    if found := list(group_faults(layout, group)):
+        yield from found
+        return
+    for name in sorted({file.partition("/c/")[0] for file in layout.files if file.startswith(f"{group}/")}):
         array = ArrayLayout.of_document(name, document(layout.path / name / METADATA))
-        for file in array.files() if array is not None and array.count <= len(layout.files) else ():
-            if (fault := _fault(layout.path / file)) is not None:
+        for file in array.files() if array is not None else ():
+            if (fault := fault_of(layout.path / file, array)) is not None:
                 yield Damage(file, fault, group=group)
 
 

@@ -6,15 +6,17 @@ array can be anywhere else, or claim a size, a type or a codec that this program
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import zarr
 
-from pipeline.errors import StoreError
-from pipeline.plan.plan import Plan
+from pipeline.errors import DamagedError, StoreError
+from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.arrays import layouts_of, row_layouts
+from pipeline.store.blocks import read_states
+from pipeline.store.chunk_files import ChunkError, claim_of
 from pipeline.store.damage import Damage, damaged
 from pipeline.store.documents import document, listed_in
 from pipeline.store.names import ADDED, METADATA, ROWS, files_of, is_name
@@ -22,8 +24,8 @@ from pipeline.store.states import PENDING
 
 __all__ = ["Layout", "group_faults", "listing_faults", "validate_layout"]
 
-#: What all added groups may claim together, in bytes, however small the plane.
-_ADDED_BYTES = 2**30
+#: Bytes that may be claimed whatever is there, and how many may stand behind one that is.
+_UNSEEN, _MOST_COMPRESSED = 2**26, 2**12
 
 
 @dataclass(frozen=True)
@@ -32,12 +34,12 @@ class Layout:
 
     Parameters
     ----------
+    path : Path
+    plan : Plan
     files : dict
         Name -> size in bytes.
     listed : dict
         What the root gathers: name -> metadata, None where that is none.
-    groups : tuple of str
-        The added groups that are there.
     """
 
     path: Path
@@ -70,8 +72,40 @@ class Layout:
         there = {name.partition("/")[0] for name in self.files}
         return [name for name in ADDED if name in there]
 
+    @cached_property
+    def touched_blocks(self) -> list[Block]:
+        """Blocks of which any chunk is there."""
+        rows, along = row_layouts(self.plan), len(self.plan.row_axes)
+        parts = (file.partition("/c/") for file in self.files)
+        there = {tuple(index.split("/")[:along]) for name, _, index in parts if name in rows}
+        blocks = self.plan.blocks if there else ()
+        return [block for block in blocks if tuple(map(str, self.plan.chunk_of(block))) in there]
 
-def validate_layout(path: Path, plan: Plan, attributes: dict) -> Layout:
+    @property
+    def states(self) -> np.ndarray:
+        """State of every row, (rows,); raises DamagedError where it cannot be read."""
+        states = np.full(self.plan.rows, PENDING, np.uint8)
+        for block in self.touched_blocks:
+            states[block.start : block.stop] = read_states(self.path, self.plan, block)
+        return states
+
+    def refuse_hollow(self) -> None:
+        """Raise if the plane is large and there is next to nothing in it: readers of rows make room for all of them.
+
+        Raises
+        ------
+        StoreError
+        """
+        rows = row_layouts(self.plan)
+        stored = sum(size for file, size in self.files.items() if file.partition("/c/")[0] in rows)
+        if _is_hollow(self.plan.bytes, stored):
+            raise StoreError(
+                f"{self.path} has room for {self.plan.bytes:.3g} bytes and holds {stored}: "
+                "next to nothing of it is computed, stages=[sweep] goes on with it"
+            )
+
+
+def validate_layout(path: Path, plan: Plan, attributes: dict, going_on: bool = False) -> Layout:
     """Look a store over; nothing in it is opened under a name that this program has not given.
 
     Parameters
@@ -81,6 +115,8 @@ def validate_layout(path: Path, plan: Plan, attributes: dict) -> Layout:
         As the store itself describes it.
     attributes : dict
         What the root says, from whichever copy is sound.
+    going_on : bool
+        Whether blocks that are not stored are written next, whatever a power loss has left of their chunks.
 
     Raises
     ------
@@ -90,18 +126,18 @@ def validate_layout(path: Path, plan: Plan, attributes: dict) -> Layout:
         If there are links or foreign arrays in it.
     """
     layout = Layout.of(path, plan)
-    for damage in _faults(layout, attributes):
+    for damage in _faults(layout, attributes, going_on):
         raise damaged(path, damage.sentence)
     return layout
 
 
-def _faults(layout: Layout, attributes: dict) -> Iterator[Damage]:
+def _faults(layout: Layout, attributes: dict, going_on: bool) -> Iterator[Damage]:
     yield from _root(layout, attributes)
     yield from listing_faults(layout)
     yield from _plane(layout)
     for name in layout.groups:
         yield from group_faults(layout, name)
-    yield from _chunks(layout)
+    yield from _chunks(layout, going_on)
 
 
 def _is_added(place: str) -> bool:
@@ -149,12 +185,11 @@ def group_faults(layout: Layout, group: str) -> Iterator[Damage]:
     """Metadata and chunks of an added group; without a second copy of its metadata, what is in doubt is damaged."""
     there = {name.rpartition("/")[0] for name in layout.files if name.endswith(f"/{METADATA}")}
     inside = {name for name in there | set(layout.listed) if name.startswith(f"{group}/") and _is_added(name)}
-    size = 0
+    claimed = stored = 0
     for name in (group, *sorted(inside)):
         file = f"{name}/{METADATA}"
         told = document(layout.path / file)
         array = ArrayLayout.of_document(name, told)
-        size += 0 if array is None else array.bytes
         if told is None:
             yield Damage(file, "cannot be read" if file in layout.files else "is missing", group=group)
         elif layout.listed.get(name, told) != told:
@@ -162,36 +197,49 @@ def group_faults(layout: Layout, group: str) -> Iterator[Damage]:
         elif name == group and _is_group(told):
             continue
         # Every chunk is a file, so that there are no more chunks than files.
-        elif array is None or size > most_added(layout.plan) or array.count > len(layout.files):
+        elif array is None or array.count > len(layout.files):
             yield Damage(file, "claims what this program does not write", group=group)
         else:
-            yield from (
-                Damage(chunk, "is missing", group=group) for chunk in array.files() if chunk not in layout.files
-            )
+            for chunk in array.files():
+                try:
+                    claimed += claim_of(layout.path / chunk, array)
+                    stored += layout.files.get(chunk, 0)
+                except ChunkError as error:
+                    yield Damage(chunk, str(error), group=group)
+            if _is_hollow(claimed, stored):
+                yield Damage(file, f"claims {claimed} bytes, of which {stored} are there", group=group)
 
 
-def most_added(plan: Plan) -> int:
-    """Bytes that arrays of one group may claim together."""
-    return max(_ADDED_BYTES, plan.bytes)
+def _is_hollow(claimed: int, stored: int) -> bool:
+    """Whether so many bytes cannot be what was compressed into so few, or are too few to matter."""
+    return claimed > max(_UNSEEN, _MOST_COMPRESSED * stored)
 
 
-def _chunks(layout: Layout) -> Iterator[Damage]:
-    """Chunks of axes and of stored rows: a missing one zarr would take for one that was never written."""
-    plan, path = layout.plan, layout.path
-    rows = row_layouts(plan)
-    for name, array in layouts_of(plan).items():
-        if name not in rows:
-            yield from (Damage(file, "is missing") for file in array.files() if file not in layout.files)
-    try:
-        status = zarr.open_array(path / "status", mode="r")[...]
-    except (ValueError, OSError, RuntimeError, IndexError):
-        yield Damage("status", "cannot be read")
-        return
-    for block in plan.blocks:
-        place = plan.place(block)
-        if np.all(status[place] == PENDING):
+def _chunks(layout: Layout, going_on: bool) -> Iterator[Damage]:
+    """Chunks of axes and of rows: a missing one zarr would take for one that was never written, and of the others it
+    would believe how many bytes they stand for."""
+    rows = row_layouts(layout.plan)
+    for name, array in layouts_of(layout.plan).items():
+        for file in array.files() if name not in rows else ():
+            if (fault := _claim_fault(layout.path / file, array)) is not None:
+                yield Damage(file, fault)
+    for block in layout.touched_blocks:
+        place = layout.plan.place(block)
+        try:
+            stored = bool(np.any(read_states(layout.path, layout.plan, block) != PENDING))
+        except DamagedError as error:
+            yield Damage(error.what.split(" ", 1)[0], error.what.split(" ", 1)[1], block)
             continue
-        for array in rows.values():
-            for file in array.files(*place):
-                if file not in layout.files:
-                    yield Damage(file, "is missing", block)
+        for array in rows.values() if stored or not going_on else ():
+            (file,) = array.files(*place)
+            fault = _claim_fault(layout.path / file, array)
+            if fault is not None and (stored or fault != "is missing"):
+                yield Damage(file, fault, block)
+
+
+def _claim_fault(file: Path, array: ArrayLayout) -> str | None:
+    try:
+        claim_of(file, array)
+    except ChunkError as error:
+        return str(error)
+    return None

@@ -1,6 +1,5 @@
-"""What stores a folder holds: read from their metadata alone, so that a folder of many is listed at once."""
+"""What stores a folder holds, by metadata, sizes of files and states of rows, so that many are listed at once."""
 
-import json
 import math
 import time
 from dataclasses import dataclass
@@ -9,16 +8,17 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import zarr
 
-from pipeline.errors import ConfigurationError, StoreError
+from pipeline.errors import ConfigurationError, DamagedError, StoreError
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
+from pipeline.printable import printable
 from pipeline.store import COMPLETE, FAILED
 from pipeline.store.identity import plan_from, root_attributes
+from pipeline.store.layout import validate_layout
+from pipeline.store.names import METADATA
 
 __all__ = ["TITLES", "Entry", "Listing", "columns", "listing"]
 
-_METADATA = "zarr.json"
 _SHOWN = 2
 TITLES = ("store", "plane", "gear", "status", "size", "hash", "age", "groups")
 
@@ -62,7 +62,7 @@ class Listing:
 
 
 def listing(root: Path) -> Listing:
-    """Look into a folder; nothing is written, and nothing but metadata and states of rows is read."""
+    """Look into a folder; nothing is written, and nothing but metadata, sizes and states of rows is read."""
     entries, foreign = [], []
     for path in sorted(root.iterdir()) if root.is_dir() else []:
         # Drafts and locks of a run have names that begin with a dot.
@@ -71,18 +71,13 @@ def listing(root: Path) -> Listing:
         try:
             attributes = root_attributes(path)
         except StoreError:
-            if (path / _METADATA).is_file() and (path / "branches").is_dir() and (path / "status").is_dir():
+            if (path / METADATA).is_file() and (path / "branches").is_dir() and (path / "status").is_dir():
                 entries.append(_entry(path, None, "damaged metadata: stages=[check] cannot tell what it was"))
             else:
                 foreign.append(printable(path.name))
             continue
         entries.append(_described(path, attributes))
     return Listing(tuple(entries), tuple(foreign))
-
-
-def printable(text: str) -> str:
-    """The text without what would steer a terminal; stores may come from anyone."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 def columns(found: Listing) -> list[str]:
@@ -103,12 +98,18 @@ def _described(path: Path, attributes: dict) -> Entry:
             else f"schema {version}, this program reads {SCHEMA_VERSION}"
         )
         return _entry(path, attributes, text)
-    status = _status(path, plan)
+    try:
+        layout = validate_layout(path, plan, attributes)
+        status, groups = _progress(layout.states), tuple(name for name in layout.groups if name in layout.listed)
+    except DamagedError:
+        status, groups = "damaged: stages=[check] says where", ()
+    except StoreError:
+        status, groups = "not allowed: stages=[check] says why", ()
     plane = " x ".join(f"{axis.name} {axis.num}" for axis in plan.axes)
-    return _entry(path, attributes, status, plane, _gear(plan))
+    return _entry(path, attributes, status, plane, _gear(plan), groups)
 
 
-def _entry(path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?") -> Entry:
+def _entry(path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?", groups=()) -> Entry:
     said = attributes or {}
     return Entry(
         path.name.removesuffix(".zarr"),
@@ -118,21 +119,12 @@ def _entry(path: Path, attributes: dict | None, status: str, plane: str = "?", g
         _bytes(path),
         str(said.get("configuration_hash", "?"))[:16],
         _seconds(said.get("created")),
-        _groups(path),
+        groups,
     )
 
 
-def _status(path: Path, plan: Plan) -> str:
-    """What has been computed, or that it cannot be told."""
-    damaged = "damaged: stages=[check] says where"
-    try:
-        json.loads((path / _METADATA).read_text(encoding="utf-8"))["attributes"]["numbers"]
-        array = zarr.open_array(path / "status", mode="r")
-        if array.shape != tuple(axis.num for axis in plan.row_axes):
-            return damaged
-        states = array[:]
-    except (OSError, ValueError, KeyError, TypeError, RuntimeError):
-        return damaged
+def _progress(states: np.ndarray) -> str:
+    """What has been computed."""
     failed, done = int(np.sum(states == FAILED)), int(np.sum(states == COMPLETE))
     if done == states.size:
         return "complete"
@@ -176,19 +168,6 @@ def _gear(plan: Plan) -> str:
     words = [f"{key}={stored[key]:g}" if isinstance(stored[key], int | float) else key for key in changed[:_SHOWN]]
     more = [f"and {len(changed) - _SHOWN} more"] if len(changed) > _SHOWN else []
     return " ".join([name, *words, *more])
-
-
-def _groups(path: Path) -> tuple[str, ...]:
-    """Groups that stages have added beside the rows."""
-    found = []
-    for folder in sorted(path.iterdir()):
-        try:
-            kind = json.loads((folder / _METADATA).read_text(encoding="utf-8"))["node_type"]
-        except (OSError, ValueError, KeyError, TypeError):
-            continue
-        if kind == "group" and folder.name != "branches" and not folder.name.startswith("."):
-            found.append(folder.name)
-    return tuple(found)
 
 
 def _bytes(path: Path) -> int:

@@ -16,9 +16,11 @@ from pathlib import Path
 
 from pipeline.errors import StoreError
 
-__all__ = ["holding", "lock_path"]
+__all__ = ["holding", "let_go", "lock_path"]
 
 _EVERY = 0.2
+#: Lock files that this process holds.
+_HELD: set[Path] = set()
 
 
 def lock_path(path: Path) -> Path:
@@ -60,6 +62,7 @@ def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[bool
             say(f"store: {path} is in use by {holder}, waiting")
             told = True
         time.sleep(_EVERY)
+    _HELD.add(place)
     try:
         if os.fstat(descriptor).st_size:
             say(f"store: {_holder(place)} ended without letting go of {path}, going on")
@@ -70,11 +73,19 @@ def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[bool
         # longer be written, or has gone, must not hide why the run ended.
         with contextlib.suppress(OSError):
             place.unlink()
+        _HELD.discard(place)
         os.close(descriptor)
         # Where nothing was written, nothing is left.
         with contextlib.suppress(OSError):
             for folder in made:
                 folder.rmdir()
+
+
+def let_go() -> None:
+    """Remove the lock files that this process holds, which is about to end; the locks go with it."""
+    for place in list(_HELD):
+        with contextlib.suppress(OSError):
+            place.unlink()
 
 
 def _attempt(place: Path) -> int | None:

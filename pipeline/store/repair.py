@@ -7,10 +7,8 @@ damaged groups are taken away, so that their stages make them again.
 from collections.abc import Collection
 from pathlib import Path
 
-import zarr
-
 from pipeline.store.arrays import axes_in_store, layouts_of, row_layouts
-from pipeline.store.codecs import every_chunk
+from pipeline.store.blocks import write_states
 from pipeline.store.damage import Damage
 from pipeline.store.durable import write_whole
 from pipeline.store.groups import take_away
@@ -50,10 +48,8 @@ def repair(path: Path, damage: Collection[Damage]) -> None:
         if file in files:
             remove_file(path / file)
     consolidate(path)
-    with every_chunk():
-        status = zarr.open_array(path / "status", mode="r+")
-    for place in places:
-        status[place] = PENDING
+    for block in blocks:
+        write_states(path, plan, block, PENDING)
 
 
 def remove_left_overs(path: Path) -> None:

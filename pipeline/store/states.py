@@ -1,13 +1,11 @@
-"""States of rows, and which blocks are still due. Rows of a volume are numbered through, layer by layer."""
+"""States of rows. Rows of a volume are numbered through, layer by layer."""
 
 from pathlib import Path
 
 import numpy as np
 import zarr
 
-from pipeline.plan.plan import Block, Plan
-
-__all__ = ["COMPLETE", "FAILED", "PENDING", "failures", "notes", "pending_blocks", "proven_cells", "statuses"]
+__all__ = ["COMPLETE", "FAILED", "PENDING", "failures", "notes", "proven_cells", "statuses"]
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
 
@@ -15,12 +13,6 @@ PENDING, COMPLETE, FAILED = 0, 1, 2
 def statuses(path: Path) -> np.ndarray:
     """State of every row."""
     return zarr.open_group(path, mode="r")["status"][...].ravel()
-
-
-def pending_blocks(path: Path, plan: Plan) -> list[Block]:
-    """Blocks with a row that is not complete; each is computed again as a whole, failed rows included."""
-    status = statuses(path)
-    return [block for block in plan.blocks if np.any(status[block.start : block.stop] != COMPLETE)]
 
 
 def proven_cells(path: Path) -> tuple[int, int] | None:

@@ -7,12 +7,15 @@ from importlib import metadata
 from pathlib import Path
 
 import zarr
+from zarr.core.buffer import default_buffer_prototype
+from zarr.storage import MemoryStore
 
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.arrays import arrays_of, axes_in_store, layouts_of
 from pipeline.store.attributes import axis_attributes
 from pipeline.store.codecs import COMPRESSORS
-from pipeline.store.names import ROWS, STORE_FILE
+from pipeline.store.durable import move_whole, write_whole
+from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of
 from pipeline.store.removal import remove_known
 from pipeline.store.seal import sealed
 
@@ -83,15 +86,20 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
             attributes=spec["attributes"],
         )
     consolidate(draft)
-    draft.rename(path)
+    move_whole(draft, path)
 
 
 def consolidate(path: Path) -> None:
     """Gather the metadata of all arrays in one file, which makes opening fast."""
+    # In memory, so that the file is replaced by a whole one that is on the disk.
+    files = [name for name in files_of(path) if Path(name).name == METADATA]
+    buffer = default_buffer_prototype().buffer
+    copy = {name: buffer.from_bytes((path / name).read_bytes()) for name in files}
     with warnings.catch_warnings():
         # zarr warns that consolidated metadata is not yet part of the format's third version; xarray reads it.
         warnings.filterwarnings("ignore", message="Consolidated metadata", category=UserWarning)
-        zarr.consolidate_metadata(path)
+        zarr.consolidate_metadata(MemoryStore(copy))
+    write_whole(path / METADATA, copy[METADATA].to_bytes())
 
 
 def _versions() -> dict[str, str]:

@@ -12,7 +12,7 @@ import numpy as np
 from solver.kernels import types
 from solver.kernels.compile import kernel
 
-__all__ = ["dead_zone", "describing_functions"]
+__all__ = ["dead_zone", "describing_functions", "force_and_gain"]
 
 _F = types.float64
 
@@ -39,6 +39,36 @@ def dead_zone(displacement, b):
     """
     displacement = np.asarray(displacement, dtype=float)
     return np.where(np.abs(displacement) <= b, 0.0, displacement - np.copysign(b, displacement))
+
+
+def force_and_gain(mean, amplitude, b):
+    """The first two numbers of `describing_functions` for arrays; nothing is compiled for it.
+
+    Parameters
+    ----------
+    mean, amplitude : array_like
+        lambda_m and lambda_a >= 0; they broadcast.
+    b : float
+        Half backlash, b >= 0.
+
+    Returns
+    -------
+    force, gain : ndarrays
+        f_0 and N_a.
+    """
+    mean = np.asarray(mean, dtype=float)
+    ahead, ahead_gain = _flanks(b - mean, amplitude)
+    behind, behind_gain = _flanks(-b - mean, amplitude)
+    return mean + 0.5 * (ahead - behind), 1.0 - 0.5 * (ahead_gain - behind_gain)
+
+
+def _flanks(distance, amplitude):
+    """The first two numbers of `_flank` for arrays."""
+    distance, amplitude = np.broadcast_arrays(np.asarray(distance, dtype=float), np.asarray(amplitude, dtype=float))
+    beyond = np.abs(distance) >= amplitude
+    mu = np.where(beyond, np.sign(distance), distance / np.where(beyond, 1.0, amplitude))
+    root, angle = (2.0 / np.pi) * np.sqrt((1.0 - mu) * (1.0 + mu)), (2.0 / np.pi) * np.arcsin(mu)
+    return distance * angle + amplitude * root, angle + mu * root
 
 
 @kernel(types.UniTuple(_F, 4)(_F, _F), inline=True)

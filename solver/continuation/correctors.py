@@ -8,11 +8,11 @@ import math
 from dataclasses import dataclass
 
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
+from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import finite_number, whole_number
 
-__all__ = ["Broyden", "Newton", "advance", "bordered", "workspace_rows"]
+__all__ = ["Broyden", "Newton", "advance", "bordered", "correct_all", "workspace_rows"]
 
 _F = types.float64
 _SIGNATURE = types.int64(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
@@ -119,6 +119,16 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
             for j in range(n + 1):
                 secant[i, j] += residual[i] * step[j] / (length * length)
     return -1
+
+
+@kernel(types.void(CORRECTOR, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, _F, types.int64, MATRIX))
+def correct_all(corrector, balance, theta, direction, scale, places, normal, tolerance, max_iterations, work):
+    """Correct every row of `places` (k, n + 1) across one normal; those that do not settle are filled with nan."""
+    for i in range(places.shape[0]):
+        y = places[i]
+        if corrector(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work) < 0:
+            for j in range(y.shape[0]):
+                y[j] = math.nan
 
 
 @dataclass(frozen=True)

@@ -121,7 +121,9 @@ def _crossings(setup, strand, closed, grid, known, known_stable, complete, on_cu
             continue
         low, high = first_not_below(grid, min(before, after)), first_above(grid, max(before, after))
         filled = False
-        for k in range(low, high):
+        for offset in range(high - low):
+            # In the order in which the curve passes them.
+            k = low + offset if after > before else high - 1 - offset
             if i >= 0 and grid[k] == before:
                 continue
             if grid[k] == after:

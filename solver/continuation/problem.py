@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from solver.continuation.correctors import Broyden, Newton, workspace_rows
+from solver.continuation.correctors import Broyden, Newton, correct_all, workspace_rows
 from solver.continuation.setup import Setup, no_contacts
 from solver.model.checks import ParameterError, finite_array, instance_of, number_array, whole_number
 
@@ -122,25 +122,25 @@ class Problem:
             raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({self.unknowns + 1},)")
         return y
 
-    def corrected(
-        self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
-    ) -> np.ndarray | None:
-        """The solution that a corrector reaches from a guess, on a hyperplane through it.
+    def corrected_all(
+        self, places, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
+    ) -> np.ndarray:
+        """The solutions that a corrector reaches from many guesses, each on a hyperplane through it.
 
         Parameters
         ----------
-        y : (n + 1,) array_like
-            The guess (u, p).
+        places : (k, n + 1) array_like
+            The guesses (u, p).
         corrector : Newton or Broyden
         normal : (n + 1,) array_like, optional
-            Across the hyperplane, in scaled unknowns; that of constant p unless given.
+            Across the hyperplanes, in scaled unknowns; that of constant p unless given.
         max_iterations : int, optional
             The corrector's own number unless given.
 
         Returns
         -------
-        (n + 1,) array or None
-            None if the corrector does not converge. Without `normal` p is that of the guess to the bit.
+        (k, n + 1) array
+            nan where the corrector does not converge. Without `normal` p is that of the guess to the bit.
 
         Raises
         ------
@@ -148,12 +148,13 @@ class Problem:
             If an argument has another size or is not finite, or is no corrector.
         """
         n = self.unknowns
-        found = finite_array("y", y, (n + 1,))
+        found = finite_array("places", places, (None, n + 1))
         instance_of("corrector", corrector, Newton, Broyden)
         if max_iterations is not None:
             whole_number("max_iterations", max_iterations, 1, 10_000)
-        p = found[n]
-        iterations = corrector.kernel(
+        p = found[:, n].copy()
+        correct_all(
+            corrector.kernel,
             self.balance,
             self.theta,
             self.direction,
@@ -165,8 +166,17 @@ class Problem:
             np.empty((workspace_rows(n), n + 1)),
         )
         if normal is None:
-            found[n] = p
-        return found if iterations > 0 and np.all(np.isfinite(found)) else None
+            found[:, n] = p
+        found[~np.all(np.isfinite(found), axis=1)] = np.nan
+        return found
+
+    def corrected(
+        self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
+    ) -> np.ndarray | None:
+        """`corrected_all` of one guess (n + 1,); None if the corrector does not converge."""
+        guess = finite_array("y", y, (self.unknowns + 1,))
+        (found,) = self.corrected_all(guess[None], corrector, normal, max_iterations)
+        return None if np.isnan(found[0]) else found
 
 
 class Balance(Protocol):

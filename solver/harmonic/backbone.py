@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.contact.dead_zone import describing_functions
+from solver.contact.dead_zone import force_and_gain
 from solver.model.checks import ParameterError, finite_array, instance_of
 from solver.model.gear_model import Model
 
@@ -51,9 +51,6 @@ def backbone(model: Model, amplitudes) -> Backbone:
     ParameterError
         If there is no model or its f_pm is 0, or an amplitude is below 0.
     """
-    # scipy.optimize takes 0.3 s to import, which every worker would pay.
-    from scipy.optimize import brentq
-
     if instance_of("model", model, Model).f_pm == 0.0:
         raise ParameterError("f_pm", model.f_pm, "other than 0 for a backbone")
     amplitudes = finite_array("amplitudes", amplitudes, (None,))
@@ -61,13 +58,15 @@ def backbone(model: Model, amplitudes) -> Backbone:
         raise ParameterError("amplitudes", float(amplitudes.min()), "at least 0")
     force = model.f_pm / model.rotation
 
-    def mean_at(amplitude):
-        # |f_0| lies between |lambda_m| - b and |lambda_m|, and carries the sign of lambda_m.
-        reach = np.copysign((abs(force) + model.b) * (1.0 + 1e-12), force)
-        bracket = sorted([0.0, reach])
-        return brentq(lambda m: describing_functions(m, amplitude, model.b)[0] - force, *bracket, xtol=1e-14)
-
-    mean = np.array([mean_at(a) for a in amplitudes])
-    gains = [describing_functions(m, a, model.b)[1] for m, a in zip(mean, amplitudes, strict=True)]
+    # |f_0| lies between |lambda_m| - b and |lambda_m|, and carries the sign of lambda_m.
+    sign = np.copysign(1.0, force)
+    low, high = np.zeros(amplitudes.shape), np.full(amplitudes.shape, abs(force) + model.b)
+    middle = 0.5 * (low + high)
+    while np.any((low < middle) & (middle < high)):
+        below = force_and_gain(middle, amplitudes, model.b)[0] < abs(force)
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+        middle = 0.5 * (low + high)
+    mean = sign * middle
+    _, gains = force_and_gain(mean, amplitudes, model.b)
     modes = np.array([model.mesh_modes(gain) for gain in gains]).reshape(-1, 2)
     return Backbone(amplitudes, mean, modes[:, 0], modes[:, 1])

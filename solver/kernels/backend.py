@@ -19,6 +19,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.imputils import lower_constant
 from numba.core.registry import cpu_target
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.core.typing.typeof import Purpose
 from numba.extending import models, register_model, typeof_impl
@@ -144,8 +145,8 @@ def callable_of(kernel, wait: bool):
     if numba.config.DISABLE_JIT:
         return kernel.__wrapped__
     dispatcher = numba.njit(error_model="numpy")(kernel.__wrapped__)
-    cpu_target.typing_context.refresh()
-    cpu_target.target_context.refresh()
+    # Compiled code calls numba's runtime, which numba itself starts before it compiles.
+    rtsys.initialize(cpu_target.target_context)
     for declared in kernel.signatures:
         for argument in declared.numba.args:
             if isinstance(argument, numba.types.NamedTuple):
@@ -176,13 +177,17 @@ def address_of(kernel) -> int:
 
 @global_compiler_lock
 def _compiled(kernel, signature, name: str) -> compiler.CompileResult:
+    # What numba can compile, which takes half a second to load and is not needed to read what is kept.
+    cpu_target.typing_context.refresh()
+    cpu_target.target_context.refresh()
     lowered = _kernel_type(kernel).lowered(signature)
     context = lowered.target_context
     library = _Callable(context.codegen(), lowered.fndesc.qualname)
     library.enable_object_caching()
     library.add_linking_library(lowered.library)
     wrapped = library, lowered.fndesc, lowered.environment, lowered.call_helper
-    context.create_cpython_wrapper(*wrapped, release_gil=False)
+    # So that other threads go on meanwhile: `pipeline.cli.process` ends a run whose kernel does not.
+    context.create_cpython_wrapper(*wrapped, release_gil=True)
     context.create_cfunc_wrapper(*wrapped)
     entry_point = context.get_executable(library, lowered.fndesc, lowered.environment)
     result = lowered._replace(library=library, entry_point=entry_point)

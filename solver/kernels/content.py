@@ -34,15 +34,33 @@ def described_code(function: types.FunctionType, kernel_class: type) -> str:
         If the function uses something whose contents cannot be told, such as a list or an object that may change.
     """
     code, cells = function.__code__, function.__closure__ or ()
-    outside = {name: function.__globals__[name] for name in _global_names(code) if name in function.__globals__}
-    outside |= {name: cell.cell_contents for name, cell in zip(code.co_freevars, cells, strict=True)}
+    outside = {name: cell.cell_contents for name, cell in zip(code.co_freevars, cells, strict=True)}
     if function.__doc__ is not None:
         code = code.replace(co_consts=(None, *code.co_consts[1:]))
     try:
-        values = {name: _described(value, kernel_class) for name, value in outside.items()}
+        values = _described_globals(function, kernel_class)
+        values |= {name: _described(value, kernel_class) for name, value in outside.items()}
         return repr((_described(code, kernel_class), values))
     except TypeError as error:
         raise TypeError(f"kernel {function.__qualname__}: {error}") from None
+
+
+def _described_globals(function: types.FunctionType, kernel_class: type) -> dict[str, str]:
+    """Texts of globals by name: of all that a function names, as attributes too, which is a superset found quickly."""
+    values, looked_up = {}, None
+    for name in sorted(_names(function.__code__) & function.__globals__.keys()):
+        try:
+            values[name] = _described(function.__globals__[name], kernel_class)
+        except TypeError:
+            looked_up = looked_up or set(_global_names(function.__code__))
+            if name in looked_up:
+                raise
+    return values
+
+
+def _names(code: types.CodeType) -> set[str]:
+    inner = (constant for constant in code.co_consts if isinstance(constant, types.CodeType))
+    return set(code.co_names).union(*map(_names, inner))
 
 
 def _global_names(code: types.CodeType) -> Iterator[str]:

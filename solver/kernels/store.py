@@ -21,6 +21,8 @@ from pathlib import Path
 
 __all__ = ["KernelStore", "kernel_store", "why_distrusted"]
 
+#: Entries of one kernel: of several versions, processors and sets of numba's settings.
+_MOST_KEPT = 16
 _LOG = logging.getLogger(__name__)
 
 
@@ -126,6 +128,9 @@ class KernelStore:
             if not stat.S_ISREG(state.st_mode) or state.st_uid != os.geteuid():
                 raise PermissionError(f"{path} is not this user's")
             data = file.read()
+            # The time says when it was last of use.
+            with contextlib.suppress(OSError):
+                os.utime(file.fileno())
         head, content = data[: len(self._HEAD) + 32], data[len(self._HEAD) + 32 :]
         if head != self._head(path.name, content):
             raise ValueError(f"{path} is damaged")
@@ -150,7 +155,16 @@ class KernelStore:
             except OSError as error:
                 self._retreat(error)
             else:
+                self._forget_old(name)
                 return
+
+    def _forget_old(self, name: str) -> None:
+        """Keep the last few entries of a kernel: every edit makes another, and branches are gone back to."""
+        kernel, _, _ = name.rpartition("-")
+        with contextlib.suppress(OSError):
+            entries = sorted(self._folders[-1].glob(f"{kernel}-*.kernel"), key=lambda entry: entry.stat().st_mtime_ns)
+            for entry in entries[:-_MOST_KEPT]:
+                self._remove(entry)
 
     @contextlib.contextmanager
     def claimed(self, name: str, patience: float) -> Iterator[bool]:

@@ -7,7 +7,6 @@ period, guesses carry subharmonics as well, and branches are switched where a su
 """
 
 import dataclasses
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +23,8 @@ __all__ = ["LiftedSeeds", "equal_motions"]
 _SAME = 1e-6
 #: Of the guesses: every so many values of the axis, amplitudes in units of lambda's size, and number of phases.
 _EVERY, _AMPLITUDES, _PHASES = 14, (0.7, 1.6), 4
+#: Amplitudes of the subharmonics that are added to known motions.
+_SUBHARMONICS = (0.2, 0.6)
 #: How far branch switching steps off the branch, and how small the subharmonics of a motion of the forcing period are.
 #: Subharmonics of a branch at which continuation may give up for that reason.
 _OFF, _NO_SUBHARMONIC, _VANISHING = 2e-2, 1e-6, 2e-2
@@ -57,40 +58,52 @@ class LiftedSeeds:
             span = dataclasses.replace(span, continuation=settings)
         found = _Found(span, probes)
         lifted = span.balance.lifted(proven_solutions(span, probes).motions)
+        single = _single_harmonics(span)
+        columns, starts = [], []
         for rank, column in enumerate(order):
-            for start in lifted[column]:
-                if not np.isnan(start[0]):
-                    found.add(column, start)
-            if rank % _EVERY == 0:
-                for start in _guesses(span, found.motions(column)):
-                    found.add(column, start)
+            here = lifted[column][~np.isnan(lifted[column, :, 0])]
+            for some in (here, single) if rank % _EVERY == 0 else (here,):
+                columns += [column] * len(some)
+                starts.append(some)
+        found.add(np.array(columns), np.concatenate(starts))
+        if span.balance.period > 1:
+            for column in order[::_EVERY]:
+                starts = _with_subharmonics(span, found.motions(column))
+                found.add(np.full(len(starts), column), starts)
         for first_missing, last_missing in runs(found.missing()):
             column = (first_missing + last_missing) // 2
             start = grown_solution(span, float(probes[column]))
             if start is not None:
-                found.add(column, start[:-1])
+                found.add(np.array([column]), start[None, :-1])
         return Branches(tuple(found.curves), notes=found.notes)
 
 
-def _guesses(span: RowSpan, known: list[np.ndarray]) -> Iterator[np.ndarray]:
-    """Motions of one harmonic, and known motions with subharmonics added."""
+def _single_harmonics(span: RowSpan) -> np.ndarray:
+    """Guesses of the mean and one harmonic, (k, n)."""
     balance: Galerkin = span.balance
-    size, n = span.problem.scale[0], span.problem.unknowns
-    phases = 2.0 * np.pi * np.arange(_PHASES) / _PHASES
-    for amplitude in _AMPLITUDES:
-        for phase in phases:
-            start = np.zeros(n)
-            start[0] = 0.5 * size
-            start[list(balance.fundamental)] = amplitude * size * np.cos(phase), amplitude * size * np.sin(phase)
-            yield start
-    for motion in known:
-        for k in range(1, balance.period):
-            for amplitude in (0.2, 0.6):
-                # Half a turn of the subharmonic is a motion one forcing period later.
-                for phase in phases / balance.period:
-                    start = motion.copy()
-                    start[2 * k - 1 : 2 * k + 1] += amplitude * size * np.array([np.cos(phase), np.sin(phase)])
-                    yield start
+    size, phases = span.problem.scale[0], 2.0 * np.pi * np.arange(_PHASES) / _PHASES
+    starts = np.zeros((len(_AMPLITUDES), _PHASES, span.problem.unknowns))
+    starts[:, :, 0] = 0.5 * size
+    circle = np.column_stack([np.cos(phases), np.sin(phases)])
+    starts[:, :, list(balance.fundamental)] = size * np.multiply.outer(_AMPLITUDES, circle)
+    return starts.reshape(-1, span.problem.unknowns)
+
+
+def _with_subharmonics(span: RowSpan, known: np.ndarray) -> np.ndarray:
+    """Motions (m, n) with every one of their subharmonics, at a few sizes and phases, added: (k, n)."""
+    period, size = span.balance.period, span.problem.scale[0]
+    # Half a turn of the subharmonic is a motion one forcing period later.
+    phases = 2.0 * np.pi * np.arange(_PHASES) / _PHASES / period
+    added = [
+        (k, amplitude * size * np.array([np.cos(phase), np.sin(phase)]))
+        for k in range(1, period)
+        for amplitude in _SUBHARMONICS
+        for phase in phases
+    ]
+    starts = np.repeat(known, len(added), axis=0).reshape(len(known), len(added), -1)
+    for i, (k, pair) in enumerate(added):
+        starts[:, i, 2 * k - 1 : 2 * k + 1] += pair
+    return starts.reshape(-1, span.problem.unknowns)
 
 
 class _Found:
@@ -101,29 +114,45 @@ class _Found:
         self.curves: list[Curve] = []
         self._met: list[Crossings] = []
         self._lost: list[str] = []
-        self._at: list[list[np.ndarray]] = [[] for _ in probes]
+        # Columns (k,), ascending, and motions (k, n) of what is known: curve by curve, and what could not be followed.
+        self._at: list[tuple[np.ndarray, np.ndarray]] = []
 
-    def motions(self, column: int) -> list[np.ndarray]:
-        """Solutions known at one probe."""
-        return list(self._at[column])
+    def motions(self, column: int) -> np.ndarray:
+        """Solutions known at one probe, (k, n)."""
+        return np.concatenate([motions[columns == column] for columns, motions in self._at])
 
     def missing(self) -> np.ndarray:
         """Where the degree does not add up, (probes,) bool."""
         return missing_degree(self.span, self.probes, self._met)
 
-    def _known(self, column: int, motion: np.ndarray) -> bool:
+    def _among(self, known: tuple[np.ndarray, np.ndarray], columns: np.ndarray, motions: np.ndarray) -> np.ndarray:
+        """Which of the motions (k, n) at columns (k,) are among those known, (k,) bool."""
         scale, period = self.span.problem.scale[:-1], self.span.balance.period
-        return any(equal_motions(motion, other, scale, period) for other in self._at[column])
+        first, end = (np.searchsorted(known[0], columns, side) for side in ("left", "right"))
+        among = np.zeros(columns.size, bool)
+        for rank in range(int(np.max(end - first, initial=0))):
+            there = end - first > rank
+            among[there] |= equal_motions(motions[there], known[1][first[there] + rank], scale, period)
+        return among
 
-    def add(self, column: int, start: np.ndarray) -> None:
-        """Correct a start (n,) at one probe, and follow its branch if it is a new one."""
-        y = self.span.corrected(np.append(start, self.probes[column]))
-        if y is not None and not self._known(column, y[:-1]):
-            self._follow(y)
-            if not self._known(column, y[:-1]):
+    def add(self, columns: np.ndarray, starts: np.ndarray) -> None:
+        """Correct starts (k, n) at probes (k,), and follow the branches of those that are new, one after the other."""
+        found = self.span.corrected(np.column_stack([starts, self.probes[columns]]))
+        reached = ~np.isnan(found[:, 0])
+        columns, found = columns[reached], found[reached]
+        new = np.ones(columns.size, bool)
+        for known in self._at:
+            new &= ~self._among(known, columns, found[:, :-1])
+        while np.any(new):
+            first, before = int(np.argmax(new)), len(self._at)
+            self._follow(found[first])
+            for known in self._at[before:]:
+                new &= ~self._among(known, columns, found[:, :-1])
+            if new[first]:
                 # Known from now on, so that it is not followed again.
-                self._at[column].append(y[:-1])
-                self._lost.append(f"Continuation leaves the solution found at {self.span.place(y)}.")
+                self._at.append((columns[[first]], found[[first], :-1]))
+                new &= ~self._among(self._at[-1], columns, found[:, :-1])
+                self._lost.append(f"Continuation leaves the solution found at {self.span.place(found[first])}.")
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -137,8 +166,8 @@ class _Found:
         self.curves.append(curve)
         met = crossings(self.span, curve, self.probes)
         self._met.append(met)
-        for at, motion in zip(met.column.tolist(), met.unknowns, strict=True):
-            self._at[at].append(motion)
+        ascending = np.argsort(met.column, kind="stable")
+        self._at.append((met.column[ascending], met.unknowns[ascending]))
         for place in np.flatnonzero(curve.event == Event.BRANCH_POINT):
             self._switch(curve, int(place))
 
@@ -169,27 +198,36 @@ def _far(y: np.ndarray, curve: Curve, scale: np.ndarray, period: int) -> bool:
     return True
 
 
-def shifted(motion: np.ndarray, periods: int, period: int) -> np.ndarray:
-    """A motion (n,) that many forcing periods later."""
-    k = np.arange(1, motion.size // 2 + 1)
-    moved = (motion[1::2] - 1j * motion[2::2]) * np.exp(2j * np.pi * k * periods / period)
-    result = motion.copy()
-    result[1::2], result[2::2] = moved.real, -moved.imag
+def shifted(motions: np.ndarray, periods: int, period: int) -> np.ndarray:
+    """Motions (..., n) that many forcing periods later."""
+    k = np.arange(1, motions.shape[-1] // 2 + 1)
+    moved = (motions[..., 1::2] - 1j * motions[..., 2::2]) * np.exp(2j * np.pi * k * periods / period)
+    result = motions.copy()
+    result[..., 1::2], result[..., 2::2] = moved.real, -moved.imag
     return result
 
 
-def equal_motions(left: np.ndarray, right: np.ndarray, scale, period: int) -> bool:
-    """Whether two solutions are one motion, perhaps some forcing periods later.
+def equal_motions(left: np.ndarray, right: np.ndarray, scale, period: int) -> np.ndarray:
+    """Whether solutions are one motion, perhaps some forcing periods later.
 
     Parameters
     ----------
-    left, right : (n,) arrays
+    left, right : (..., n) arrays
     scale : float or (n,) array
         Size of the unknowns.
     period : int
         nu, forcing periods of the balance.
+
+    Returns
+    -------
+    (...) bool array
     """
-    return any(np.max(np.abs(shifted(left, shift, period) - right) / scale) <= _SAME for shift in range(period))
+    return np.logical_or.reduce(
+        [
+            np.max(np.abs((shifted(left, shift, period) if shift else left) - right) / scale, axis=-1) <= _SAME
+            for shift in range(period)
+        ]
+    )
 
 
 def _one_phase(span: RowSpan, curve: Curve) -> Curve:

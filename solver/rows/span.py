@@ -56,11 +56,11 @@ class RowSpan:
             return self.problem.theta, self.problem.direction
         return axis_vectors(self.model, self.axis, self.omega)
 
-    def corrected(self, start: np.ndarray, iterations: int = 20) -> np.ndarray | None:
-        """The solution y = (u, p) that Newton's method reaches from a start at the same p; None if it reaches none."""
-        y = self.problem.corrected(start, self.continuation.corrector, max_iterations=iterations)
-        within = y is not None and np.sqrt(np.sum(y[1:-1] ** 2)) <= self.continuation.amplitude_max
-        return y if within else None
+    def corrected(self, starts: np.ndarray, iterations: int = 20) -> np.ndarray:
+        """What Newton's method reaches from starts y = (u, p) at the same p, (k, n + 1); nan where nothing."""
+        found = self.problem.corrected_all(starts, self.continuation.corrector, max_iterations=iterations)
+        found[np.linalg.norm(found[:, 1:-1], axis=1) > self.continuation.amplitude_max] = np.nan
+        return found
 
     def traced(self, start: np.ndarray) -> Curve:
         """The whole branch through a solution y = (u, p), however it ends; fewer than two points if it has none."""

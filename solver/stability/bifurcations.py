@@ -25,6 +25,7 @@ from solver.continuation.setup import SETUP, STRAND
 from solver.kernels import types
 from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+from solver.kernels.linear import copy_into
 from solver.model.packing import gear_vectors
 from solver.model.parameters import ALPHA_2, ALPHA_2_PHASE
 from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room
@@ -44,6 +45,9 @@ _ROUNDING, _NARROW = 1e-13, 1e-12
 _ON_CIRCLE = 1e-8
 # At a Neimark-Sacker point the pair nearest to the circle lies on it; if not, a real multiplier was what passed it.
 _PASSED = 1e-5
+# The cubic between two points tells to some share of the arc where on the branch a motion of the raster lies: where its
+# test functions are not those of the branch there, these shares further outward.
+_ASIDE = (0.0, 1e-4, 1e-3, 1e-2)
 # A motion of the raster lies on the branch if the cubic between two points comes as near to it as this share of the arc
 # between them, and to no other one as near as the second.
 _NEAR, _APART = 0.01, 0.05
@@ -184,27 +188,51 @@ def _record(found, after, fraction, kind, point):
     found.counts[_LOCATED] += 1
 
 
-@kernel(types.void(SETUP, _WATCH, _FOUND, _I, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), inner=True)
+@kernel(_F(SETUP, _WATCH, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY, ARRAY), inner=True)
+def _end_on_branch(setup, watch, left, right, arc, x, sense, expected, tests, point):
+    """Where, from fraction x on in one sense, the branch's own test functions have the signs of those expected.
+
+    Fills `tests` with them; x and what was expected where they are nowhere near.
+    """
+    for aside in _ASIDE:
+        place = min(max(x + sense * aside, 0.0), 1.0)
+        # At the points of the branch they are its own.
+        if place in (0.0, 1.0) and place == x:
+            break
+        if state_at(setup, left, right, arc, place, point) < 0:
+            break
+        _look(watch, point[: setup.unknowns + 1], tests)
+        if tests[OUTSIDE] == expected[OUTSIDE] and tests[DOUBLING] * expected[DOUBLING] > 0.0:
+            return place
+    copy_into(tests, expected)
+    return x
+
+
+@kernel(_F(SETUP, _WATCH, _FOUND, _I, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), inner=True)
 def _search(setup, watch, found, after, left, right, arc, low, high, at_low, at_high):
-    """Locate all events between two neighbouring fractions of a piece whose test functions are known."""
+    """Locate all events between two neighbouring fractions of a piece whose test functions are known.
+
+    Returns the fraction up to which it looked, which may be a little more.
+    """
     pairs = at_low[OUTSIDE] != at_high[OUTSIDE]
     # What lies on the circle on both sides, as in undamped systems, passes nothing.
     pairs &= max(abs(at_low[GAP]), abs(at_high[GAP])) > _ON_CIRCLE
     if not pairs and at_low[DOUBLING] * at_high[DOUBLING] >= 0.0:
-        return
+        return high
     bracket, at_ends = np.empty(2), np.empty((2, TESTS))
     tests, point = np.empty(TESTS), np.empty(point_size(setup))
     # Places, in order, between which a real multiplier may pass -1.
     places, at_places = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
+    low = _end_on_branch(setup, watch, left, right, arc, low, -1.0, at_low, at_places[0], point)
+    high = _end_on_branch(setup, watch, left, right, arc, high, 1.0, at_high, at_places[1], point)
     places[0], places[1], count = low, high, 2
-    for i in range(TESTS):
-        at_places[0, i], at_places[1, i] = at_low[i], at_high[i]
+    at_first, at_last = at_places[0].copy(), at_places[1].copy()
     if pairs:
         level, top = min(at_low[OUTSIDE], at_high[OUTSIDE]), max(at_low[OUTSIDE], at_high[OUTSIDE])
         while level < top and count < places.shape[0]:
             bracket[0], bracket[1] = low, high
-            for i in range(TESTS):
-                at_ends[0, i], at_ends[1, i] = at_low[i], at_high[i]
+            copy_into(at_ends[0], at_first)
+            copy_into(at_ends[1], at_last)
             x = _pinpoint(setup, watch, left, right, arc, _TORUS, level, bracket, at_ends, tests, point)
             if x < 0.0:
                 found.counts[_MISSED] += 1
@@ -234,6 +262,7 @@ def _search(setup, watch, found, after, left, right, arc, low, high, at_low, at_
                 found.counts[_MISSED] += 1
             else:
                 _record(found, after, x, _DOUBLING, point)
+    return high
 
 
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, _I, _I), inner=True)
@@ -293,8 +322,7 @@ def _bifurcations(setup, strand, theta, direction, known, found):
                 if k >= 0 and x > low and not math.isnan(known.tests[k, LARGEST]):
                     for j in range(TESTS):
                         at_high[j] = known.tests[k, j]
-                    _search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
-                    low = x
+                    low = _search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
                     for j in range(TESTS):
                         at_low[j] = at_high[j]
             if told:

@@ -6,8 +6,10 @@ import numpy as np
 
 from pipeline import store
 from pipeline.run.job import Job, note_unfinished
+from pipeline.run.made import made_from, still_made, write_record
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
+from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 
 __all__ = ["STAGE"]
@@ -20,14 +22,18 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     note_unfinished(job, reporter, "boundaries start from the others")
     begin = perf_counter()
     try:
-        summary = boundaries.trace(path, plan)
+        summary = boundaries.trace(path, plan, lambda: warm_up_for(job, reporter))
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         if store.damage_error(path) is not None:
             raise
         reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
         return 1
     folder = job.settings.output_root / "boundaries"
-    names = boundaries.write_sheets(boundaries.read_boundaries(path, plan), plan, folder, job.settings.store_name)
+    name = job.settings.store_name
+    record, origin = folder / f".{name}.json", made_from(path)
+    if (names := still_made(record, origin)) is None:
+        names = boundaries.write_sheets(boundaries.read_boundaries(path, plan), plan, folder, name)
+        write_record(record, origin, names)
     seconds = perf_counter() - begin
     counts = [f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in summary.curves.items()] or ["no boundaries"]
     special = ", ".join(f"{n} {kind.replace('_', '-')}" for kind, n in sorted(summary.special.items())) or "none"
@@ -40,7 +46,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
             f"boundaries: {', '.join(counts)} of {summary.points} points into {path}; special points: {special} "
             f"({seconds:.2f} s)"
         )
-    reporter.line(f"boundaries: {', '.join(name.name for name in names)} in {folder.resolve()}")
+    reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
     return 1 if summary.cut_short else 0
 
 

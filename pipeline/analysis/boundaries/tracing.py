@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,7 +41,7 @@ class Summary:
     found_done: bool
 
 
-def trace(path: Path, plan: Plan) -> Summary:
+def trace(path: Path, plan: Plan, get_ready: Callable[[], None] = lambda: None) -> Summary:
     """Trace the boundaries of a stored plane into its group `boundaries`, unless they are there already.
 
     Parameters
@@ -49,6 +50,8 @@ def trace(path: Path, plan: Plan) -> Summary:
         The store. Only its complete rows count.
     plan : Plan
         The store's own.
+    get_ready : callable
+        Called before curves are traced, if they are not there already.
 
     Returns
     -------
@@ -63,6 +66,7 @@ def trace(path: Path, plan: Plan) -> Summary:
     stored = read_boundaries(path, plan)
     if stored is not None and stored.digest == events.digest:
         return _summary(plan, stored, True)
+    get_ready()
     balance, starts = balance_of(plan.solver), events.starts((*FOLDS_AND_GRAZINGS, *BIFURCATIONS))
     curves = [to_store(curve, _side(curve, plan, events)) for curve in curves_through(plan, starts, balance)]
     fresh = StoredBoundaries(tuple(curves), events.digest)

@@ -8,8 +8,10 @@ import numpy as np
 
 from pipeline import store
 from pipeline.config.compose import Settings, compose
+from pipeline.config.typed import key_of
 from pipeline.errors import StoreError
 from pipeline.plan.planning import plan
+from pipeline.run.job import command
 from pipeline.store import groups
 
 __all__ = ["OTHER_GEARS", "STUDY_PLANES", "Source", "missing", "sources_of"]
@@ -51,7 +53,7 @@ class Source:
     @property
     def command(self) -> str:
         """What makes it."""
-        return f"python -m pipeline {' '.join(self.settings.overrides)}"
+        return command(self.settings, *(text for text in self.settings.overrides if key_of(text) == "stages"))
 
 
 def sources_of(overrides: Sequence[str], config_dir: str | None = None) -> tuple[Source, ...]:
@@ -75,7 +77,7 @@ def sources_of(overrides: Sequence[str], config_dir: str | None = None) -> tuple
 
 
 def _is_own(override: str) -> bool:
-    key = override.lstrip("+~").partition("=")[0]
+    key = key_of(override)
     return key in _OWN or key.startswith(("gear.", "report.", "margins.", "figures."))
 
 

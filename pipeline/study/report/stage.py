@@ -2,6 +2,7 @@
 
 from time import perf_counter
 
+from pipeline.config.typed import key_of
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
@@ -19,6 +20,11 @@ def _check(job: Job) -> None:
         raise ConfigurationError(
             f"gear = {gear!r} is not allowed with stages=[report]: it compares the published gear with the study"
         )
+    for override in job.settings.overrides:
+        if (key := key_of(override)).startswith("gear."):
+            raise ConfigurationError(
+                f"{key} is not allowed with stages=[report]: it compares the published gear with the study"
+            )
     if job.settings.config.report.run or job.asks("sweep"):
         return
     gaps = [f"{text} ({source.command})" for source, text in report.missing(_sources(job))]

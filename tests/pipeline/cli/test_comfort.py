@@ -201,7 +201,7 @@ def test_a_diary_needs_no_store_and_shows_where_branches_break_off(tmp_path, mon
     monkeypatch.chdir(tmp_path)
     broken = "solver.smallest_step=0.02", "solver.first_step=0.05", "gear=antiphase"
     assert main([*SMALL, "debug.row=2", *broken]) == 0
-    text = (tmp_path / "outputs/debug/omega_fe-antiphase/row-2.txt").read_text()
+    text = (tmp_path / "outputs/debug/omega_fe-antiphase-first_step=0.05-smallest_step=0.02/row-2.txt").read_text()
     plan = small_plan("plane=omega_fe", *broken)
     row = row_of(
         plan,
@@ -217,7 +217,7 @@ def test_a_diary_needs_no_store_and_shows_where_branches_break_off(tmp_path, mon
 def test_a_diary_shows_why_a_row_fails(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main([*SMALL, "debug.row=1", "gear.f_pm=0.0"]) == 0
-    text = (tmp_path / "outputs/debug/omega_fe/row-1.txt").read_text()
+    text = (tmp_path / "outputs/debug/omega_fe-f_pm=0/row-1.txt").read_text()
     assert "the row fails: " in text and "continuum" in text
 
 
@@ -260,7 +260,7 @@ def test_every_batch_has_a_line_in_the_log_and_none_on_the_terminal(tmp_path, mo
         re.MULTILINE,
     )
     assert sum(int(rows) for rows, _, _ in lines) == 5
-    stored = contents(tmp_path / "outputs/store/omega_fe.zarr")["branches/n_points"]
+    stored = contents(tmp_path / "outputs/store/omega_fe-certify=none.zarr")["branches/n_points"]
     assert sum(int(points) for _, _, points in lines) == stored.sum()
 
 

@@ -88,10 +88,11 @@ def test_a_second_run_finds_the_work_done_and_draws(planes, capsys):
 
 def test_another_configuration_is_refused_and_overwrite_replaces(planes, capsys):
     folder, _ = planes
-    other = ["plane=omega_fpm", "gear.b=0.5", "stages=[sweep]", *SMALL]
+    other = ["plane=omega_fpm", "gear.b=0.5", "stages=[sweep]", "store.name=omega_fpm", *SMALL]
     assert here(folder, *other) == 2
     said = capsys.readouterr().err
     assert "gear.b: stored 1.0, asked 0.5" in said and len(said.splitlines()) == 1
+    assert "store.overwrite=true" in said and "gear.b=0.5" in said
     assert here(folder, *other, "store.overwrite=true") == 0
     plane = xr.open_zarr(folder / "outputs/store/omega_fpm.zarr")
     assert "b: 0.5" in plane.attrs["configuration"] and np.all(plane.status == store.COMPLETE)

@@ -1,6 +1,7 @@
 """Configuration: what is composed, and what a mistake looks like."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 from pipeline.__main__ import main
 from pipeline.config.compose import compose, conf_folder, expand
+from pipeline.config.default_name import is_name
 from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import model_at
 from pipeline.plan.planning import plan, warnings
@@ -49,10 +51,47 @@ def test_planes(name, parameter, low, high):
         (["plane=omega_b", "quality=draft"], "omega_b-draft"),
         (["plane=omega_b", "gear=antiphase", "quality=draft"], "omega_b-antiphase-draft"),
         (["plane=omega_b", "gear=antiphase", "store.name=mine"], "mine"),
+        (["gear.b=0.5"], "omega_fe-b=0.5"),
+        (["gear.b=0.50"], "omega_fe-b=0.5"),
+        (["++gear.b=5e-1"], "omega_fe-b=0.5"),
+        (["gear.b=1"], "omega_fe"),
+        (["gear.kappa=0.4", "gear.b=0.5"], "omega_fe-b=0.5-kappa=0.4"),
+        (
+            ["gear=consistent", "gear.variation.rotation=0.5", "quality=draft"],
+            "omega_fe-consistent-draft-variation.rotation=0.5",
+        ),
+        (["plane=b_fe", "plane.omega=0.7"], "b_fe-omega=0.7"),
+        (["plane.parameter.max=0.4", "plane.parameter.num=9", "figures.dpi=90"], "omega_fe-parameter.max=0.4"),
+        (["solver=hb", "solver.order=3", "solver.certify_columns=9"], "omega_fe-order3-certify_columns=9"),
     ],
 )
 def test_store_names(overrides, name):
     assert compose(overrides).store_name == name
+
+
+_AWKWARD = [
+    ["gear=miter", "gear.physical.torque='90 N*m'"],
+    ["gear=miter", "gear.physical.torque='90 N m'"],
+    ["gear.kappa=[0.5,0.4]"],
+    ["gear.alpha_harmonics=[[0.1,0.2]]"],
+    ["gear.alpha_harmonics=[[0.1,0.2],[0.1,0.3]]"],
+    ["gear.alpha_harmonics=[" + ",".join(["[0.01,0.2]"] * 40) + "]"],
+    ["gear.alpha_harmonics=[" + ",".join(["[0.01,0.2]"] * 41) + "]"],
+    ["plane.parameter2={name:b,min:0.1,max:0.5,num:3}"],
+    [f"gear.{key}=0.3" for key in ("b", "alpha", "f_pm", "f_pv", "kappa", "xi_mesh", "xi_translation", "xi_support")],
+]
+
+
+def test_default_names_are_names_on_every_system_and_differ():
+    names = [compose(overrides).store_name for overrides in _AWKWARD]
+    assert len({name.lower() for name in names}) == len(names)
+    assert all(len(name) <= 80 and is_name(name) for name in names)
+    assert names == [compose(overrides).store_name for overrides in _AWKWARD]
+
+
+@pytest.mark.parametrize("name", ["con", "NUL", "com1.x", "mine.", ".mine", "a b", "a/b", "a:b", "µ", "", "a" * 121])
+def test_names_that_some_system_refuses(name):
+    assert not is_name(name)
 
 
 def test_everything_a_plan_does_not_need_leaves_its_digest_alone():
@@ -105,13 +144,31 @@ def test_own_files(tmp_path):
 
 def test_expand():
     assert expand(["a=1,2", "b=[1,2]", "c=x"]) == [["a=1", "b=[1,2]", "c=x"], ["a=2", "b=[1,2]", "c=x"]]
+    assert expand(["gear.b=range(0.1,0.5,0.1)"]) == [[f"gear.b={b}"] for b in ("0.1", "0.2", "0.3", "0.4")]
+    assert expand(["gear=choice(miter,published)"]) == [["gear=miter"], ["gear=published"]]
+    assert expand(["plane=glob(omega_f*)"]) == [["plane=omega_fe"], ["plane=omega_fpm"]]
+
+
+def test_glob_knows_the_files_of_a_users_own_folder(tmp_path):
+    (tmp_path / "plane").mkdir()
+    (tmp_path / "plane" / "omega_mine.yaml").write_text("defaults: [omega_fe, _self_]\n")
+    assert ["plane=omega_mine"] in expand(["plane=glob(*_mine)"], str(tmp_path))
+
+
+def _notes(*overrides: str) -> list[str]:
+    settings = compose(overrides)
+    return warnings(plan(settings), settings)
 
 
 def test_notes():
-    assert any("unphysical" in line for line in warnings(plan(compose(["gear.alpha=1.2"]))))
-    assert any("one mesh force" in line for line in warnings(plan(compose([]))))
-    consistent = plan(compose(["gear=consistent", "gear.xi_translation=0.025"]))
-    assert warnings(consistent) == []
+    assert any("unphysical" in line for line in _notes("gear.alpha=1.2"))
+    # The published gear is as it is: said where it is changed, and not on every run.
+    assert _notes() == []
+    axis = ["plane.parameter.name=kappa", "plane.parameter.min=0.1", "plane.parameter.max=1"]
+    for changed in (["gear.kappa=0.4"], ["gear.xi_mesh=0.1"], axis):
+        assert any("one mesh force" in line for line in _notes(*changed)), changed
+    assert any("one mesh force" in line for line in _notes("gear=consistent", "gear.xi_translation=0.02"))
+    assert _notes("gear=consistent", "gear.xi_translation=0.025") == []
 
 
 # What the user typed, and what the one line must say.
@@ -184,6 +241,30 @@ MISTAKES = [
     ("figures.curves=[7]", "figures.curves = 7"),
     ("figures.formats=[gif]", "figures.formats = 'gif'"),
     ("hydra.run.dir=x", "Hydra's own settings are fixed"),
+    ("gear=null", "gear=null is not allowed"),
+    ("gear=[miter]", "gear=[miter] is not allowed"),
+    ("gear={a:1}", "gear={a:1} is not allowed"),
+    ("~gear", "gear has no value"),
+    ("output=null", "output = null is not allowed"),
+    ("-m gear.b=interval(0,1)", "range(0,1,0.1)"),
+    ("-m gear.b=range(0,1e12)", "gear.b=range(0,1e12) is not allowed"),
+    ("-m gear.b=shuffle(range(0,1e12))", "is not allowed"),
+    ("-m gear.b=glob(*)", "gear.b=glob(*) is not allowed"),
+    ("-m plane=glob(nothing*)", "plane=glob(nothing*) is not allowed"),
+    ("-m plane.sweep.num=50,60", "store.name='omega_fe-${plane.sweep.num}'"),
+    (f"gear.b={'9' * 10_000}", "gear.b=999"),
+    (f"gear.b={'9' * 101}", "at most 100 digits"),
+    (f"gear.kappa={'[' * 1000}{']' * 1000}", "nested deeper"),
+    ("gear.b=${gear.b}", "gear.b"),
+    ("--cfg=hydra", "--cfg job"),
+    ("--cfg=what", "--cfg=what"),
+    ("--package gear", "--cfg job"),
+    ("--cfg job --package gear.nothing", "--package gear.nothing"),
+    ("--info=what", "--info=what"),
+    ("--config-path=x", "--config-dir"),
+    ("-cn mine", "--config-dir"),
+    ("--hydra-help", "--help"),
+    ("--experimental-rerun=x", "overrides.txt"),
     ("--what", "--what is not an option"),
     ("--config-dir=nowhere", "--config-dir = 'nowhere'"),
     ("cluster=scheduler cluster.address=tcp://127.0.0.1:9 cluster.timeout=0.5", "none answered there within 0.5 s"),
@@ -235,6 +316,19 @@ def test_help_and_cfg(capsys, tmp_path, monkeypatch):
     assert "usage: python -m pipeline" in capsys.readouterr().out
     assert main(["--cfg", "gear.b=0.25"]) == 0
     assert "b: 0.25" in capsys.readouterr().out
+    for words in (["--cfg", "job"], ["--cfg=job"], ["-c", "job"], ["--cfg", "job", "--resolve"], ["--info", "config"]):
+        assert main([*words, "gear.b=0.25"]) == 0
+        assert "b: 0.25" in capsys.readouterr().out, words
+    assert main(["--cfg", "job", "--package", "gear.variation"]) == 0
+    assert capsys.readouterr().out == "translation: 1.0\nrotation: 0.0\n"
+    assert main(["-m", "--cfg", "job", "-p", "gear.b", "gear.b=0.5,0.6"]) == 0
+    assert capsys.readouterr().out == "0.5\n0.6\n"
+    for words in (["--info"], ["-i", "searchpath"]):
+        assert main([*words, "gear.b=0.25"]) == 0
+        assert "omega_fe-b=0.25.zarr" in (said := capsys.readouterr().out) and str(conf_folder()) in said
+    assert main(["--version"]) == 0
+    assert re.fullmatch(r"bevelmap .+\n", capsys.readouterr().out)
+    assert main(["--complete"]) == 0
     assert list(tmp_path.iterdir()) == []
 
 

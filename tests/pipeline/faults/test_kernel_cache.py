@@ -5,8 +5,10 @@ import subprocess
 
 import pytest
 
-from pipeline.run.kernels import kernels_for, ready_for_rows
+from pipeline.run.kernels import kernels_for
+from solver.kernels import backend
 from solver.kernels.store import KernelStore, kernel_store
+from solver.kernels.warm import kernels_of, warm
 from tests.pipeline.faults.runs import finished, same, start
 
 #: Kernels of rows that take a second to compile.
@@ -15,13 +17,13 @@ SMALL = ("correctors._newton", "describing_function.balance", "describing_functi
 
 @pytest.fixture
 def cache(tmp_path):
-    """A copy of the entries that this machine has, in a folder of the test's own."""
-    assert kernels_for(["sweep"], "describing_function")
-    ready_for_rows("describing_function")
+    """A copy of the entries that a run reads, in a folder of the test's own."""
+    kernels = kernels_of(kernels_for(["sweep", "boundaries"], "describing_function"))
+    warm(kernels)
     folder = tmp_path / "cache/bevelmap"
     folder.mkdir(mode=0o700, parents=True)
-    for entry in kernel_store().folder.glob("*.kernel"):
-        shutil.copy(entry, folder)
+    for name in (backend._entry_name(kernel, declared.numba) for kernel in kernels for declared in kernel.signatures):
+        shutil.copy(kernel_store().folder / name, folder)
     return folder
 
 

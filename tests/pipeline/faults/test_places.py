@@ -13,6 +13,7 @@ import threading
 import pytest
 
 from pipeline import store
+from pipeline.__main__ import main
 from tests.pipeline.faults.runs import COMMAND, INJECTED, KEPT, continued, finished, same, start, until
 from tests.pipeline.faults.test_damage import run as run_here
 
@@ -84,6 +85,89 @@ def test_a_folder_that_cannot_be_written(tmp_path, request):
     run = finished(tmp_path, "cluster=none", f"output.root={folder}")
     _one_line(run, f"output.root = {str(folder)!r} is not allowed: it must be a folder that can be written")
     assert run.code == 2
+
+
+def test_a_store_that_cannot_be_written_is_read_by_all_that_only_read(small_disk, tmp_path, undisturbed, capsys):
+    root = small_disk / "store"
+    shutil.copytree(undisturbed, root / "plane.zarr")
+    assert run_here(tmp_path, capsys, "stages=[boundaries]", f"store.root={root}")[0] == 0
+    before = {file: file.stat().st_mtime_ns for file in root.rglob("*")}
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    reading = ["stages=[figures]", "stages=[margins] margins.point=[0.9,0.1]", "debug.row=3", "stages=[check]"]
+    for words in [*reading, "stages=[check] check.recompute=1", "stages=[list]"]:
+        code, out, err = run_here(tmp_path, capsys, *words.split(), f"store.root={root}")
+        assert (code, err) == (0, ""), (words, err)
+    # Two of them write nothing at all, so that all folders may be as they are.
+    for words in ["stages=[check]", "stages=[list]"]:
+        assert run_here(tmp_path, capsys, words, f"store.root={root}", f"output.root={small_disk}")[::2] == (0, "")
+    for words in ["stages=[boundaries]", "stages=[check] check.repair=true"]:
+        code, out, err = run_here(tmp_path, capsys, *words.split(), f"store.root={root}")
+        assert code == 2 and "store.root" in err and err.count("\n") == 1, (words, err)
+    assert before == {file: file.stat().st_mtime_ns for file in root.rglob("*")}
+
+
+def test_the_home_folder_is_expanded(tmp_path, monkeypatch, undisturbed, capsys):
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(undisturbed, tmp_path / "home/stores/plane.zarr")
+    code, out, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.root=~/stores")
+    assert (code, err) == (0, "") and f"{tmp_path}/home/stores/plane.zarr already, nothing to do" in out
+    assert [file.name for file in tmp_path.iterdir()] == ["home"]
+    code, _, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.root=~no.such.user/stores")
+    assert code == 2 and "store.root" in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("key", ["store.root", "output.root"])
+@pytest.mark.parametrize(
+    "url", ["s3://bucket/store", "file:///stores", "memory://x", "https://host/stores", "simplecache::s3://x"]
+)
+def test_a_url_is_never_made_as_a_folder(key, url, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for stage in ("sweep", "list"):
+        code = main(["plane=omega_fe", "store.name=plane", f"stages=[{stage}]", "cluster=none", f"{key}='{url}'"])
+        err = capsys.readouterr().err
+        assert code == 2 and key in err and url in err and err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+#: Clears the screen, renames the window, turns the direction of reading, begins a line.
+STEERING = "\x1b[2J\x1b]0;x\x07\u202e\x9b\n\r"
+
+
+def test_nothing_that_is_stored_steers_the_terminal(tmp_path, undisturbed, capsys):
+    path = tmp_path / "outputs/store/plane.zarr"
+    shutil.copytree(undisturbed, path)
+    lock, said = path.with_name(".plane.zarr.lock"), []
+
+    def run(*words):
+        code, out, err = run_here(tmp_path, capsys, *words)
+        said.append(out + err)
+        return code
+
+    lock.write_text(json.dumps({"host": f"a{STEERING}", "pid": 7, "since": STEERING}))
+    assert run("stages=[sweep]") == 0 and "going on" in said[-1]
+    lock.write_text(json.dumps({"host": f"a{STEERING}", "pid": 7, "since": STEERING}))
+    with lock.open("r+") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert run("stages=[sweep]") == 2 and "is in use by" in said[-1]
+    # What is said of a row, the name of a store, the name of a file, and what a store says of itself.
+    plan = store.read_plan(path)
+    for block, state in ((plan.blocks[3], store.COMPLETE), (plan.blocks[5], store.FAILED)):
+        values = store.row_values(plan, f"something{STEERING}")
+        values["status"][...] = state
+        store.write_block(path, plan, block, [values] * (block.stop - block.start))
+    assert run("stages=[sweep]") == 0 and said[-1].count("something") == 3
+    shutil.copytree(path, path.with_name(f"a{STEERING}.zarr"))
+    assert run("stages=[list]") == 0
+    attributes = json.loads((path / "zarr.json").read_text())
+    attributes["attributes"]["numbers"] = json.dumps({"plane": STEERING})
+    (path / "zarr.json").write_text(json.dumps(attributes))
+    assert run("stages=[figures]") in (1, 2)
+    (path / f"zarr{STEERING}.json").mkdir()
+    (path / f"zarr{STEERING}.json/x").symlink_to(path)
+    assert run("stages=[check]") in (1, 2) and run("stages=[figures]") in (1, 2)
+    for text in said:
+        assert all(letter.isprintable() or letter == "\n" for letter in text), text
 
 
 def test_a_store_that_turns_unwritable_during_the_run(tmp_path, undisturbed, capsys):

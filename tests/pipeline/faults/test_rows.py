@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline import store
+from pipeline.__main__ import main
 from tests.pipeline.faults.runs import INJECTED, ROWS, continued, finished, same
 from tests.pipeline.planes import contents
 
@@ -41,6 +42,33 @@ def test_a_row_that_hangs_fails_alone(tmp_path, undisturbed):
 )
 def test_a_row_that_raises_sleeps_or_takes_all_memory_fails_alone(fault, words, tmp_path, undisturbed):
     _fails(fault, tmp_path, undisturbed, *words)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("gear.xi_support=[0.004,0.005,0.034,0.035,0.012,0.02]",),
+        ("gear.xi_support=[0.01,0.012,0.015,0.02,0.022,0.03]", "gear=consistent"),
+        ("gear.xi_mesh=0", "gear.xi_translation=0", "gear.xi_support=0"),
+    ],
+)
+def test_no_row_is_lost_whatever_each_support_damps(words, tmp_path):
+    size = "plane.sweep.num=60", "plane.parameter.num=6", "store.name=plane", "stages=[sweep]"
+    assert main([*size, "cluster=none", f"output.root={tmp_path}", *words]) == 0
+    found = contents(tmp_path / "store/plane.zarr")
+    assert np.all(found["status"] == store.COMPLETE) and np.all(found["certified"] == 1)
+
+
+def test_rows_without_any_solution_are_complete(tmp_path, capsys):
+    """Every solution lies above a ceiling that is this low."""
+    axis = "plane.sweep.name=kappa", "plane.sweep.min=0.1", "plane.sweep.max=1", "plane.omega=0.6"
+    size = "plane.sweep.num=30", "plane.parameter.num=4", "store.name=plane", "solver.amplitude_max=1e-6"
+    stages = "stages=[sweep,boundaries,figures,check,list]"
+    assert main([*axis, *size, stages, "cluster=none", f"output.root={tmp_path}"]) == 0
+    assert capsys.readouterr().err == "" and (tmp_path / "figures/plane/map.png").exists()
+    found = contents(tmp_path / "store/plane.zarr")
+    assert np.all(found["status"] == store.COMPLETE) and not np.any(found["n_solutions"])
+    assert np.all(found["open"] == 1) and np.all(np.isnan(found["mean"])) and not np.any(found["branches/n_points"])
 
 
 def test_failed_rows_are_computed_by_the_next_run(tmp_path, undisturbed, capsys):

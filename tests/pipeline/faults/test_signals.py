@@ -9,7 +9,7 @@ import pytest
 
 from pipeline import store
 from pipeline.__main__ import main
-from tests.pipeline.faults.runs import COMMAND, KEPT, ROOT, ROWS, complete, continued, same, start, until
+from tests.pipeline.faults.runs import COMMAND, INJECTED, KEPT, ROOT, ROWS, complete, continued, same, start, until
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP], ids=lambda number: number.name)
@@ -26,12 +26,29 @@ def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undistu
     same(run.path, undisturbed)
 
 
+@pytest.mark.parametrize(
+    ("number", "cluster"), [(signal.SIGINT, "none"), (signal.SIGTERM, "none"), (signal.SIGINT, "local")]
+)
+def test_a_compiled_loop_without_end_is_interrupted(number, cluster, tmp_path, undisturbed, capsys):
+    """Python itself does not see a signal until the loop is over."""
+    environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "spin"}
+    run = start(tmp_path, f"cluster={cluster}", environment=environment)
+    until(run, ROWS // 2)
+    os.killpg(run.process.pid, number)
+    run.end(60.0)
+    name = "" if number == signal.SIGINT else f" by {number.name}"
+    assert (run.code, run.err) == (128 + number, f"error: interrupted{name}{KEPT}\n")
+    assert not list(run.path.parent.glob(".*.lock"))
+    assert "sweep: continues: " in continued(tmp_path, capsys)
+    same(run.path, undisturbed)
+
+
 def test_a_hangup_that_is_ignored_stays_ignored(tmp_path):
     """As below nohup."""
     code = (
         "import os, signal\nfrom pipeline.cli.process import ended_by_signals\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-        "with ended_by_signals():\n    os.kill(os.getpid(), signal.SIGHUP)\nprint('on')"
+        "with ended_by_signals(print):\n    os.kill(os.getpid(), signal.SIGHUP)\nprint('on')"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")

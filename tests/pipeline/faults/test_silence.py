@@ -4,8 +4,11 @@ import re
 import signal
 
 import pytest
+import zarr
 
-from tests.pipeline.faults.runs import KEPT, complete, continued, finished, same, start, until
+from pipeline import open_plane
+from pipeline.errors import ConfigurationError
+from tests.pipeline.faults.runs import KEPT, ROWS, complete, continued, finished, same, start, until
 from tests.pipeline.schedulers import Scheduler
 
 #: Seconds in which a run ends that waits for three at a time; without a bound it would never.
@@ -82,6 +85,15 @@ def test_settings_of_zarr_in_the_environment_change_nothing(setting, tmp_path, u
     run = finished(tmp_path, "cluster.workers=1", environment={f"ZARR_{name}": value})
     assert (run.code, run.err) == (0, ""), run.err
     same(run.path, undisturbed)
+
+
+@pytest.mark.parametrize("concurrency", [0, -1, "'x'"])
+def test_a_plane_is_not_opened_where_zarr_would_wait_for_ever(concurrency, undisturbed):
+    """In a process of the user's own, whose settings stay as they are."""
+    with zarr.config.set({"async.concurrency": concurrency}), pytest.raises(ConfigurationError, match="concurrency"):
+        open_plane(undisturbed)
+    with zarr.config.set({"async.concurrency": 1}):
+        assert open_plane(undisturbed).tree["n_solutions"].shape[0] == ROWS
 
 
 @pytest.mark.parametrize("library", ["zarr", "dask"])

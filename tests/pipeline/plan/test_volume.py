@@ -120,11 +120,11 @@ def test_check_mends_a_chunk_of_one_layer(volume, tmp_path, capsys):
     path = tmp_path / "store/omega_b_fe.zarr"
     shutil.copytree(volume, path)
     assert run(tmp_path, "stages=[check]") == 0
+    step = store.read_plan(path).rows_per_block
     (path / "mean/c/1/0/0/0").write_bytes(b"nothing")
     (path / "status/c/2/1").unlink()
     assert run(tmp_path, "stages=[check]") == 1
     said = capsys.readouterr()
-    step = store.read_plan(path).rows_per_block
     assert f"mean/c/1/0/0/0 does not agree with its checksum (rows 8-{7 + step})" in said.err
     assert f"status/c/2/1 is missing (rows {16 + step}-{15 + 2 * step})" in said.err
     assert f"2 damaged files, {2 * step} rows in 2 blocks" in said.out

@@ -91,7 +91,7 @@ def test_workers_may_come_and_go(tmp_path, scheduler):
         first.kill()
         rest = run.communicate(timeout=200)[0]
         assert run.returncode == 0, rest
-        assert "30 rows" in rest and "0 rows failed" in rest
+        assert "30 rows" in rest and "failed" not in rest
     finally:
         run.kill()
         run.wait()

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from solver.contact.dead_zone import dead_zone, describing_functions
+from solver.contact.dead_zone import dead_zone, describing_functions, force_and_gain
 from tests.solver.independent import difference
 from tests.solver.strategies import numbers
 
@@ -138,3 +138,12 @@ def test_values_and_first_derivatives_pass_grazing_continuously(mean, b):
             inside, outside = (np.array(describing_functions(mean, amplitude + e, b)) for e in (-1e-10, 1e-10))
             np.testing.assert_allclose(inside, outside, rtol=0, atol=1e-4)
             np.testing.assert_allclose(inside[:2], outside[:2], rtol=0, atol=1e-9)
+
+
+@given(means, amplitudes, gaps)
+def test_arrays_have_what_the_kernel_has_one_by_one(mean, amplitude, b):
+    force, gain = force_and_gain([mean, 2.0 * mean], [amplitude, amplitude], b)
+    for k, place in enumerate((mean, 2.0 * mean)):
+        np.testing.assert_allclose(
+            (force[k], gain[k]), describing_functions(place, amplitude, b)[:2], rtol=0, atol=1e-14
+        )

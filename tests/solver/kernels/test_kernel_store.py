@@ -308,3 +308,19 @@ def test_what_is_distrusted(tmp_path):
     folder.parent.chmod(0o755)
     folder.chmod(0o755)
     assert why_distrusted(folder) is None
+
+
+def test_of_one_kernel_the_last_few_entries_are_kept(tmp_path, monkeypatch):
+    """Those that were written or read last; entries of other kernels are none of them."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    store = KernelStore()
+    names = [f"solver.room.kernel-{i:032x}.kernel" for i in range(20)]
+    store.write(f"solver.room.other_kernel-{0:032x}.kernel", b"other")
+    for i, name in enumerate(names[:16]):
+        store.write(name, b"content")
+        os.utime(store.folder / name, (1e9 + i, 1e9 + i))
+    assert store.read(names[0]) == b"content"
+    for name in names[16:]:
+        store.write(name, b"content")
+    assert [store.has(name) for name in names] == [True] + 4 * [False] + 15 * [True]
+    assert store.has(f"solver.room.other_kernel-{0:032x}.kernel")

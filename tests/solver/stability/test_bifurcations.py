@@ -10,7 +10,7 @@ from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.model.packing import packed
 from solver.model.parameters import F_PM, kind_start
-from solver.stability import Instability
+from solver.stability import Instability, motion_multipliers
 from solver.stability.bifurcations import locate_bifurcations, with_bifurcations
 from tests.conftest import antiphase, consistent, published
 from tests.solver.stability.floquet_reference import multipliers
@@ -172,6 +172,36 @@ def test_what_the_raster_knows_is_found_between_points_of_the_branch():
     coarse = sweep_row(model, "omega", grid, continuation=wide)
     found = np.sort(np.concatenate([at(curve, Event.PERIOD_DOUBLING)[:, -1] for curve in coarse.curves]))
     np.testing.assert_allclose(found, tongue, rtol=0, atol=1e-9)
+
+
+def test_a_bifurcation_next_to_a_grid_value_is_located_on_the_branch():
+    """It lies between a cell and the place that the cubic gives it on the branch: alpha from one such row."""
+    model = antiphase(alpha=0.48930966756846683)
+    row = sweep_row(model, "omega", np.linspace(0.3, 2.0, 400))
+    doublings = np.concatenate([at(curve, Event.PERIOD_DOUBLING) for curve in row.curves])
+    near = doublings[np.abs(doublings[:, -1] - 0.525815) < 1e-5]
+    assert len(near) == 1 and row.notes == ()
+    np.testing.assert_allclose(near[0], [0.59888418, -1.69801358, 1.01203479, 0.52581533], rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("make", [published, antiphase])
+def test_all_bifurcations_of_many_rows_are_located(make):
+    """Rows with several hundred cells, any of which may lie next to one."""
+    draw, counts = np.random.default_rng(4), {Event.PERIOD_DOUBLING: 0, Event.NEIMARK_SACKER: 0}
+    for _ in range(25):
+        model = make(alpha=draw.uniform(0.05, 0.5), f_e=draw.uniform(0.1, 0.5))
+        row = sweep_row(model, "omega", np.linspace(0.3, 2.0, 400))
+        assert row.notes == ()
+        for curve in row.curves:
+            for kind in counts:
+                for y in at(curve, kind):
+                    values = motion_multipliers(model, y[-1], y[:-1])
+                    if kind is Event.PERIOD_DOUBLING:
+                        assert gap(values, -1.0) < 1e-9
+                    else:
+                        assert gap(np.abs(values[values.imag != 0.0]), 1.0) < 1e-9
+                    counts[kind] += 1
+    assert counts[Event.PERIOD_DOUBLING] > 25 and counts[Event.NEIMARK_SACKER] > 25
 
 
 def test_an_undamped_gear_passes_nothing_and_ends():

@@ -15,10 +15,11 @@ def _fail(kind: str) -> None:
 
         time.sleep(1000.0)
     if kind == "spin":
-        # Compiled, and the interpreter's lock is never let go of.
-        import numba
+        # Compiled as everything of the solver is.
+        from solver.kernels import types
+        from solver.kernels.compile import kernel
 
-        @numba.njit
+        @kernel(types.float64(types.float64))
         def spin(x):
             while x != 0.0:
                 x = x * 1.0000001 if x < 1e6 else 1.0

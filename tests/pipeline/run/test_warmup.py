@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli.warmup import warm_up
 from pipeline.run.kernels import NEEDED, kernels_for, ready_for_rows
 from pipeline.run.progress import Reporter
+from pipeline.run.warmup import warm_up
 from pipeline.stages import STAGES
 from solver.kernels.warm import kernels_of
 
@@ -38,7 +38,7 @@ def test_what_is_kept_is_not_spoken_of():
 RUN = """
 import contextlib, gc, json, sys
 from pipeline.__main__ import main
-from pipeline.cli import warmup
+from pipeline.run import warmup
 from solver.kernels import backend
 from solver.kernels.compile import Kernel
 

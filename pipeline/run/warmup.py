@@ -4,15 +4,27 @@ import os
 import subprocess
 import sys
 
+from pipeline.run.job import Job
+from pipeline.run.kernels import kernels_for
 from pipeline.run.progress import Reporter, RowProgress
 
-__all__ = ["warm_up"]
+__all__ = ["warm_up", "warm_up_for"]
 
 _HELPER = """
 import sys
 from solver.kernels.warm import kernels_of, warm
 warm(kernels_of(sys.argv[1:]))
 """
+
+
+def warm_up_for(job: Job, reporter: Reporter) -> None:
+    """`warm_up` what the stages of a job need; the first one that computes calls it.
+
+    Workers of a running scheduler have a cache of their own, which this process cannot fill.
+    """
+    config = job.settings.config
+    if config.cluster.kind != "scheduler":
+        warm_up(kernels_for(config.stages, job.plan.solver["balance"]), reporter)
 
 
 def warm_up(names: list[str], reporter: Reporter) -> None:

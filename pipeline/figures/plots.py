@@ -1,0 +1,128 @@
+"""The figures of an opened plane, as matplotlib figures for a notebook or a script."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.errors import ConfigurationError
+from pipeline.figures.options import FORMATS, check_options
+from pipeline.plan.plan import Plan
+
+__all__ = ["Plots"]
+
+
+@dataclass(frozen=True)
+class Plots:
+    """Figures of a stored plane; each call reads the store anew.
+
+    Parameters
+    ----------
+    path : Path
+        The store.
+    plan : Plan
+        Its plan.
+    """
+
+    path: Path
+    plan: Plan
+
+    def map(self, window: Sequence[float] | None = None, stability: str = "static", units: str = "dimensionless"):
+        """The n/I map, or a part of it alone.
+
+        Parameters
+        ----------
+        window : (x low, x high, p low, p high), optional
+            The part, on the sweep axis and on the parameter axis.
+        stability : str
+            Which motions labels count: "static" or "dynamic".
+        units : str
+            Of the axes: "dimensionless" or "physical".
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            If an option is not allowed for this plane.
+        """
+        window = None if window is None else list(window)
+        self._check(None, window, stability, units)
+        from pipeline.figures.drawing import own_style
+        from pipeline.figures.map import draw_map, draw_window
+
+        plane = self._read(stability, units)
+        with own_style():
+            return draw_map(plane) if window is None else draw_window(plane, window)
+
+    def curves(self, units: str = "dimensionless", **values: float | Sequence[float]):
+        """Amplitude and mean over the sweep axis for some rows, each the one nearest to a value.
+
+        Parameters
+        ----------
+        units : str
+            As for `map`.
+        **values : float or sequence of float
+            Of the row parameter, by its name, such as `f_e=0.2` or `f_e=[0.1, 0.2]`; a quarter, half and three quarters
+            of the way unless given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            If another parameter is named, or a value lies outside the plane.
+        """
+        name = self.plan.parameter.name
+        if not values.keys() <= {name}:
+            raise ConfigurationError(f"curves = {values} is not allowed: rows of this plane are chosen by {name}")
+        chosen = values.get(name)
+        if chosen is not None:
+            chosen = [float(value) for value in (chosen if isinstance(chosen, Sequence) else [chosen])]
+        self._check(chosen, None, "static", units)
+        from pipeline.figures.curves import draw_curves
+        from pipeline.figures.drawing import own_style
+
+        plane = self._read("static", units)
+        with own_style():
+            return draw_curves(plane, chosen)
+
+    def backbone(self, units: str = "dimensionless"):
+        """Backbones of the free vibration, and the largest stable amplitude near each resonance over the rows.
+
+        Parameters
+        ----------
+        units : str
+            As for `map`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            If the plane has none: its rows do not run over the mesh frequency, or there is no mean load.
+        """
+        self._check(None, None, "static", units)
+        from pipeline.figures.backbone import draw_backbone, has_backbone
+        from pipeline.figures.drawing import own_style
+
+        plane = self._read("static", units)
+        if not has_backbone(plane):
+            raise ConfigurationError(
+                "backbone is not allowed for this plane: its rows must run over omega, and f_pm must not be 0"
+            )
+        with own_style():
+            return draw_backbone(plane)
+
+    def _check(self, curves, window, stability: str, units: str) -> None:
+        check_options(self.plan, curves, list(FORMATS[:1]), 100, window, stability, units)
+
+    def _read(self, stability: str, units: str):
+        from pipeline.figures.stored import read_stored
+
+        return read_stored(self.path, stability == "dynamic", units == "physical")

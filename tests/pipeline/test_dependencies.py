@@ -1,0 +1,47 @@
+"""What is imported is declared, with a lower bound, and pinned for those who want what was tested."""
+
+import ast
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def plain(name: str) -> str:
+    """A distribution's name as registries compare it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def imported() -> set[str]:
+    """Distributions that modules of `solver` and `pipeline` import, anywhere in them."""
+    names = set()
+    for file in [*ROOT.glob("solver/**/*.py"), *ROOT.glob("pipeline/**/*.py")]:
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                names |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                names.add(node.module.partition(".")[0])
+    names -= {*sys.stdlib_module_names, "solver", "pipeline"}
+    known = packages_distributions()
+    return {plain(known[name][0]) for name in names}
+
+
+def declared() -> dict[str, str]:
+    """Distribution -> lowest version."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return {plain(name): low for name, low in (word.split(">=") for word in project["dependencies"])}
+
+
+def test_every_import_is_declared_and_nothing_else():
+    # The key of a run is made with it by dask, which has it as an extra.
+    assert imported() | {"cryptography"} == set(declared())
+
+
+def test_every_declared_distribution_is_pinned_at_its_lower_bound_or_above():
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").split()
+    pinned = {plain(name): version for name, version in (line.split("==") for line in lines)}
+    for name, low in declared().items():
+        assert [int(part) for part in re.findall(r"\d+", pinned[name])] >= [int(part) for part in low.split(".")], name
