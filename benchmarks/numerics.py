@@ -56,7 +56,7 @@ def _kernel(planned: Plan, model, sizes: Sizes, baselines) -> Measurement:
     low, high = planned.sweep.low, planned.sweep.high
     problem, continuation = first_order_problem(model, "omega", low, high), continuation_of(planned.solver)
     unknowns = np.empty(3)
-    linear_solution(problem.theta, problem.direction, low, unknowns)
+    linear_solution(problem.parameters, problem.parameter_slope, low, unknowns)
     start = np.append(unknowns + [model.b, 0.0, 0.0], low)
     points = len(continuation.trace(problem, start, low, high).points)
     values = timed(

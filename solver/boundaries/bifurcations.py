@@ -154,12 +154,12 @@ def move_parameters(here, along, step, moved):
 
 
 @kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _B, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
-def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, start, closed, switches, by_angle, by_axis):
+def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start, closed, switches, by_angle, by_axis):
     """The test functions of a motion, and how they change.
 
     Parameters
     ----------
-    theta : array
+    parameters : array
         Of `solver.boundaries.problem`: holds the steps of differences.
     here, along_x, along_p : arrays
         `parameters_at` a place (x, p), of `solver.model.packing.packed`.
@@ -208,7 +208,7 @@ def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, start, clos
         by_angle[0, c], by_angle[1, c] = factor * (moved[0] - value[0]), factor * (moved[1] - value[1])
     beyond, nothing = np.empty(here.shape[0]), np.empty((0, size))
     for axis in range(2):
-        along, step = (along_x, theta[X_STEP]) if axis == 0 else (along_p, theta[P_STEP])
+        along, step = (along_x, parameters[X_STEP]) if axis == 0 else (along_p, parameters[P_STEP])
         by_axis[0, axis], by_axis[1, axis] = 0.0, 0.0
         for side in (-1.0, 1.0):
             move_parameters(here, along, side * step, beyond)

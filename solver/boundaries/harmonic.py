@@ -13,7 +13,7 @@ import numpy as np
 
 from solver.boundaries.bifurcations import critical_cosines
 from solver.boundaries.harmonic_rows import harmonic_rows
-from solver.boundaries.problem import GRAZINGS, Contact, Guess, Plane, Stretch, plane_theta
+from solver.boundaries.problem import GRAZINGS, Contact, Guess, Plane, Stretch, plane_parameters
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.harmonic.galerkin import Galerkin
 from solver.model.parameters import BACK_CONTACT, EVENT, FRONT_CONTACT
@@ -49,9 +49,9 @@ class HarmonicProblem:
 
     def __post_init__(self):
         plane, balance = self.plane, self.balance
-        theta, direction = plane_theta(plane, balance.order, balance.period)
+        parameters, parameter_slope = plane_parameters(plane, balance.order, balance.period)
         scale = np.array([*[plane.motion_size] * balance.unknowns, *plane.scale])
-        for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
+        for name, value in (("parameters", parameters), ("parameter_slope", parameter_slope), ("scale", scale)):
             value.setflags(write=False)
             object.__setattr__(self, f"_{name}", value)
 
@@ -86,11 +86,12 @@ class HarmonicProblem:
         return self._problem(kind, contact or _ANY)
 
     def _problem(self, kind: Event, contact: tuple[int, int]) -> Problem:
-        theta, direction, scale = self._theta.copy(), self._direction.copy(), self._scale.copy()
-        theta[EVENT], theta[[FRONT_CONTACT, BACK_CONTACT]] = kind, contact
+        parameters, parameter_slope, scale = self._parameters.copy(), self._parameter_slope.copy(), self._scale.copy()
+        parameters[EVENT], parameters[[FRONT_CONTACT, BACK_CONTACT]] = kind, contact
         if kind is Event.NEIMARK_SACKER:
             scale = np.insert(scale, self.unknowns, 1.0)
-        return Problem(harmonic_rows, harmonic_rows, theta, direction, scale, monitors=2 if kind in GRAZINGS else 1)
+        test_count = 2 if kind in GRAZINGS else 1
+        return Problem(harmonic_rows, harmonic_rows, parameters, parameter_slope, scale, test_count)
 
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
         """Low and high border of y: the plane, and for Neimark-Sackers the resonances kappa = -1 and 1."""

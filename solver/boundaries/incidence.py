@@ -86,9 +86,9 @@ def _distances(setup, strand, targets, seen, nearest):
             _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
             copy_into(found, seed)
             iterations = setup.corrector(
-                setup.balance,
-                setup.theta,
-                setup.direction,
+                setup.residual_and_jacobian,
+                setup.parameters,
+                setup.parameter_slope,
                 scale,
                 found,
                 normal,

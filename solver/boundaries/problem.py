@@ -5,9 +5,9 @@ equations are smooth. A boundary problem says which equations hold on a stretch,
 goes on beyond; `solver.boundaries.tracer` follows it. There are two of them: `solver.boundaries.first_order` and
 `solver.boundaries.harmonic`.
 
-Kernels read theta = (header | parameters with both axes at 0 | what x adds | how p bends them) and direction, what p
-adds along a straight line. The parameters are those of `solver.model.packing.packed`; how they bend is the flat form
-of `solver.model.parameter_path`.
+Kernels read `parameters`, those of a plane in `solver.model.parameters`, and `parameter_slope`, what p adds to them
+along a straight line. The system's part is that of `solver.model.packing.packed`; how p bends it is the flat form of
+`solver.model.parameter_path`.
 """
 
 from collections.abc import Iterable
@@ -46,7 +46,7 @@ __all__ = [
     "Stretch",
     "curve_tangent",
     "parameters_at",
-    "plane_theta",
+    "plane_parameters",
 ]
 
 GRAZINGS = (Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK)
@@ -168,8 +168,8 @@ def checked_events(name: str, events, size: int) -> tuple[np.ndarray, np.ndarray
     return np.array(kinds, dtype=np.int64), finite_array(name, points, (None, size))
 
 
-def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
-    """`theta`, of its header only the steps, and `direction` of a plane.
+def plane_parameters(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
+    """`parameters`, of its header only the steps, and `parameter_slope` of a plane.
 
     Parameters
     ----------
@@ -285,12 +285,12 @@ def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
 
 
 @kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
-def parameters_at(theta, direction, y):
+def parameters_at(parameters, parameter_slope, y):
     """The parameters at y = (..., x, p), and what either axis adds to them there."""
-    size, last = direction.shape[0], y.shape[0] - 1
+    size, last = parameter_slope.shape[0], y.shape[0] - 1
     here, along_x, along_p = np.empty(size), np.empty(size), np.empty(size)
     for i in range(size):
-        along_x[i], along_p[i] = theta[PLANE_HEADER + size + i], direction[i]
-        here[i] = theta[PLANE_HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
-    add_path(theta, PLANE_HEADER + 2 * size, y[last], here, along_p)
+        along_x[i], along_p[i] = parameters[PLANE_HEADER + size + i], parameter_slope[i]
+        here[i] = parameters[PLANE_HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
+    add_path(parameters, PLANE_HEADER + 2 * size, y[last], here, along_p)
     return here, along_x, along_p

@@ -191,9 +191,11 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     """
     instance_of("model", model, Model)
     omega, ceiling = frequency(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
-    theta, direction = axis_vectors(model, "omega")
+    parameters, parameter_slope = axis_vectors(model, "omega")
     found, undecided, work = workspace()
-    count, n_open, proof, above, visits = enumerate_point(theta, direction, omega, ceiling, found, undecided, work)
+    count, n_open, proof, above, visits = enumerate_point(
+        parameters, parameter_slope, omega, ceiling, found, undecided, work
+    )
     proof = Proof(proof)
     if proof is Proof.CONTRADICTION:
         raise ArithmeticError(f"{proof.sentence} It happened at omega = {omega!r} for {model!r}.")
@@ -251,15 +253,17 @@ def enumerate_row(
     return enumerate_values(*axis_vectors(model, axis, omega), grid, ceiling)
 
 
-def enumerate_values(theta: np.ndarray, direction: np.ndarray, grid: np.ndarray, ceiling: float) -> RowSolutions:
+def enumerate_values(
+    parameters: np.ndarray, parameter_slope: np.ndarray, grid: np.ndarray, ceiling: float
+) -> RowSolutions:
     """`enumerate_row` for callers that have the vectors of the axis; nothing is checked.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
         `solver.model.packing.axis_vectors`.
     grid : (X,) array
     ceiling : float
         `amplitude_max`.
     """
-    return RowSolutions(*enumerate_points(theta, direction, grid, float(ceiling)))
+    return RowSolutions(*enumerate_points(parameters, parameter_slope, grid, float(ceiling)))

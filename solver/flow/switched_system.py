@@ -117,21 +117,21 @@ def _supports(model, slope, p, groups):
 
 
 @kernel(_I(ARRAY, ARRAY, _F), inner=True)
-def count_degrees(theta, direction, p):
+def count_degrees(parameters, parameter_slope, p):
     """Number n of coordinates of a system that the contact reaches, from vectors of `solver.model.packing.packed`."""
-    if theta[KIND] != GEAR:
-        return int(theta[DEGREES])
-    gear, slope = gear_numbers(theta, theta), gear_numbers(theta, direction)
+    if parameters[KIND] != GEAR:
+        return int(parameters[DEGREES])
+    gear, slope = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
     return 1 + _supports(gear, slope, p, np.empty((4, 6)))
 
 
 @kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
-def system_at(theta, direction, p, system):
+def system_at(parameters, parameter_slope, p, system):
     """Fill a system of `new_system` at one axis value.
 
     Parameters
     ----------
-    theta, direction : arrays
+    parameters, parameter_slope : arrays
         Of `solver.model.packing.packed`.
     p : float
         Axis value.
@@ -139,18 +139,24 @@ def system_at(theta, direction, p, system):
         Of `count_degrees` coordinates.
     """
     numbers, variation = system.numbers, system.variation
-    (back, _), (high, _) = number_at(theta, direction, p, BACK_GAP), number_at(theta, direction, p, FRONT_GAP)
-    low, (omega, _) = -back, number_at(theta, direction, p, MESH_FREQUENCY)
+    (back, _), (high, _) = (
+        number_at(parameters, parameter_slope, p, BACK_GAP),
+        number_at(parameters, parameter_slope, p, FRONT_GAP),
+    )
+    low, (omega, _) = -back, number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
     numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = omega, low, high
     numbers[LENGTH], numbers[ONE_ZONE] = 1.0, 1.0 if low == high else 0.0
     for l in range(variation.shape[0]):
         at = stiffness_slot(l + 1)
-        (size, _), (phase, _) = number_at(theta, direction, p, at), number_at(theta, direction, p, at + 1)
+        (size, _), (phase, _) = (
+            number_at(parameters, parameter_slope, p, at),
+            number_at(parameters, parameter_slope, p, at + 1),
+        )
         variation[l, 0], variation[l, 1] = size * math.cos(phase), size * math.sin(phase)
-    if theta[KIND] == GEAR:
-        _gear(gear_numbers(theta, theta), gear_numbers(theta, direction), p, system)
+    if parameters[KIND] == GEAR:
+        _gear(gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope), p, system)
     else:
-        _system(theta, system)
+        _system(parameters, system)
     matrices, vectors = system.matrices, system.vectors
     n = vectors.shape[1]
     for i in range(n):
@@ -184,11 +190,11 @@ def _gear(model, slope, p, system):
 
 
 @kernel(types.void(ARRAY, SWITCHED_SYSTEM), inner=True)
-def _system(theta, system):
+def _system(parameters, system):
     """A `ContactSystem`, from its M, C, K, w, h and h_v; no axis changes them."""
     matrices, vectors = system.matrices, system.vectors
     n = vectors.shape[1]
-    (mass, damping, stiffness), (contact, force, varying) = system_matrices(theta)
+    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters)
     left, rights = np.empty((n, n)), np.empty((2 * n + 2, n))
     for i in range(n):
         vectors[0, i] = contact[i]

@@ -46,23 +46,23 @@ _COMPLEX = np.complex128
 
 
 @kernel(types.UniTuple(_F, 2)(ARRAY, ARRAY, _F), inline=True)
-def base_frequency(theta, direction, p):
+def base_frequency(parameters, parameter_slope, p):
     """Omega/nu at one axis value, and its derivative."""
-    return (theta[MESH_FREQUENCY] + p * direction[MESH_FREQUENCY]) / theta[PERIOD], direction[MESH_FREQUENCY] / theta[
-        PERIOD
-    ]
+    return (parameters[MESH_FREQUENCY] + p * parameter_slope[MESH_FREQUENCY]) / parameters[PERIOD], parameter_slope[
+        MESH_FREQUENCY
+    ] / parameters[PERIOD]
 
 
 @kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
-def stiffness_phasor(theta, direction, p, l):
+def stiffness_phasor(parameters, parameter_slope, p, l):
     """S_l = alpha_l exp(i Phi_kl), l >= 1, and its derivative along the axis."""
-    return phasor(theta, direction, p, stiffness_slot(l))
+    return phasor(parameters, parameter_slope, p, stiffness_slot(l))
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
-def _gear_impedance(theta, direction, p, s, d_s, l):
+def _gear_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a gear pair."""
-    model, along = gear_numbers(theta, theta), gear_numbers(theta, direction)
+    model, along = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
     T, U, d_T, d_U = mesh_receptance(model, along, p, s, d_s)
     c, d_c = rotation_coupling(model, along, p)
     xi, d_xi = number_at(model, along, p, XI_MESH)
@@ -73,10 +73,10 @@ def _gear_impedance(theta, direction, p, s, d_s, l):
     if l == 0 or l == 1:
         constant, d_constant = number_at(model, along, p, F_PM if l == 0 else F_PV)
         load, d_load = complex(constant), complex(d_constant)
-    if 0 < l <= int(theta[LOADS]):
-        omega, d_omega = number_at(theta, direction, p, MESH_FREQUENCY)
+    if 0 < l <= int(parameters[LOADS]):
+        omega, d_omega = number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
         omega, d_omega = l * omega, l * d_omega
-        error, d_error = phasor(theta, direction, p, error_slot(theta, l))
+        error, d_error = phasor(parameters, parameter_slope, p, error_slot(parameters, l))
         load += omega * omega * error
         d_load += omega * omega * d_error + 2.0 * omega * d_omega * error
     return (
@@ -97,16 +97,19 @@ def _complex(number, p, slope):
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
-def _system_impedance(theta, direction, p, s, d_s, l):
+def _system_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a `ContactSystem`."""
-    n, loads = int(theta[DEGREES]), int(theta[LOADS])
-    (mass, damping, stiffness), (contact, force, varying) = system_matrices(theta)
-    (steady, growing), (d_steady, d_growing) = system_loads(theta, theta), system_loads(theta, direction)
+    n, loads = int(parameters[DEGREES]), int(parameters[LOADS])
+    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters)
+    (steady, growing), (d_steady, d_growing) = (
+        system_loads(parameters, parameters),
+        system_loads(parameters, parameter_slope),
+    )
     forward, backward, change = np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX)
     # Right-hand sides h, h_v, F and (for the derivative alone) dF; across solves the transposed system for w.
     rights, across, none = np.zeros((4, n), _COMPLEX), np.empty((1, n), _COMPLEX), np.empty((0, n), _COMPLEX)
     free = np.empty((n, n), _COMPLEX)
-    omega, d_omega = number_at(theta, direction, p, MESH_FREQUENCY)
+    omega, d_omega = number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
     omega, d_omega = l * omega, l * d_omega
     for i in range(n):
         rights[0, i], rights[1, i], across[0, i] = force[i], varying[i], contact[i]
@@ -133,17 +136,17 @@ def _system_impedance(theta, direction, p, s, d_s, l):
             d_A -= weight * rights[0, j]
             d_B -= weight * rights[1, j]
             d_G -= weight * rights[2, j]
-    factor = theta[SIGN] if l == 0 else abs(theta[SIGN])
+    factor = parameters[SIGN] if l == 0 else abs(parameters[SIGN])
     return ((factor * D, factor * A, factor * B, factor * G), (-factor * d_A, factor * d_A, factor * d_B, factor * d_G))
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inline=True)
-def impedance(theta, direction, p, s, d_s, l):
+def impedance(parameters, parameter_slope, p, s, d_s, l):
     """D, A, B and G of the module at one complex frequency, and their derivatives along the axis.
 
     Parameters
     ----------
-    theta, direction : arrays
+    parameters, parameter_slope : arrays
         Of `solver.model.packing.packed`.
     p : float
         Axis value.
@@ -156,6 +159,6 @@ def impedance(theta, direction, p, s, d_s, l):
     -------
     values, slopes : 4 complex numbers each
     """
-    if theta[KIND] == GEAR:
-        return _gear_impedance(theta, direction, p, s, d_s, l)
-    return _system_impedance(theta, direction, p, s, d_s, l)
+    if parameters[KIND] == GEAR:
+        return _gear_impedance(parameters, parameter_slope, p, s, d_s, l)
+    return _system_impedance(parameters, parameter_slope, p, s, d_s, l)

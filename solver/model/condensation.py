@@ -26,20 +26,23 @@ __all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
 
 
 @kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64), inline=True)
-def phasor(theta, direction, p, slot):
+def phasor(parameters, parameter_slope, p, slot):
     """amplitude exp(i phase) of a pair of numbers, the amplitude at a slot, and its derivative along the axis."""
-    (size, d_size), (phase, d_phase) = number_at(theta, direction, p, slot), number_at(theta, direction, p, slot + 1)
+    (size, d_size), (phase, d_phase) = (
+        number_at(parameters, parameter_slope, p, slot),
+        number_at(parameters, parameter_slope, p, slot + 1),
+    )
     unit = cmath.exp(1j * phase)
     return size * unit, (d_size + 1j * size * d_phase) * unit
 
 
 @kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64), inline=True)
-def rotation_coupling(theta, direction, p):
+def rotation_coupling(parameters, parameter_slope, p):
     """Rotation coupling c at axis value p and its derivative along the axis."""
     radians = math.pi / 180.0
-    value, slope = number_at(theta, direction, p, ROTATION)
-    if theta[ROTATION_GEOMETRIC] != 0.0:
-        pressure, d_pressure = number_at(theta, direction, p, PRESSURE)
+    value, slope = number_at(parameters, parameter_slope, p, ROTATION)
+    if parameters[ROTATION_GEOMETRIC] != 0.0:
+        pressure, d_pressure = number_at(parameters, parameter_slope, p, PRESSURE)
         pressure *= radians
         value += math.cos(pressure) ** 2
         slope -= math.sin(2.0 * pressure) * d_pressure * radians
@@ -49,12 +52,12 @@ def rotation_coupling(theta, direction, p):
 @kernel(
     types.UniTuple(types.complex128, 4)(ARRAY, ARRAY, types.float64, types.complex128, types.complex128), inner=True
 )
-def mesh_receptance(theta, direction, p, s, d_s):
+def mesh_receptance(parameters, parameter_slope, p, s, d_s):
     """What the supports add to the mesh row at one complex frequency, and its derivative.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
     p : float
         Axis value.
     s, d_s : complex
@@ -67,10 +70,10 @@ def mesh_receptance(theta, direction, p, s, d_s):
         omega those of docs/physics.md, section 3), and their derivatives along the axis, s moving by d_s.
     """
     radians = math.pi / 180.0
-    cone, d_cone = number_at(theta, direction, p, CONE)
-    pressure, d_pressure = number_at(theta, direction, p, PRESSURE)
+    cone, d_cone = number_at(parameters, parameter_slope, p, CONE)
+    pressure, d_pressure = number_at(parameters, parameter_slope, p, PRESSURE)
     cone, d_cone, pressure, d_pressure = cone * radians, d_cone * radians, pressure * radians, d_pressure * radians
-    sigma, d_sigma = number_at(theta, direction, p, SIGMA)
+    sigma, d_sigma = number_at(parameters, parameter_slope, p, SIGMA)
     cone_cos, cone_sin = math.cos(cone) ** 2, math.sin(cone) ** 2
     pressure_cos, pressure_sin = math.cos(pressure) ** 2, math.sin(pressure) ** 2
     turn_cone, turn_pressure = math.sin(2.0 * cone) * d_cone, math.sin(2.0 * pressure) * d_pressure
@@ -85,10 +88,10 @@ def mesh_receptance(theta, direction, p, s, d_s):
             shape, d_shape = pressure_cos, -turn_pressure
         weight, d_weight = sigma * shape, d_sigma * shape + sigma * d_shape
         g = j // 3
-        kappa, d_kappa = number_at(theta, direction, p, KAPPA + g)
-        xi_g, d_xi_g = number_at(theta, direction, p, XI_TRANSLATION + g)
-        xi_j, d_xi_j = number_at(theta, direction, p, XI_SUPPORT + j)
-        k_j, d_k_j = number_at(theta, direction, p, K_SUPPORT + j)
+        kappa, d_kappa = number_at(parameters, parameter_slope, p, KAPPA + g)
+        xi_g, d_xi_g = number_at(parameters, parameter_slope, p, XI_TRANSLATION + g)
+        xi_j, d_xi_j = number_at(parameters, parameter_slope, p, XI_SUPPORT + j)
+        k_j, d_k_j = number_at(parameters, parameter_slope, p, K_SUPPORT + j)
         if xi_j != xi or k_j != k:
             # Supports that are alike, as they mostly are, share one 1/Z_j. Those that differ may not share d_j either,
             # but an axis moves all supports of one kind together, so that equal supports have equal derivatives.

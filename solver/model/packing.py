@@ -82,20 +82,20 @@ _SLOTS = {
 
 def parameter_vector(model: Model, omega: float) -> np.ndarray:
     """The model at one frequency as the flat vector that kernels read, of shape (34,); angles in degrees."""
-    theta = np.zeros(GEAR_SIZE)
-    theta[OMEGA] = omega
+    parameters = np.zeros(GEAR_SIZE)
+    parameters[OMEGA] = omega
     for name in SCALAR_PARAMETERS:
         value = getattr(model, name)
-        theta[_SLOTS[name]] = 0.0 if value == GEOMETRIC else value
-    theta[SIGMA] = model.sigma
-    theta[ROTATION_GEOMETRIC] = float(model.rotation_coupling == GEOMETRIC)
+        parameters[_SLOTS[name]] = 0.0 if value == GEOMETRIC else value
+    parameters[SIGMA] = model.sigma
+    parameters[ROTATION_GEOMETRIC] = float(model.rotation_coupling == GEOMETRIC)
     if model.alpha_harmonics:
-        theta[ALPHA_2], theta[ALPHA_2_PHASE] = model.alpha_harmonics[0]
-    return theta
+        parameters[ALPHA_2], parameters[ALPHA_2_PHASE] = model.alpha_harmonics[0]
+    return parameters
 
 
 def axis_vectors(model: Model, axis: str, omega: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """`theta` with the axis set to 0, and the direction of the axis.
+    """`parameters` with the axis set to 0, and `parameter_slope`, what the axis adds to them.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def axis_vectors(model: Model, axis: str, omega: float | None = None) -> tuple[n
 
     Returns
     -------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
 
     Raises
     ------
@@ -116,13 +116,13 @@ def axis_vectors(model: Model, axis: str, omega: float | None = None) -> tuple[n
     """
     if axis not in AXES:
         raise ParameterError("axis", axis, f"one of {', '.join(AXES)}")
-    theta = parameter_vector(model, 0.0 if axis == "omega" else omega)
-    direction = np.zeros(GEAR_SIZE)
-    theta[_SLOTS[axis]] = 0.0
-    direction[_SLOTS[axis]] = 1.0
+    parameters = parameter_vector(model, 0.0 if axis == "omega" else omega)
+    parameter_slope = np.zeros(GEAR_SIZE)
+    parameters[_SLOTS[axis]] = 0.0
+    parameter_slope[_SLOTS[axis]] = 1.0
     if axis == "rotation_coupling":
-        theta[ROTATION_GEOMETRIC] = 0.0
-    return theta, direction
+        parameters[ROTATION_GEOMETRIC] = 0.0
+    return parameters, parameter_slope
 
 
 def check_axis(system: Model | ContactSystem, axis: str, low: float, high: float, omega: float | None) -> None:
@@ -161,7 +161,7 @@ def check_axis(system: Model | ContactSystem, axis: str, low: float, high: float
 
 
 def packed(system: Model | ContactSystem, axis: str, omega: float | None, order: int, period: int):
-    """`theta` with the axis at 0, and the direction of the axis, for a balance of order H/nu on nu periods 2 pi/Omega.
+    """`parameters` with the axis at 0, and what it adds to them, for a balance of order H/nu on nu periods 2 pi/Omega.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def packed(system: Model | ContactSystem, axis: str, omega: float | None, order:
 
     Returns
     -------
-    theta, direction : arrays of one length
+    parameters, parameter_slope : arrays of one length
 
     Raises
     ------
@@ -189,12 +189,14 @@ def packed(system: Model | ContactSystem, axis: str, omega: float | None, order:
     return gear_vectors(*vectors, system.stiffness_harmonics()[1:], system.error_harmonics()[1:], order, period)
 
 
-def gear_vectors(theta, direction, stiffness, errors, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
+def gear_vectors(
+    parameters, parameter_slope, stiffness, errors, order: int, period: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Vectors of `packed` from those of a gear.
 
     Parameters
     ----------
-    theta, direction : arrays
+    parameters, parameter_slope : arrays
         `axis_vectors` of the gear.
     stiffness, errors : sequence of (amplitude, phase)
         Harmonics 2, 3, ... of the mesh stiffness and of the transmission error.
@@ -202,7 +204,7 @@ def gear_vectors(theta, direction, stiffness, errors, order: int, period: int) -
         Harmonics of the mesh frequency, and nu.
     """
     vectors = []
-    for vector, constant in ((theta, 1.0), (direction, 0.0)):
+    for vector, constant in ((parameters, 1.0), (parameter_slope, 0.0)):
         head = np.zeros(PAIRS)
         counts = GEAR, order * period, period, 1 + len(stiffness), 1 + len(errors), 1.0
         head[[KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, SIGN]] = np.multiply(constant, counts)

@@ -53,7 +53,7 @@ class RowSpan:
     def first_order_vectors(self) -> tuple[np.ndarray, np.ndarray]:
         """`solver.model.packing.axis_vectors`, which enumeration reads."""
         if isinstance(self.balance, DescribingFunction):
-            return self.problem.theta, self.problem.direction
+            return self.problem.parameters, self.problem.parameter_slope
         return axis_vectors(self.model, self.axis, self.omega)
 
     def corrected(self, starts: np.ndarray, iterations: int = 20) -> np.ndarray:

@@ -92,16 +92,16 @@ def _equal(left, right):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, MATRIX, _F, FLAGS, MATRIX))
-def _assess(theta, direction, values, motions, tolerance, bits, tests):
+def _assess(parameters, parameter_slope, values, motions, tolerance, bits, tests):
     """Fill bits (k,) and tests (k, TESTS) of motions (k, 2 H + 1) at axis values (k,)."""
     if values.shape[0] == 0:
         return
-    room = new_room(theta, direction, values[0], motions.shape[1])
+    room = new_room(parameters, parameter_slope, values[0], motions.shape[1])
     # Of the last motions that stayed free, and in contact: the linear system, bits and tests.
     free, closed = np.zeros(0), np.zeros(0)
     known_bits, known_tests = np.zeros(2, np.int8), np.empty((2, TESTS))
     for k in range(values.shape[0]):
-        room = fitted_room(theta, direction, values[k], room)
+        room = fitted_room(parameters, parameter_slope, values[k], room)
         count = find_switches(motions[k], room)
         zone = 1 if room.zones[0] != 0 else 0
         if count == 0:
@@ -115,7 +115,7 @@ def _assess(theta, direction, values, motions, tolerance, bits, tests):
                 closed = linear
             else:
                 free = linear
-        carry_through(count, theta[PERIOD], room)
+        carry_through(count, parameters[PERIOD], room)
         real, imaginary = room.multipliers[0], room.multipliers[1]
         eigenvalues(room.matrix, real, imaginary)
         bits[k] = where_multipliers_lie(real, imaginary, tolerance)
@@ -235,13 +235,13 @@ def monodromies(
     The contact force is continuous, so that the matrices of the smooth pieces between contact switches multiply,
     without jumps (docs/physics.md, section 6.2).
     """
-    theta, direction, values, motions = _checked(system, axis, values, motions, omega, 1, period)
+    parameters, parameter_slope, values, motions = _checked(system, axis, values, motions, omega, 1, period)
     if values.size == 0:
         return np.empty((0, 0, 0))
     one = np.empty((1, 0, 0))
-    states = 2 * (fill_monodromies(theta, direction, values[:1], motions[:1], one))
+    states = 2 * (fill_monodromies(parameters, parameter_slope, values[:1], motions[:1], one))
     found = np.empty((values.size, states, states))
-    if fill_monodromies(theta, direction, values, motions, found):
+    if fill_monodromies(parameters, parameter_slope, values, motions, found):
         raise ParameterError("values", values.tolist(), "such that all have the same number of coordinates")
     return found
 
@@ -353,10 +353,10 @@ def assess(
     if balance is not None:
         has_methods("balance", balance, "problem", "extremes")
     order, period, unknowns = (1, 1, 3) if balance is None else (balance.order, balance.period, balance.unknowns)
-    theta, direction, values, motions = _checked(system, axis, values, motions, omega, order, period)
+    parameters, parameter_slope, values, motions = _checked(system, axis, values, motions, omega, order, period)
     if motions.shape[1] != unknowns:
         raise ParameterError("motions", f"array of shape {motions.shape}", f"of shape ({values.size}, {unknowns})")
     static, tolerance = _checked_static(static, values.size), finite_number("tolerance", tolerance, at_least=0.0)
     bits, tests = np.empty(values.size, np.int8), np.empty((values.size, TESTS))
-    _assess(theta, direction, values, motions, tolerance, bits, tests)
+    _assess(parameters, parameter_slope, values, motions, tolerance, bits, tests)
     return Stability(named(bits, static), tests[:, LARGEST].copy(), tests)

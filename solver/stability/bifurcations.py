@@ -72,8 +72,8 @@ class KnownMotions(NamedTuple):
 class _Watch(NamedTuple):
     """What test functions are computed with: packed parameters of the system, and room for its matrices."""
 
-    theta: np.ndarray
-    direction: np.ndarray
+    parameters: np.ndarray
+    parameter_slope: np.ndarray
     room: Room
 
 
@@ -98,7 +98,7 @@ _LOCATED, _MISSED, _UNKNOWN = range(3)
 def _look(watch, y, tests):
     """Fill in the test functions at y = (u, p)."""
     n = y.shape[0] - 1
-    room = monodromy_at(watch.theta, watch.direction, y[:n], y[n], watch.room)
+    room = monodromy_at(watch.parameters, watch.parameter_slope, y[:n], y[n], watch.room)
     eigenvalues(room.matrix, room.multipliers[0], room.multipliers[1])
     spectral_tests(room.multipliers[0], room.multipliers[1], tests)
 
@@ -284,11 +284,11 @@ def _on_piece(setup, left, right, arc, x, motions, first, last):
 
 
 @kernel(types.void(SETUP, STRAND, ARRAY, ARRAY, _KNOWN, _FOUND))
-def _bifurcations(setup, strand, theta, direction, known, found):
+def _bifurcations(setup, strand, parameters, parameter_slope, known, found):
     """Locate the bifurcations of a branch, with the packed parameters of its system."""
     n, branch, tangents, arclength = setup.unknowns, strand.points, strand.tangents, strand.arclength
     values = known.values
-    watch = _Watch(theta, direction, new_room(theta, direction, branch[0, n], n))
+    watch = _Watch(parameters, parameter_slope, new_room(parameters, parameter_slope, branch[0, n], n))
     size = point_size(setup)
     left, right = np.zeros(size), np.zeros(size)
     at_low, at_high, at_right = np.empty(TESTS), np.empty(TESTS), np.empty(TESTS)
@@ -338,9 +338,9 @@ def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, n
     gear has more, pack them from the gear.
     """
     if not balance.truncated:
-        return problem.theta, problem.direction
-    second = problem.theta[[ALPHA_2, ALPHA_2_PHASE]]
-    return gear_vectors(problem.theta, problem.direction, [second], [], 1, 1)
+        return problem.parameters, problem.parameter_slope
+    second = problem.parameters[[ALPHA_2, ALPHA_2_PHASE]]
+    return gear_vectors(problem.parameters, problem.parameter_slope, [second], [], 1, 1)
 
 
 def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
@@ -370,7 +370,7 @@ def locate_bifurcations(
 
     Parameters
     ----------
-    parameters : (theta, direction)
+    parameters : (parameters, parameter_slope)
         `solver.model.packing.packed(system, axis, omega, balance.order, balance.period)`.
     problem : Problem
         `balance.problem(...)`.
@@ -402,7 +402,7 @@ def locate_bifurcations(
     n = problem.unknowns
     if known is None:
         known = KnownMotions(np.empty(0), np.empty((0, n)), np.empty((0, TESTS)))
-    size = 2 * (n + 1) + 2 * problem.monitors + 1
+    size = 2 * (n + 1) + 2 * problem.test_count + 1
     indices, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
     found = _Found(indices, fractions, kinds, np.empty((_MOST, size)), np.zeros(3, np.int64))
     _bifurcations(problem.setup(continuation.corrector), curve.strand, *parameters, known, found)

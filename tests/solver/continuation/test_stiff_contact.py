@@ -44,14 +44,14 @@ def swept(system, order, low, high, heading=1, continuation=None):
 def check(problem, curve):
     """What holds along every curve, however stiff its contacts are."""
     n, p = problem.unknowns, curve.points[:, -1]
-    values, gradient = np.empty(problem.monitors), np.empty((problem.monitors, n + 1))
+    values, gradient = np.empty(problem.test_count), np.empty((problem.test_count, n + 1))
     at_grazing = {kind: np.flatnonzero(curve.event == kind) for kind in GRAZINGS}
     margins = np.empty((len(p), 4))
     for i, y in enumerate(curve.points):
         residual, jacobian = problem.evaluated(y)
         size = np.abs(jacobian) @ problem.scale
         assert np.max(np.abs(residual) / size) < 1e-8, i
-        problem.monitor(problem.theta, problem.direction, y, values, gradient)
+        problem.test_functions(problem.parameters, problem.parameter_slope, y, values, gradient)
         margins[i] = values[1:]
     # A grazing is where its margin vanishes; it changes sign there and nowhere else.
     for column, kind in enumerate(GRAZINGS):

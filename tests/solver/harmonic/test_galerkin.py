@@ -85,7 +85,7 @@ def test_margins_and_their_gradients(model, omega, balance, seed):
 
     def observed(y):
         values, gradient = np.empty(5), np.empty((5, y.size))
-        problem.monitor(problem.theta, problem.direction, y, values, gradient)
+        problem.test_functions(problem.parameters, problem.parameter_slope, y, values, gradient)
         return values, gradient
 
     y = np.append(u, 0.7)

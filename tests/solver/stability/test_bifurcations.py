@@ -225,9 +225,9 @@ def test_what_cannot_be_located_is_a_note():
     problem, curve = branch(published(), balance)
     parameters = packed(published(), "omega", None, 1, 1)
     assert np.any(locate_bifurcations(parameters, problem, curve, Continuation())[0].event >= Event.PERIOD_DOUBLING)
-    theta = problem.theta.copy()
+    theta = problem.parameters.copy()
     theta[kind_start(theta) + F_PM] = np.nan
-    spoiled = dataclasses.replace(problem, theta=theta)
+    spoiled = dataclasses.replace(problem, parameters=theta)
     found, notes = locate_bifurcations(parameters, spoiled, curve, Continuation())
     assert not np.any(found.event >= Event.PERIOD_DOUBLING)
     assert len(notes) == 1 and "cannot be located" in notes[0]
