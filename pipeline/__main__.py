@@ -61,6 +61,11 @@ def _run(arguments: list[str], reporter) -> int:
 
     asked = parse([quoted_home(argument) for argument in arguments])
     text = _answer(asked)
+    if asked.warmup:
+        from pipeline.run.warmup import warm_up_everything
+
+        warm_up_everything(reporter)
+        return 0
     if text is None:
         return _run_overrides(asked, reporter)
     print(text, end="")

@@ -173,7 +173,20 @@ class Problem:
     def corrected(
         self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
     ) -> np.ndarray | None:
-        """`corrected_all` of one guess (n + 1,); None if the corrector does not converge."""
+        """`corrected_all` of one guess; None if the corrector does not converge.
+
+        Parameters
+        ----------
+        y : (n + 1,) array_like
+            The guess (u, p).
+        corrector, normal, max_iterations
+            As for `corrected_all`.
+
+        Raises
+        ------
+        ParameterError
+            As `corrected_all`.
+        """
         guess = finite_array("y", y, (self.unknowns + 1,))
         (found,) = self.corrected_all(guess[None], corrector, normal, max_iterations)
         return None if np.isnan(found[0]) else found
