@@ -67,8 +67,17 @@ def orient(setup, point, border):
     y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
     jacobian, matrix = setup.work[0:n], setup.work[n : 2 * n + 1]
     residual, rights = setup.work[2 * n + 1][:n], setup.work[2 * n + 2 : 2 * n + 4]
-    equations = setup.residual_and_jacobian, setup.parameters, setup.parameter_slope
-    bordered(*equations, setup.scale, y, border, jacobian, residual, matrix)
+    bordered(
+        setup.residual_and_jacobian,
+        setup.parameters,
+        setup.parameter_slope,
+        setup.scale,
+        y,
+        border,
+        jacobian,
+        residual,
+        matrix,
+    )
     for j in range(n):
         rights[0, j], rights[1, j] = 0.0, -residual[j]
     rights[0, n], rights[1, n] = 1.0, 0.0
