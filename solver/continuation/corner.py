@@ -83,17 +83,17 @@ def _find_grazing(setup, here, distance, row, rows, corner, normal):
         angle = rows[k, ANGLE]
         for j in range(n + 1):
             normal[j] = rows[k, CONTACT_ROW + j] * scale[j]
-            bordered(
-                setup.residual_and_jacobian,
-                setup.parameters,
-                setup.parameter_slope,
-                scale,
-                y,
-                normal,
-                jacobian,
-                residual,
-                matrix,
-            )
+        bordered(
+            setup.residual_and_jacobian,
+            setup.parameters,
+            setup.parameter_slope,
+            scale,
+            y,
+            normal,
+            jacobian,
+            residual,
+            matrix,
+        )
         for i in range(n):
             step[i] = -residual[i]
         step[n] = -rows[k, MARGIN]
