@@ -101,7 +101,7 @@ def test_values_are_met_in_the_order_in_which_the_curve_passes_them():
     grid = np.linspace(0.3, 1.9, 800)
     for curve in sweep_row(model, "omega", np.linspace(0.3, 1.9, 20)).curves:
         problem = first_order_problem(model, "omega", 0.3, 1.9)
-        columns, _, _ = curve_crossings(problem, curve, grid, Continuation())
+        columns, *_ = curve_crossings(problem, curve, grid, Continuation())
         # At a fold the last value met is the first one again.
         senses = np.sign(np.diff(columns)[np.diff(columns) != 0])
         assert np.sum(senses[1:] != senses[:-1]) == np.sum(curve.event == Event.FOLD)
