@@ -48,7 +48,7 @@ lowest:
 	$(PYTHON) -m venv --clear $(LOWEST)
 	sed -n '/^dependencies/,/^]/s/.*"\(.*\)>=\(.*\)".*/\1==\2/p' pyproject.toml > $(LOWEST)/lowest.txt
 	$(LOWEST)/bin/pip install --quiet --constraint $(LOWEST)/lowest.txt --editable .
-	NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -W error -m pipeline \
+	NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -m pipeline \
 		plane.sweep.num=40 plane.parameter.num=8 'stages=[sweep,boundaries,figures,check,list]' output.root=$(LOWEST)/outputs
 
 # QUICK=1 leaves out what takes long.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import ConfigurationError
-from pipeline.figures.options import FORMATS, check_options
+from pipeline.figures.options import check_options
 from pipeline.plan.plan import Plan
 from solver.model.checks import finite_array
 
@@ -125,7 +125,7 @@ class Plots:
             return draw_backbone(plane)
 
     def _check(self, curves, window, stability: str, units: str) -> None:
-        check_options(self.plan, curves, list(FORMATS[:1]), 100, window, stability, units)
+        check_options(self.plan, curves, ["png"], 100, window, stability, units)
 
     def _read(self, stability: str, units: str):
         from pipeline.figures.stored import read_stored

@@ -173,7 +173,7 @@ class Problem:
     def corrected(
         self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
     ) -> np.ndarray | None:
-        """`corrected_all` of one guess; None if the corrector does not converge.
+        """The solution that a corrector reaches from one guess; None if it does not converge.
 
         Parameters
         ----------
@@ -185,7 +185,7 @@ class Problem:
         Raises
         ------
         ParameterError
-            As `corrected_all`.
+            If an argument has another size or is not finite, or is no corrector.
         """
         guess = finite_array("y", y, (self.unknowns + 1,))
         (found,) = self.corrected_all(guess[None], corrector, normal, max_iterations)
