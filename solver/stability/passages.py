@@ -19,7 +19,7 @@ from solver.kernels.linear import copy_into
 from solver.stability.monodromy import ROOM, Room, monodromy_at
 from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
 
-__all__ = ["INDICES", "UNKNOWN", "Found", "Recent", "Watch", "look", "search", "search_dips"]
+__all__ = ["FOUND", "UNKNOWN", "Found", "Recent", "Watch", "look", "search", "search_dips"]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
 INDICES = types.int64[::1]
@@ -44,8 +44,8 @@ _DIP_LOOKS, _CLEARANCE = 8, 0.5
 class Watch(NamedTuple):
     """What test functions are computed with: packed parameters of the system, and room for its matrices."""
 
-    theta: np.ndarray
-    direction: np.ndarray
+    parameters: np.ndarray
+    parameter_slope: np.ndarray
     room: Room
 
 
@@ -79,7 +79,7 @@ LOCATED, MISSED, UNKNOWN = range(3)
 def look(watch, y, tests):
     """Fill in the test functions at y = (u, p)."""
     n = y.shape[0] - 1
-    room = monodromy_at(watch.theta, watch.direction, y[:n], y[n], watch.room)
+    room = monodromy_at(watch.parameters, watch.parameter_slope, y[:n], y[n], watch.room)
     eigenvalues(room.matrix, room.multipliers[0], room.multipliers[1])
     spectral_tests(room.multipliers[0], room.multipliers[1], tests)
 
