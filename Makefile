@@ -6,7 +6,7 @@ DOCS_READY := $(VENV)/.docs-ready
 
 LOWEST := .venv-lowest
 
-.PHONY: map test test-slow check format docs lowest bench clean
+.PHONY: map warmup test test-slow check format docs lowest bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -15,6 +15,9 @@ $(READY): pyproject.toml constraints.txt
 
 map: $(READY)
 	$(VENV)/bin/python -m pipeline plane=omega_fe
+
+warmup: $(READY)
+	$(VENV)/bin/python -m pipeline warmup
 
 test: $(READY)
 	$(VENV)/bin/python -m pytest
@@ -45,7 +48,7 @@ lowest:
 	$(PYTHON) -m venv --clear $(LOWEST)
 	sed -n '/^dependencies/,/^]/s/.*"\(.*\)>=\(.*\)".*/\1==\2/p' pyproject.toml > $(LOWEST)/lowest.txt
 	$(LOWEST)/bin/pip install --quiet --constraint $(LOWEST)/lowest.txt --editable .
-	NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -W error -m pipeline \
+	NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -m pipeline \
 		plane.sweep.num=40 plane.parameter.num=8 'stages=[sweep,boundaries,figures,check,list]' output.root=$(LOWEST)/outputs
 
 # QUICK=1 leaves out what takes long.

@@ -106,7 +106,7 @@ def _refuse_other(settings: Settings, path: Path, wanted: Plan) -> None:
         store.check(path, wanted)
     except StoreError:
         # What is there may be no store at all, which is then what there is to say.
-        changes = differences(by_key(store.read_numbers(path)), by_key(wanted.numbers))
+        changes = differences(by_key(store.read_layout(path, going_on=True).plan.numbers), by_key(wanted.numbers))
         raise other_numbers(settings, path, changes) from None
 
 

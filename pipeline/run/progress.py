@@ -5,9 +5,12 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-from pipeline.printable import printable
+from pipeline.errors import shown
 
 __all__ = ["Reporter", "RowProgress", "SilentReporter"]
+
+#: Characters of a line: it may quote anything, a store or a message of a library.
+_LONGEST = 4000
 
 
 class Reporter:
@@ -38,17 +41,17 @@ class Reporter:
 
     def line(self, text: str) -> None:
         """One line for the reader, with its time in the log."""
-        text = printable(text)
+        text = shown(text, _LONGEST)
         print(text, file=self.stream, flush=True)
         self._write(text)
 
     def note(self, text: str) -> None:
         """One line for the log alone."""
-        self._write(printable(f"info {text}"))
+        self._write(shown(f"info {text}", _LONGEST))
 
     def error(self, text: str) -> None:
         """One line on standard error."""
-        text = printable(text)
+        text = shown(text, _LONGEST)
         print(f"error: {text}", file=sys.stderr, flush=True)
         self._write(f"error: {text}")
 

@@ -168,7 +168,7 @@ def test_list_on_a_terminal_is_a_table_that_obeys_no_name(folder, capsys):
 
     assert _run(Job(compose(["stages=[list]"]), None), None, Terminal()) == 0
     said = capsys.readouterr().out
-    assert "[red]?[2J" in said and "\x1b[2J" not in said
+    assert "[red]\\x1b[2J" in said and "\x1b[2J" not in said
 
 
 # debug.row
