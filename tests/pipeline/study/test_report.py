@@ -2,6 +2,7 @@
 
 import base64
 import re
+import shlex
 from html.parser import HTMLParser
 
 import pytest
@@ -156,7 +157,7 @@ def test_planes_of_the_report_keep_what_is_not_their_own():
     for source in sources:
         assert source.path.parent.name == "there" and source.path.stem.endswith("-draft")
         assert "figures" not in source.command and "report" not in source.command
-        composed = compose(source.command.removeprefix("python -m pipeline ").split(" "))
+        composed = compose(shlex.split(source.command.removeprefix("python -m pipeline ")))
         assert composed.store_path == source.settings.store_path
 
 
