@@ -6,7 +6,7 @@ DOCS_READY := $(VENV)/.docs-ready
 
 LOWEST := .venv-lowest
 
-.PHONY: map test test-slow check format docs lowest bench clean
+.PHONY: map warmup test test-slow check format docs lowest bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -15,6 +15,9 @@ $(READY): pyproject.toml constraints.txt
 
 map: $(READY)
 	$(VENV)/bin/python -m pipeline plane=omega_fe
+
+warmup: $(READY)
+	$(VENV)/bin/python -m pipeline warmup
 
 test: $(READY)
 	$(VENV)/bin/python -m pytest

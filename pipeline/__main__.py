@@ -12,9 +12,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
     from pipeline.cli.process import ended_by_signals, unread_output
+    from pipeline.run.libraries import drawing_into_files
     from pipeline.run.progress import Reporter
 
-    with unread_output():
+    with unread_output(), drawing_into_files():
         reporter = Reporter()
         with ended_by_signals(lambda number: _end_abruptly(number, reporter)):
             return _status(arguments, reporter)
@@ -61,6 +62,11 @@ def _run(arguments: list[str], reporter) -> int:
 
     asked = parse([quoted_home(argument) for argument in arguments])
     text = _answer(asked)
+    if asked.warmup:
+        from pipeline.run.warmup import warm_up_everything
+
+        warm_up_everything(reporter)
+        return 0
     if text is None:
         return _run_overrides(asked, reporter)
     print(text, end="")

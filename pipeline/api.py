@@ -28,7 +28,7 @@ from pipeline.store import COMPLETE, read_plan, statuses, store_path
 from pipeline.store.identity import root_attributes
 from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
 from solver.enumeration.solutions import Proof
-from solver.model.checks import finite_number
+from solver.model.checks import finite_number, instance_of, instances_of
 from solver.regions.regions import Occurrence
 
 __all__ = ["OpenPlane", "compute", "open_plane"]
@@ -66,6 +66,8 @@ def compute(
         If the configuration is not allowed, or names a store that was made with another; nothing is written then.
     ComputationError
         If rows or boundaries could not be computed. What could is stored, and `open_plane` opens it.
+    solver.ParameterError
+        If an argument is of the wrong type.
 
     Examples
     --------
@@ -74,6 +76,13 @@ def compute(
     >>> plane.plot.map()  # doctest: +SKIP
     """
     check_zarr()
+    if not isinstance(plane, str) or not plane:
+        raise ParameterError("plane", plane, "the name of a plane")
+    overrides = instances_of("overrides", overrides, str)
+    if config_dir is not None:
+        config_dir = store_path("config_dir", config_dir)
+    if progress is not None:
+        instance_of("progress", progress, bool)
     if not any(override.startswith("stages=") for override in overrides):
         overrides = [*overrides, "stages=[sweep,boundaries]"]
     settings = compose([f"plane={plane}", *overrides], None if config_dir is None else str(config_dir))

@@ -64,8 +64,8 @@ class Arguments:
     Parameters
     ----------
     overrides : tuple of str
-    multirun, usage, version : bool
-        Several values allowed; the help is to be printed; the version is.
+    multirun, usage, version, warmup : bool
+        Several values allowed; the help is to be printed; the version is; everything is to be compiled.
     show : bool
         The resolved configuration is to be printed.
     package : str or None
@@ -84,6 +84,7 @@ class Arguments:
     multirun: bool = False
     usage: bool = False
     version: bool = False
+    warmup: bool = False
     show: bool = False
     package: str | None = None
     info: bool = False
@@ -111,10 +112,14 @@ def parse(arguments: list[str]) -> Arguments:
     for word in rest:
         if word == "--complete":
             found["complete"] = tuple(rest)
+        elif word == "warmup":
+            found["warmup"] = True
         elif word.startswith("-"):
             _read_option(word, rest, found)
         else:
             overrides.append(word)
+    if "warmup" in found and overrides:
+        raise ConfigurationError(f"{shown(overrides[0])} is not allowed with warmup, which compiles all that runs need")
     if "package" in found and "show" not in found:
         raise ConfigurationError(f"--package {shown(found['package'])} is not allowed alone: --cfg job needs it")
     return Arguments(tuple(overrides), **found)

@@ -14,6 +14,7 @@ _INDENT = 22
 
 _HEAD = """\
 usage: python -m pipeline [-m] [--config-dir DIR] [GROUP=CHOICE ...] [KEY=VALUE ...]
+       python -m pipeline warmup         compile ahead what runs need, which is done once
 
 How many steady motions a bevel gear pair with backlash has, over a whole plane of two parameters:
 computed row by row, stored, drawn as a map. Without arguments: plane=omega_fe, about a minute.

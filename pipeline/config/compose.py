@@ -12,6 +12,7 @@ from pathlib import Path
 from omegaconf import OmegaConf
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
+from pipeline.config.allowed import check_all
 from pipeline.config.default_name import default_name, is_name
 from pipeline.config.files import check_files
 from pipeline.config.folders import local_folder
@@ -126,6 +127,7 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
             raise ConfigurationError(f"{name} has no value")
     config.output.root = local_folder("output.root", config.output.root)
     config.store.root = local_folder("store.root", config.store.root)
+    check_all(config)
     if config.debug.row is not None:
         # Looking at one row is then all that is done.
         config.stages = ["debug"]

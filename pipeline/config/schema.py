@@ -1,11 +1,19 @@
-"""Types of every configuration key. Values live in conf/; what they may be is checked where they are used."""
+"""Types of every configuration key, and what values may be where that is a range or a word; values live in conf/."""
 
 from dataclasses import dataclass
 from typing import Any
 
 from omegaconf import MISSING
 
+from pipeline.config.allowed import allowed
+
 __all__ = ["Configuration"]
+
+#: Fewer periods leave no window over which a Lyapunov exponent says anything.
+FEWEST_PERIODS = 300
+#: Orders that a map is verified with; twice this is the highest order of the balance.
+HIGHEST_ORDER = 32
+_MOST = 10**6
 
 
 @dataclass
@@ -127,7 +135,7 @@ class Axis:
     name: str = MISSING
     min: Any = MISSING
     max: Any = MISSING
-    num: int = MISSING
+    num: int = allowed(2)
 
 
 @dataclass
@@ -176,14 +184,14 @@ class Security:
 class Cluster:
     """Where tasks run."""
 
-    kind: str = MISSING
-    workers: int = MISSING
+    kind: str = allowed(names=("local", "none", "scheduler"))
+    workers: int = allowed(0, 1024)
     memory: str = MISSING
-    row_seconds: float = MISSING
+    row_seconds: float = allowed(0.0, 1e6, above=True)
     dashboard: bool = MISSING
     address: str | None = MISSING
     scheduler_file: str | None = MISSING
-    timeout: float = MISSING
+    timeout: float = allowed(0.0, 3600.0, above=True)
     security: Security = MISSING
 
 
@@ -210,9 +218,9 @@ class Store:
     name: str | None = MISSING
     overwrite: bool = MISSING
     wait: bool = MISSING
-    max_solutions: int = MISSING
-    max_branches: int = MISSING
-    max_points: int = MISSING
+    max_solutions: int = allowed(1, 100)
+    max_branches: int = allowed(1, 100)
+    max_points: int = allowed(2, 10**7)
 
 
 @dataclass
@@ -220,45 +228,45 @@ class Figures:
     """What is drawn."""
 
     curves: list[float] | None = MISSING
-    formats: list[str] = MISSING
-    dpi: int = MISSING
-    stability: str = MISSING
+    formats: list[str] = allowed(names=("png", "pdf", "svg"))
+    dpi: int = allowed(30, 1200)
+    stability: str = allowed(names=("static", "dynamic"))
     window: list[float] | None = MISSING
-    units: str = MISSING
+    units: str = allowed(names=("dimensionless", "physical"))
 
 
 @dataclass
 class Verify:
     """How a map is checked by higher orders and by direct integration."""
 
-    samples: int = MISSING
-    beside: int = MISSING
-    seed: int = MISSING
-    order: int = MISSING
-    columns: int = MISSING
-    delta: float = MISSING
-    max_periods: int = MISSING
-    tolerance: float = MISSING
+    samples: int = allowed(1, _MOST)
+    beside: int = allowed(0, _MOST)
+    seed: int = allowed(0, 2**63 - 1)
+    order: int = allowed(1, HIGHEST_ORDER)
+    columns: int = allowed(2, _MOST)
+    delta: float = allowed(0.0, 1.0)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+    tolerance: float = allowed(0.0, 1.0, above=True)
 
 
 @dataclass
 class Basins:
     """Where shares of basins are measured, and from how many random starts; `points` is null or a list of pairs."""
 
-    cells: int = MISSING
+    cells: int = allowed(1, _MOST)
     points: Any = MISSING
-    starts: int = MISSING
-    seed: int = MISSING
-    max_periods: int = MISSING
+    starts: int = allowed(1, _MOST)
+    seed: int = allowed(0, 2**63 - 1)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
 
 
 @dataclass
 class Jumps:
     """Along which rows attractors are followed up and down."""
 
-    rows: int = MISSING
+    rows: int = allowed(1)
     values: list[float] | None = MISSING
-    max_periods: int = MISSING
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
 
 
 @dataclass
@@ -266,8 +274,8 @@ class Check:
     """What is done about damage, and how many rows are computed again."""
 
     repair: bool = MISSING
-    recompute: int = MISSING
-    seed: int = MISSING
+    recompute: int = allowed(0, 2**31 - 1)
+    seed: int = allowed(0, 2**31 - 1)
 
 
 @dataclass

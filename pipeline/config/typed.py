@@ -93,7 +93,7 @@ def _check_text(override: str) -> None:
     if len(override) > _MOST_CHARACTERS:
         raise _refused(override, f"it must be at most {_MOST_CHARACTERS} characters long")
     if not override.isprintable():
-        raise _refused(override, "it must be text without control characters")
+        raise _refused(override, "it must be printable text in UTF-8")
     if re.search(rf"[\d_]{{{_MOST_DIGITS + 1}}}", override):
         raise _refused(override, f"numbers must have at most {_MOST_DIGITS} digits")
     deep = 0

@@ -2,15 +2,13 @@
 
 import math
 
+from pipeline.config.allowed import check_one, sentence_of
+from pipeline.config.schema import Figures
 from pipeline.errors import ConfigurationError
 from pipeline.plan.plan import Plan
 
-__all__ = ["FORMATS", "check_options"]
+__all__ = ["check_options"]
 
-FORMATS = ("png", "pdf", "svg")
-STABILITIES = ("static", "dynamic")
-UNITS = ("dimensionless", "physical")
-_LEAST_DPI, _MOST_DPI = 30, 1200
 #: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
 NARROWEST = 1e-5
 
@@ -49,8 +47,8 @@ def check_options(
     """
     row = plan.parameter
     if plan.parameter2 is not None:
-        for key, value, usual in (("curves", curves, None), ("window", window, None), ("units", units, UNITS[0])):
-            if value != usual:
+        for key, value in (("curves", curves), ("window", window), ("units", units)):
+            if value not in (None, "dimensionless"):
                 raise ConfigurationError(
                     f"figures.{key} = {value} is not allowed for a volume: with plane.layer=VALUE, a value of "
                     f"{plan.parameter2.name}, it is drawn of the plane of that layer"
@@ -63,20 +61,10 @@ def check_options(
                 f"figures.curves = {value} is not allowed: it must lie within {row.name} = {row.low:g} ... {row.high:g}"
             )
     if not formats:
-        raise ConfigurationError(f"figures.formats = [] is not allowed: it must be a list of {', '.join(FORMATS)}")
-    for name in formats:
-        if name not in FORMATS:
-            raise ConfigurationError(
-                f"figures.formats = {name!r} is not allowed: it must be a list of {', '.join(FORMATS)}"
-            )
-    if not _LEAST_DPI <= dpi <= _MOST_DPI:
-        raise ConfigurationError(f"figures.dpi = {dpi} is not allowed: it must be from {_LEAST_DPI} to {_MOST_DPI}")
-    if stability not in STABILITIES:
-        raise ConfigurationError(
-            f"figures.stability = {stability!r} is not allowed: it must be one of {', '.join(STABILITIES)}"
-        )
-    if units not in UNITS:
-        raise ConfigurationError(f"figures.units = {units!r} is not allowed: it must be one of {', '.join(UNITS)}")
+        names = sentence_of(Figures, "formats").removeprefix("one of ")
+        raise ConfigurationError(f"figures.formats = [] is not allowed: it must be a list of {names}")
+    for name, value in (("formats", formats), ("dpi", dpi), ("stability", stability), ("units", units)):
+        check_one(Figures, f"figures.{name}", value)
     if units == "physical" and plan.physical is None:
         raise ConfigurationError(
             "figures.units = 'physical' is not allowed: it must be dimensionless, as this plane's gear is"

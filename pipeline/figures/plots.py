@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import ConfigurationError
-from pipeline.figures.options import FORMATS, check_options
+from pipeline.figures.options import check_options
 from pipeline.plan.plan import Plan
+from solver.model.checks import finite_array
 
 __all__ = ["Plots"]
 
@@ -46,8 +47,10 @@ class Plots:
         ------
         ConfigurationError
             If an option is not allowed for this plane.
+        solver.ParameterError
+            If the window is no four numbers.
         """
-        window = None if window is None else list(window)
+        window = None if window is None else finite_array("window", window, (4,)).tolist()
         self._check(None, window, stability, units)
         from pipeline.figures.drawing import own_style
         from pipeline.figures.map import draw_map, draw_window
@@ -75,13 +78,15 @@ class Plots:
         ------
         ConfigurationError
             If another parameter is named, or a value lies outside the plane.
+        solver.ParameterError
+            If a value is no finite number.
         """
         name = self.plan.parameter.name
         if not values.keys() <= {name}:
             raise ConfigurationError(f"curves = {values} is not allowed: rows of this plane are chosen by {name}")
         chosen = values.get(name)
         if chosen is not None:
-            chosen = [float(value) for value in (chosen if isinstance(chosen, Sequence) else [chosen])]
+            chosen = finite_array(name, chosen, None).ravel().tolist()
         self._check(chosen, None, "static", units)
         from pipeline.figures.curves import draw_curves
         from pipeline.figures.drawing import own_style
@@ -120,7 +125,7 @@ class Plots:
             return draw_backbone(plane)
 
     def _check(self, curves, window, stability: str, units: str) -> None:
-        check_options(self.plan, curves, list(FORMATS[:1]), 100, window, stability, units)
+        check_options(self.plan, curves, ["png"], 100, window, stability, units)
 
     def _read(self, stability: str, units: str):
         from pipeline.figures.stored import read_stored

@@ -93,6 +93,4 @@ def _axis(role: str, axis, scalars, scales) -> Axis:
             f"plane.{role}.max = {shown_high!r} is not allowed: "
             f"it must be a finite number above plane.{role}.min = {shown_low!r}"
         )
-    if axis.num < 2:
-        raise ConfigurationError(f"plane.{role}.num = {axis.num} is not allowed: it must be at least 2")
     return Axis(name, low, high, int(axis.num))

@@ -42,7 +42,7 @@ def plan(settings: Settings) -> Plan:
     ConfigurationError
         Naming the key, its value and what is allowed.
     """
-    config, found = settings.config, _parts(settings)
+    found = _parts(settings)
     gear, physical = found["gear"], found["physical"]
     names = {axis.name for role in ROLES if (axis := found.get(role)) is not None}
     omega = found["omega"]
@@ -50,12 +50,6 @@ def plan(settings: Settings) -> Plan:
         raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
     if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
         raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: it must be a finite number above 0")
-    for name in ("max_solutions", "max_branches", "max_points"):
-        low, high = (2, 10**7) if name == "max_points" else (1, 100)
-        value = getattr(config.store, name)
-        if not low <= value <= high:
-            raise ConfigurationError(f"store.{name} = {value} is not allowed: it must be from {low} to {high}")
-
     if physical is not None:
         _check_axis_keys(settings, names)
     for name in names & set(gear):

@@ -3,7 +3,7 @@
 from time import perf_counter
 
 from pipeline import store
-from pipeline.errors import ConfigurationError, StoreError
+from pipeline.errors import StoreError
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
@@ -70,16 +70,6 @@ def _recompute(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if different else 0
 
 
-def _check_options(job: Job) -> None:
-    options = job.settings.config.check
-    for name in ("recompute", "seed"):
-        value = getattr(options, name)
-        if not 0 <= value < 2**31:
-            raise ConfigurationError(
-                f"check.{name} = {value} is not allowed: it must be a whole number from 0 to 2^31 - 1"
-            )
-
-
 def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Compute what has been marked as pending."""
     plan = store.read_layout(job.store_path).plan
@@ -90,7 +80,6 @@ def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 STAGE = Stage(
     "check",
     _run,
-    _check_options,
     on_workers=True,
     writes=True,
     only_reads=lambda job: not job.settings.config.check.repair,

@@ -3,11 +3,15 @@
 A store is read and written in the same way whatever they say. Zarr waits for ever with a concurrency of 0, for one.
 """
 
+import contextlib
 import functools
+import os
+import sys
+from collections.abc import Iterator
 
 from pipeline.errors import ConfigurationError
 
-__all__ = ["check_zarr", "load_dask", "load_zarr"]
+__all__ = ["check_zarr", "drawing_into_files", "load_dask", "load_zarr", "unusable", "with_own_dask"]
 
 
 @functools.cache
@@ -17,8 +21,11 @@ def load_zarr() -> None:
     Raises
     ------
     ConfigurationError
-        If its configuration files cannot be read: it does so when it is imported.
+        If its configuration files cannot be read: it does so when it is imported; or if Python leaves out assertions,
+        without which zarr writes nothing.
     """
+    if sys.flags.optimize:
+        raise ConfigurationError("python -O (PYTHONOPTIMIZE) is not allowed: zarr does not work with it; leave it out")
     try:
         import zarr
 
@@ -59,11 +66,37 @@ def load_dask() -> None:
         raise _unreadable("dask", error) from None
 
 
-def _unreadable(library: str, error: Exception) -> ConfigurationError:
-    if isinstance(error, ImportError):
-        raise error
+@contextlib.contextmanager
+def with_own_dask() -> Iterator[None]:
+    """Dask with its own defaults for everything: what is started here belongs to this program alone."""
+    import dask
+    import distributed  # noqa: F401  (its defaults are known once it is imported)
+
+    with dask.config.set(dask.config.merge(*dask.config.defaults)):
+        yield
+
+
+@contextlib.contextmanager
+def drawing_into_files() -> Iterator[None]:
+    """Matplotlib, if it is loaded within, knows of no display: MPLBACKEND may name one that is not there."""
+    backend = os.environ.pop("MPLBACKEND", None)
+    try:
+        yield
+    finally:
+        if backend is not None:
+            os.environ["MPLBACKEND"] = backend
+
+
+def unusable(library: str, error: Exception) -> ConfigurationError:
+    """What is said where a library cannot be used as the user has configured it."""
     reason = " ".join(str(error).split())
     return ConfigurationError(
         f"{library}'s own configuration, of files and of variables {library.upper()}_..., is not allowed: "
         f"{type(error).__name__}: {reason[:300]}"
     )
+
+
+def _unreadable(library: str, error: Exception) -> ConfigurationError:
+    if isinstance(error, ImportError):
+        raise error
+    return unusable(library, error)

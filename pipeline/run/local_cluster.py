@@ -19,6 +19,8 @@ from dask.utils import parse_bytes
 from distributed import Nanny, Scheduler, Security, SpecCluster, Worker
 from distributed.system import MEMORY_LIMIT
 
+from pipeline.run.libraries import with_own_dask
+
 __all__ = ["local_cluster"]
 
 _LOOPBACK = "127.0.0.1"
@@ -72,7 +74,8 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
         Its `security` holds the key that a client needs.
     """
     # Workers import and read what is in their folders; dask's usual place for them may belong to somebody else.
-    with tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True) as folder:
+    folders = tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True)
+    with folders as folder, with_own_dask():
         with _deaf_to_interrupts(), _main_module_hidden():
             cluster = _started(workers, memory, dashboard, folder)
         with contextlib.closing(cluster), _main_module_hidden():
@@ -95,9 +98,8 @@ def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecClu
         },
     }
     scheduler = {"cls": Scheduler if dashboard else _QuietScheduler, "options": {**common, **pages}}
-    environment = dask.config.get("distributed.nanny.pre-spawn-environ", {})
     settings = {
-        "distributed.nanny.pre-spawn-environ": {**environment, **_ONE_THREAD},
+        "distributed.nanny.pre-spawn-environ": _ONE_THREAD,
         # Whoever gave a task decides whether it is done again after its worker was lost.
         "distributed.scheduler.allowed-failures": 0,
     }

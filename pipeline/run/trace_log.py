@@ -1,13 +1,12 @@
 """The diary of one row: its continuation step by step, as text to read and as CSV to plot."""
 
-import csv
-import io
 from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline import store
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
+from pipeline.run.sheets import csv_text, write_files
 from solver import EndReason, Event, Row, RowError
 from solver.continuation.trace_log import LoggedContinuation, Outcome, Trace
 
@@ -84,11 +83,7 @@ def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
 
 def write_sheets(diary: RowDiary, folder: Path) -> list[Path]:
     """Write `row-<n>.txt` and `row-<n>.csv`; the same bytes from the same row."""
-    folder.mkdir(parents=True, exist_ok=True)
-    texts = {folder / f"row-{diary.index}.txt": _text(diary), folder / f"row-{diary.index}.csv": _csv(diary)}
-    for path, text in texts.items():
-        path.write_text(text, encoding="utf-8", newline="\n")
-    return list(texts)
+    return write_files(folder, {f"row-{diary.index}.txt": _text(diary), f"row-{diary.index}.csv": _csv(diary)})
 
 
 def _unknowns(trace: Trace) -> list[str]:
@@ -119,14 +114,11 @@ def _events(trace: Trace) -> list[str]:
 
 def _csv(diary: RowDiary) -> str:
     """One line a step."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    names = _unknowns(diary.traces[0]) if diary.traces else []
-    writer.writerow([*_COLUMNS, "parameter", *names])
+    names, lines = _unknowns(diary.traces[0]) if diary.traces else [], []
     for number, trace in enumerate(diary.traces):
         steps, events = trace.steps, _events(trace)
         for k in range(steps.outcome.size):
-            writer.writerow(
+            lines.append(
                 [
                     number,
                     k,
@@ -140,7 +132,7 @@ def _csv(diary: RowDiary) -> str:
                     *(repr(float(value)) for value in (steps.places[k, -1], *steps.places[k, :-1])),
                 ]
             )
-    return stream.getvalue()
+    return csv_text([*_COLUMNS, "parameter", *names], lines)
 
 
 def _text(diary: RowDiary) -> str:

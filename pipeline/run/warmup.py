@@ -1,14 +1,14 @@
-"""The first run: what its stages need is compiled before rows are due, by two processes, and said while it lasts."""
+"""The first run: what its stages need is compiled before rows are due, by a process for every core, with progress."""
 
 import os
 import subprocess
 import sys
 
 from pipeline.run.job import Job
-from pipeline.run.kernels import kernels_for
+from pipeline.run.kernels import NEEDED, kernels_for
 from pipeline.run.progress import Reporter, RowProgress
 
-__all__ = ["warm_up", "warm_up_for"]
+__all__ = ["warm_up", "warm_up_for", "warm_up_everything"]
 
 _HELPER = """
 import sys
@@ -27,8 +27,24 @@ def warm_up_for(job: Job, reporter: Reporter) -> None:
         warm_up(kernels_for(config.stages, job.plan.solver["balance"]), reporter)
 
 
+def warm_up_everything(reporter: Reporter) -> None:
+    """`warm_up` every kernel there is, and say that they are ready."""
+    import pkgutil
+
+    import solver
+    from solver.kernels.warm import kernels_of
+
+    modules = [module.name for module in pkgutil.walk_packages(solver.__path__, "solver.") if not module.ispkg]
+    # Those that take longest come first, so that no process is left alone with one in the end.
+    names = list(
+        dict.fromkeys([*kernels_for(NEEDED, "describing_function"), *kernels_for(NEEDED, "galerkin"), *modules])
+    )
+    warm_up(names, reporter)
+    reporter.line(f"warmup: {len(kernels_of(names))} kernels are ready")
+
+
 def warm_up(names: list[str], reporter: Reporter) -> None:
-    """Compile what is not kept yet of some kernels, with one process beside this one; says nothing if all are kept.
+    """Compile what is not kept yet of some kernels, with a process for every core; says nothing if all are kept.
 
     Parameters
     ----------
@@ -41,15 +57,16 @@ def warm_up(names: list[str], reporter: Reporter) -> None:
     missing = [kernel for kernel in kernels_of(names) if not kernel.is_kept()]
     if not missing:
         return
-    reporter.line(f"first run: {len(missing)} kernels are compiled and kept for the next ones")
-    # Nothing depends on the helper: what it left undone is done here.
+    reporter.line(f"compiling {len(missing)} kernels, which is done once: they are kept for the next runs")
+    # Nothing depends on the helpers: what they left undone is done here.
     names = [f"{kernel.__module__}.{kernel.__name__}" for kernel in missing]
     quiet = dict(stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    beside = subprocess.Popen([sys.executable, "-c", _HELPER, *names], **quiet) if (os.cpu_count() or 1) > 1 else None
+    helpers = min(os.cpu_count() or 1, len(missing)) - 1
+    beside = [subprocess.Popen([sys.executable, "-c", _HELPER, *names], **quiet) for _ in range(helpers)]
     try:
         with RowProgress(reporter, len(missing), what="compile", unit="kernels") as progress:
             warm(missing, lambda name, done, total: progress.advance(done - progress.done, 0))
     finally:
-        if beside is not None:
-            beside.terminate()
-            beside.wait()
+        for helper in beside:
+            helper.terminate()
+            helper.wait()

@@ -16,6 +16,7 @@ from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError, WorkerLost
 from pipeline.run.admission import Admission, Unequal, call_if_equal, introduce
 from pipeline.run.cluster_settings import address_of, check_start, security_of, setting_of
+from pipeline.run.libraries import unusable
 
 __all__ = ["Task", "Workforce"]
 
@@ -115,6 +116,9 @@ class Workforce:
         security = security_of(self.config, address)
         try:
             return Connection(address, security, self.config.timeout)
+        except (KeyError, TypeError, AttributeError) as error:
+            # Times and transports that dask was told of, and cannot read.
+            raise unusable("dask", error) from None
         except (OSError, ValueError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise ConfigurationError(

@@ -18,6 +18,7 @@ from pipeline.store.names import METADATA
 
 __all__ = ["TITLES", "Entry", "Listing", "columns", "listing"]
 
+_USUAL = "published"
 _SHOWN = 2
 TITLES = ("store", "plane", "gear", "status", "size", "hash", "age", "groups")
 
@@ -131,21 +132,25 @@ def _progress(states: np.ndarray) -> str:
     return ", ".join([*parts, *([f"{failed} rows failed"] if failed else [])])
 
 
+def _gear_names() -> list[str]:
+    """Of every gear file that comes with the program: first the usual one, last those in units, which take longest."""
+    from pipeline.config.typed import conf_folder
+
+    texts = {file.stem: file.read_text(encoding="utf-8") for file in (conf_folder() / "gear").glob("*.yaml")}
+    return sorted(texts, key=lambda name: ("\nphysical:\n" in texts[name], name != _USUAL, name))
+
+
 @cache
-def _known_gears() -> dict[str, dict]:
-    """Name -> keyword arguments of the model, for every gear file that comes with the program."""
-    from pipeline.config.compose import compose, conf_folder
+def _known_gear(name: str) -> dict | None:
+    """Keyword arguments of the model; None of a file that others start from, which has values missing."""
+    from pipeline.config.compose import compose
     from pipeline.plan.planning import gear_of
 
-    found = {}
-    for file in sorted((conf_folder() / "gear").glob("*.yaml")):
-        try:
-            gear, _ = gear_of(compose([f"gear={file.stem}"]).config.gear)
-        except ConfigurationError:
-            # A file that others start from has values missing.
-            continue
-        found[file.stem] = {key: _plain(value) for key, value in gear.items()}
-    return found
+    try:
+        gear, _ = gear_of(compose([f"gear={name}"]).config.gear)
+    except ConfigurationError:
+        return None
+    return {key: _plain(value) for key, value in gear.items()}
 
 
 def _plain(value):
@@ -158,10 +163,12 @@ def _gear(plan: Plan) -> str:
     """The nearest gear that comes with the program, and what differs from it."""
     axes = {axis.name for axis in plan.axes}
     stored = {key: _plain(value) for key, value in plan.gear.items()}
-    differences = {
-        name: [key for key in stored if key not in axes and stored[key] != known.get(key)]
-        for name, known in _known_gears().items()
-    }
+    differences = {}
+    for name in _gear_names():
+        if (known := _known_gear(name)) is not None:
+            differences[name] = [key for key in stored if key not in axes and stored[key] != known.get(key)]
+            if not differences[name]:
+                break
     name = min(differences, key=lambda one: len(differences[one]))
     changed = differences[name]
     words = [f"{key}={stored[key]:g}" if isinstance(stored[key], int | float) else key for key in changed[:_SHOWN]]

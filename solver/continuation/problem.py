@@ -155,7 +155,20 @@ class Problem:
     def corrected(
         self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
     ) -> np.ndarray | None:
-        """`corrected_all` of one guess (n + 1,); None if the corrector does not converge."""
+        """The solution that a corrector reaches from one guess; None if it does not converge.
+
+        Parameters
+        ----------
+        y : (n + 1,) array_like
+            The guess (u, p).
+        corrector, normal, max_iterations
+            As for `corrected_all`.
+
+        Raises
+        ------
+        ParameterError
+            If an argument has another size or is not finite, or is no corrector.
+        """
         guess = finite_array("y", y, (self.unknowns + 1,))
         (found,) = self.corrected_all(guess[None], corrector, normal, max_iterations)
         return None if np.isnan(found[0]) else found

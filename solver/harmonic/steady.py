@@ -15,7 +15,7 @@ from solver.continuation.problem import Balance, Problem
 from solver.explained import Explained
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
-from solver.model.checks import ParameterError, frequency, whole_number
+from solver.model.checks import ParameterError, finite_array, frequency, has_methods, instance_of, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 
@@ -95,14 +95,15 @@ def solve(
     >>> solver.solve(spring, [0.0, 0.1, 0.0], 0.6).status.sentence
     'The Jacobian is singular where the search came to: without contact nothing holds the mean.'
     """
+    instance_of("system", system, Model, ContactSystem)
     omega, max_iterations = frequency(omega), whole_number("max_iterations", max_iterations, 1, 10_000)
-    guess = np.array(guess, dtype=float)
-    if guess.ndim != 1 or guess.size < 3 or guess.size % 2 == 0 or not np.all(np.isfinite(guess)):
-        raise ParameterError("guess", guess.tolist(), "an odd number of finite numbers, three or more")
+    guess = finite_array("guess", guess, (None,))
+    if guess.size < 3 or guess.size % 2 == 0:
+        raise ParameterError("guess", guess.tolist(), "an odd number of numbers, three or more")
     if balance is None:
         first = guess.size == 3 and isinstance(system, Model)
         balance = DescribingFunction() if first else Galerkin(guess.size // 2)
-    if balance.truncated and not isinstance(system, Model):
+    elif has_methods("balance", balance, "problem", "extremes").truncated and not isinstance(system, Model):
         raise ParameterError("balance", balance, "of a Galerkin kind for a ContactSystem")
     if guess.size == 3 and balance.unknowns > 3:
         guess = balance.lifted(guess)

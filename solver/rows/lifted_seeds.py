@@ -100,7 +100,7 @@ def _with_subharmonics(span: RowSpan, known: np.ndarray) -> np.ndarray:
         for amplitude in _SUBHARMONICS
         for phase in phases
     ]
-    starts = np.repeat(known, len(added), axis=0).reshape(len(known), len(added), -1)
+    starts = np.repeat(known[:, None], len(added), axis=1)
     for i, (k, pair) in enumerate(added):
         starts[:, i, 2 * k - 1 : 2 * k + 1] += pair
     return starts.reshape(-1, span.problem.unknowns)
@@ -119,7 +119,8 @@ class _Found:
 
     def motions(self, column: int) -> np.ndarray:
         """Solutions known at one probe, (k, n)."""
-        return np.concatenate([motions[columns == column] for columns, motions in self._at])
+        nothing = np.empty((0, self.span.problem.unknowns))
+        return np.concatenate([nothing, *(motions[columns == column] for columns, motions in self._at)])
 
     def missing(self) -> np.ndarray:
         """Where the degree does not add up, (probes,) bool."""

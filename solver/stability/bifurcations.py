@@ -3,9 +3,8 @@
 Test functions of the monodromy matrix M (`solver.stability.multipliers.spectral_tests`) are followed along the branch:
 det(M + I), which changes sign where a real multiplier passes -1, and how many multipliers lie outside the unit circle,
 which tells where a complex pair passes it. They are known at the points of the branch and at the grid values of its row
-that lie on it. What two neighbouring ones of these bracket is located on the branch by regula falsi, bisected where
-that is slow: next to a grazing the functions have square-root corners. Two of one kind between two neighbours cancel
-and are not seen.
+that lie on it. What two neighbouring ones of these bracket, or three of them suggest, is located on the branch
+(`solver.stability.passages`).
 
 Only where multipliers pass the circle is an event; where one passes +1 is left to det J, and two that meet outside the
 circle do not pass it.
@@ -18,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Event
-from solver.continuation.curve_point import point_size, state_at
+from solver.continuation.curve_point import point_size
 from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.problem import Balance, Problem
 from solver.continuation.setup import SETUP
@@ -28,26 +27,16 @@ from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
-from solver.stability.monodromy import ROOM, Room, monodromy_at, new_room
-from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
+from solver.stability.monodromy import new_room
+from solver.stability.multipliers import LARGEST, TESTS
+from solver.stability.passages import INDICES, UNKNOWN, Found, Recent, Watch, look, search, search_dips
 
 __all__ = ["KnownMotions", "locate_bifurcations", "packed_parameters", "with_bifurcations"]
 
-_I, _F, _B = types.int64, types.float64, types.boolean
-_INDICES = types.int64[::1]
-_DOUBLING, _TORUS = int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
+_I, _F = types.int64, types.float64
 
-# Room for the bifurcations of one branch, the looks that one of them may take, and pairs that may pass in one step.
-_MOST, _LOOKS, _MOST_PAIRS = 256, 80, 8
-# An event is located when its function has fallen to this share of what it was, or in so short a stretch of arc.
-_ROUNDING, _NARROW = 1e-13, 1e-12
-# A pair whose modulus is this close to 1 on both sides is on the circle, as of undamped systems, and passes nothing.
-_ON_CIRCLE = 1e-8
-# At a Neimark-Sacker point the pair nearest to the circle lies on it; if not, a real multiplier was what passed it.
-_PASSED = 1e-5
-# The cubic between two points tells to some share of the arc where on the branch a motion of the raster lies: where its
-# test functions are not those of the branch there, these shares further outward.
-_ASIDE = (0.0, 1e-4, 1e-3, 1e-2)
+# Room for the bifurcations of one branch.
+_MOST = 256
 # A motion of the raster lies on the branch if the cubic between two points comes as near to it as this share of the arc
 # between them, and to no other one as near as the second.
 _NEAR, _APART = 0.01, 0.05
@@ -67,201 +56,6 @@ class KnownMotions(NamedTuple):
     values: np.ndarray
     motions: np.ndarray
     tests: np.ndarray
-
-
-class _Watch(NamedTuple):
-    """What test functions are computed with: packed parameters of the system, and room for its matrices."""
-
-    theta: np.ndarray
-    direction: np.ndarray
-    room: Room
-
-
-class _Found(NamedTuple):
-    """Bifurcations found: behind which point of the branch, at which fraction of the arc, kind, and point array; and
-    how many were found, how many were not located, and how many points had no multipliers."""
-
-    after: np.ndarray
-    fractions: np.ndarray
-    kinds: np.ndarray
-    points: np.ndarray
-    counts: np.ndarray
-
-
-_WATCH = types.NamedTuple((ARRAY, ARRAY, ROOM), _Watch)
-_FOUND = types.NamedTuple((_INDICES, ARRAY, FLAGS, MATRIX, _INDICES), _Found)
-_LOCATED, _MISSED, _UNKNOWN = range(3)
-
-
-@kernel(types.void(_WATCH, ARRAY, ARRAY), inner=True)
-def _look(watch, y, tests):
-    """Fill in the test functions at y = (u, p)."""
-    n = y.shape[0] - 1
-    room = monodromy_at(watch.theta, watch.direction, y[:n], y[n], watch.room)
-    eigenvalues(room.matrix, room.multipliers[0], room.multipliers[1])
-    spectral_tests(room.multipliers[0], room.multipliers[1], tests)
-
-
-@kernel(_F(_I, ARRAY, _F), inline=True)
-def _value(kind, tests, level):
-    """The function of one kind that changes sign at the event; for pairs, where OUTSIDE rises above `level`."""
-    if kind == _DOUBLING:
-        return tests[DOUBLING]
-    size = min(abs(tests[GAP]), 1.0)
-    return size if tests[OUTSIDE] > level else -size
-
-
-@kernel(_F(SETUP, _WATCH, ARRAY, ARRAY, _F, _I, _F, ARRAY, MATRIX, ARRAY, ARRAY), inner=True)
-def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tests, found):
-    """Locate an event between two fractions of a piece of the branch.
-
-    Parameters
-    ----------
-    setup, watch
-    left, right : point arrays
-        Ends of the piece.
-    arc : float
-        Its length.
-    kind : int
-    level : float
-        As for `_value`.
-    bracket : (2,) array
-        The two fractions; narrowed.
-    at_ends : (2, TESTS) array
-        Test functions there; replaced by those at the narrowed bracket.
-    tests, found
-        Filled with the test functions and the point array at the event.
-
-    Returns
-    -------
-    float
-        Its fraction; -1 if it cannot be located.
-    """
-    g_low, g_high = _value(kind, at_ends[0], level), _value(kind, at_ends[1], level)
-    reference, side, width = max(abs(g_low), abs(g_high)), 0, bracket[1] - bracket[0]
-    for look in range(_LOOKS):
-        low, high = bracket[0], bracket[1]
-        x = (low * g_high - high * g_low) / (g_high - g_low)
-        margin = 1e-3 * (high - low)
-        x = min(max(x, low + margin), high - margin)
-        # Three looks must halve the bracket.
-        if not math.isfinite(x) or (look % 3 == 2 and high - low > 0.5 * width):
-            x = 0.5 * (low + high)
-        if look % 3 == 2:
-            width = high - low
-        if state_at(setup, left, right, arc, x, found) < 0:
-            return -1.0
-        _look(watch, found[: setup.unknowns + 1], tests)
-        if math.isnan(tests[LARGEST]):
-            return -1.0
-        g = _value(kind, tests, level)
-        if abs(g) <= _ROUNDING * reference or (high - low) * arc <= _NARROW:
-            return x
-        if g * g_high < 0.0:
-            bracket[0], g_low = x, g
-            for i in range(TESTS):
-                at_ends[0, i] = tests[i]
-            if side == -1:
-                g_high *= 0.5
-            side = -1
-        else:
-            bracket[1], g_high = x, g
-            for i in range(TESTS):
-                at_ends[1, i] = tests[i]
-            if side == 1:
-                g_low *= 0.5
-            side = 1
-    return -1.0
-
-
-@kernel(types.void(_FOUND, _I, _F, _I, ARRAY), inner=True)
-def _record(found, after, fraction, kind, point):
-    """Keep one event, or count it as missed where there is no more room."""
-    count = found.counts[_LOCATED]
-    if count == found.after.shape[0]:
-        found.counts[_MISSED] += 1
-        return
-    found.after[count], found.fractions[count], found.kinds[count] = after, fraction, kind
-    for j in range(point.shape[0]):
-        found.points[count, j] = point[j]
-    found.counts[_LOCATED] += 1
-
-
-@kernel(_F(SETUP, _WATCH, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY, ARRAY), inner=True)
-def _end_on_branch(setup, watch, left, right, arc, x, sense, expected, tests, point):
-    """Where, from fraction x on in one sense, the branch's own test functions have the signs of those expected.
-
-    Fills `tests` with them; x and what was expected where they are nowhere near.
-    """
-    for aside in _ASIDE:
-        place = min(max(x + sense * aside, 0.0), 1.0)
-        # At the points of the branch they are its own.
-        if place in (0.0, 1.0) and place == x:
-            break
-        if state_at(setup, left, right, arc, place, point) < 0:
-            break
-        _look(watch, point[: setup.unknowns + 1], tests)
-        if tests[OUTSIDE] == expected[OUTSIDE] and tests[DOUBLING] * expected[DOUBLING] > 0.0:
-            return place
-    copy_into(tests, expected)
-    return x
-
-
-@kernel(_F(SETUP, _WATCH, _FOUND, _I, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), inner=True)
-def _search(setup, watch, found, after, left, right, arc, low, high, at_low, at_high):
-    """Locate all events between two neighbouring fractions of a piece whose test functions are known.
-
-    Returns the fraction up to which it looked, which may be a little more.
-    """
-    pairs = at_low[OUTSIDE] != at_high[OUTSIDE]
-    # What lies on the circle on both sides, as in undamped systems, passes nothing.
-    pairs &= max(abs(at_low[GAP]), abs(at_high[GAP])) > _ON_CIRCLE
-    if not pairs and at_low[DOUBLING] * at_high[DOUBLING] >= 0.0:
-        return high
-    bracket, at_ends = np.empty(2), np.empty((2, TESTS))
-    tests, point = np.empty(TESTS), np.empty(point_size(setup))
-    # Places, in order, between which a real multiplier may pass -1.
-    places, at_places = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
-    low = _end_on_branch(setup, watch, left, right, arc, low, -1.0, at_low, at_places[0], point)
-    high = _end_on_branch(setup, watch, left, right, arc, high, 1.0, at_high, at_places[1], point)
-    places[0], places[1], count = low, high, 2
-    at_first, at_last = at_places[0].copy(), at_places[1].copy()
-    if pairs:
-        level, top = min(at_low[OUTSIDE], at_high[OUTSIDE]), max(at_low[OUTSIDE], at_high[OUTSIDE])
-        while level < top and count < places.shape[0]:
-            bracket[0], bracket[1] = low, high
-            copy_into(at_ends[0], at_first)
-            copy_into(at_ends[1], at_last)
-            x = _pinpoint(setup, watch, left, right, arc, _TORUS, level, bracket, at_ends, tests, point)
-            if x < 0.0:
-                found.counts[_MISSED] += 1
-            elif abs(tests[GAP]) <= _PASSED:
-                _record(found, after, x, _TORUS, point)
-            # Both ends of the bracket are places to look at. Of two real multipliers that passed one after the other
-            # the second one is what was found here.
-            for end in range(2):
-                k = count
-                while places[k - 1] > bracket[end]:
-                    places[k] = places[k - 1]
-                    for i in range(TESTS):
-                        at_places[k, i] = at_places[k - 1, i]
-                    k -= 1
-                places[k] = bracket[end]
-                for i in range(TESTS):
-                    at_places[k, i] = at_ends[end, i]
-                count += 1
-            level += 2.0
-    for k in range(1, count):
-        if at_places[k - 1, DOUBLING] * at_places[k, DOUBLING] < 0.0:
-            bracket[0], bracket[1] = places[k - 1], places[k]
-            for i in range(TESTS):
-                at_ends[0, i], at_ends[1, i] = at_places[k - 1, i], at_places[k, i]
-            x = _pinpoint(setup, watch, left, right, arc, _DOUBLING, 0.0, bracket, at_ends, tests, point)
-            if x < 0.0:
-                found.counts[_MISSED] += 1
-            else:
-                _record(found, after, x, _DOUBLING, point)
-    return high
 
 
 @kernel(_F(SETUP, ARRAY, ARRAY, _F, _F), inner=True)
@@ -309,7 +103,7 @@ def _on_piece(setup, left, right, arc, x, motions, first, last):
         SETUP,
         MATRIX, MATRIX, ARRAY,
         ARRAY, ARRAY, ARRAY, MATRIX, MATRIX,
-        _INDICES, ARRAY, FLAGS, MATRIX, _INDICES,
+        INDICES, ARRAY, FLAGS, MATRIX, INDICES,
     )
 )  # fmt: skip
 def _bifurcations(
@@ -318,10 +112,11 @@ def _bifurcations(
     system_theta, system_direction, values, motions, motion_tests,
     after, fractions, kinds, points, counts,
 ):  # fmt: skip
-    """Locate the bifurcations of a branch; the last five arrays are those of `_Found`."""
+    """Locate the bifurcations of a branch; the last five arrays are those of `Found`."""
     n = setup.unknowns
-    watch = _Watch(system_theta, system_direction, new_room(system_theta, system_direction, branch[0, n], n))
-    found = _Found(after, fractions, kinds, points, counts)
+    watch = Watch(system_theta, system_direction, new_room(system_theta, system_direction, branch[0, n], n))
+    found = Found(after, fractions, kinds, points, counts)
+    recent = Recent(np.full(3, -math.inf), np.zeros(2, np.int64), np.full((3, TESTS), math.nan))
     size = point_size(setup)
     left, right = np.zeros(size), np.zeros(size)
     at_low, at_high, at_right = np.empty(TESTS), np.empty(TESTS), np.empty(TESTS)
@@ -329,9 +124,9 @@ def _bifurcations(
         for j in range(n + 1):
             left[j], left[n + 1 + j] = right[j], right[n + 1 + j]
             right[j], right[n + 1 + j] = branch[i, j], tangents[i, j]
-        _look(watch, branch[i], at_right)
+        look(watch, branch[i], at_right)
         known = not math.isnan(at_right[LARGEST])
-        counts[_UNKNOWN] += not known
+        counts[UNKNOWN] += not known
         if i > 0 and not math.isnan(at_low[LARGEST]):
             arc, low = arclength[i] - arclength[i - 1], 0.0
             begin, end = left[n], right[n]
@@ -352,15 +147,15 @@ def _bifurcations(
                 x = _fraction_at(setup, left, right, arc, values[lower])
                 k = _on_piece(setup, left, right, arc, x, motions, lower, upper)
                 if k >= 0 and x > low and not math.isnan(motion_tests[k, LARGEST]):
-                    for j in range(TESTS):
-                        at_high[j] = motion_tests[k, j]
-                    low = _search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
-                    for j in range(TESTS):
-                        at_low[j] = at_high[j]
+                    copy_into(at_high, motion_tests[k])
+                    low = search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
+                    copy_into(at_low, at_high)
+                    place = arclength[i - 1] + x * arc
+                    search_dips(setup, watch, found, branch, tangents, arclength, recent, place, i - 1, at_low)
             if known:
-                _search(setup, watch, found, i - 1, left, right, arc, low, 1.0, at_low, at_right)
-        for j in range(TESTS):
-            at_low[j] = at_right[j]
+                search(setup, watch, found, i - 1, left, right, arc, low, 1.0, at_low, at_right)
+        copy_into(at_low, at_right)
+        search_dips(setup, watch, found, branch, tangents, arclength, recent, arclength[i], max(i - 1, 0), at_low)
 
 
 def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
@@ -430,8 +225,8 @@ def locate_bifurcations(
 
     Notes
     -----
-    A real multiplier that passes -1 and back between two neighbouring places is not seen, nor is a pair that passes the
-    circle and back. The frequency of the system must be above 0 on the whole branch.
+    A real multiplier that passes -1 and back between two neighbouring places, or a pair that passes the circle and
+    back, is seen where its test function shows a dip on the way. The frequency must be above 0 on the whole branch.
     """
     old = np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
     if np.any(old):

@@ -8,28 +8,32 @@ import pytest
 
 import pipeline
 from pipeline.analysis import boundaries
-from pipeline.errors import StoreError
+from pipeline.errors import ConfigurationError
 from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
 from tests.pipeline.planes import small_plan, small_store
-from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, assert_wrong_calls_are_refused, optional, public
+from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, array, assert_wrong_calls_are_refused, optional, public
 
 PUBLIC = public(("pipeline", "pipeline.api"))
 #: What the documentation calls besides.
+PUBLIC |= public(("pipeline.figures.plots",))
 PUBLIC |= public(("pipeline.store",), "read_plan") | public(("pipeline.study.statements",), "evaluate", "evaluate_all")
 #: Made by `open_plane`; the others are given by both names.
-RESULTS = {"pipeline.api.OpenPlane"}
-TWICE = {"pipeline.api.open_plane"}
+RESULTS = {"pipeline.api.OpenPlane", "pipeline.figures.plots.Plots"}
+TWICE = {"pipeline.api.compute", "pipeline.api.open_plane"}
 
 PATHS = (None, 1, True, [], {}, b"omega_fe", "", "a\0b", "x" * 5000, "nowhere.zarr")
 WRONG_PLANES = (None, 1, "omega_fe", ["omega_fe"], *({"omega_fe": path} for path in PATHS[:-1]))
 LABELS = (*(value for value in NAME if value is not None), "2/7", "2/1-0", "0/0", "1/-")
 
 
+SIZES = ("plane.sweep.num=20", "plane.parameter.num=3")
+
+
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory):
     path = tmp_path_factory.mktemp("asked") / "omega_fe.zarr"
-    planned = small_plan("plane=omega_fe", columns=20, rows=3)
+    planned = small_plan(*SIZES, "plane=omega_fe")
     boundaries.trace(small_store(path, planned), planned)
     return pipeline.open_plane(path)
 
@@ -53,7 +57,32 @@ def window(plane):
     }
 
 
+WRONG_WORDS = ("foo", "", None, 1, True, [])
+
 CALLS = {
+    "pipeline.compute": lambda plane: {
+        "plane": argument("omega_fe", (None, 1, True, "", [], {}, "nowhere"), "omega_fe"),
+        "overrides": argument(
+            [*SIZES, f"store.root={plane.path.parent}"], (None, 1, "gear.b=1", [1], [None], ["nothing=1"]), "nothing"
+        ),
+        "config_dir": argument(None, [path for path in PATHS if path is not None], "nowhere.zarr", "config-dir"),
+        "progress": argument(False, (1, "yes", [], {})),
+    },
+    "pipeline.figures.plots.Plots.backbone": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", (*WRONG_WORDS, "physical")),
+    },
+    "pipeline.figures.plots.Plots.curves": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", WRONG_WORDS),
+        "f_e": argument(0.2, (*(v for v in NUMBER if v is not None and v != [1.0]), -0.1, 5.0, []), "curves"),
+    },
+    "pipeline.figures.plots.Plots.map": lambda plane: {
+        "self": plane.plot,
+        "window": argument((0.5, 0.8, 0.1, 0.2), optional(array((0.5, 0.8, 0.1, 0.2), (0.8, 0.5, 0.1, 0.2), [1.0]))),
+        "stability": argument("static", WRONG_WORDS),
+        "units": argument("dimensionless", WRONG_WORDS),
+    },
     "pipeline.open_plane": lambda plane: {
         "name": argument(plane.path, PATHS, "nowhere.zarr"),
         "root": argument("outputs", PATHS[:-1]),
@@ -89,7 +118,7 @@ def test_every_public_function_has_its_wrong_calls():
 
 @pytest.mark.parametrize("name", CALLS)
 def test_what_is_right_is_taken_and_what_is_wrong_is_named(name, plane):
-    assert_wrong_calls_are_refused(PUBLIC[name].function, CALLS[name](plane), ParameterError, StoreError)
+    assert_wrong_calls_are_refused(PUBLIC[name].function, CALLS[name](plane), ParameterError, ConfigurationError)
 
 
 @pytest.mark.parametrize("name", [name for name in CALLS if name.endswith(("_at", "_near", "nearest_boundaries"))])

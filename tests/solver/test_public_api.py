@@ -10,14 +10,7 @@ from solver import ParameterError
 from tests.public import assert_wrong_calls_are_refused, public
 from tests.solver.calls import CALLS, FURTHER
 
-MODULES = (
-    "solver",
-    "solver.boundaries",
-    "solver.harmonic.galerkin",
-    "solver.regions",
-    "solver.stability",
-    "solver.timedomain",
-)
+MODULES = ("solver", "solver.boundaries", "solver.regions", "solver.stability", "solver.timedomain")
 
 PUBLIC = public(MODULES)
 
@@ -29,6 +22,7 @@ RESULTS = {
     "solver.Row",
     "solver.RowSolutions",
     "solver.Solutions",
+    "solver.SteadyMotion",
     "solver.boundaries.BoundaryCurve",
     "solver.regions.Regions",
     "solver.stability.Stability",

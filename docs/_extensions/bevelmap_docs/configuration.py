@@ -10,6 +10,7 @@ from pathlib import Path
 
 import yaml
 
+from pipeline.config.allowed import sentence_of
 from pipeline.config.schema import Configuration
 
 __all__ = ["PARTS", "Key", "choices", "documented", "keys", "types_of_keys"]
@@ -89,7 +90,8 @@ def types_of_keys(of: type = Configuration, prefix: str = "") -> dict[str, str]:
     """Full name of every key of the schema -> its type in words; empty for nested keys, and where any is allowed."""
     found = {}
     for name, hint in typing.get_type_hints(of).items():
-        found[f"{prefix}{name}"] = _words(hint)
+        allowed = sentence_of(of, name)
+        found[f"{prefix}{name}"] = f"{_words(hint)}, {allowed}" if allowed else _words(hint)
         for option in typing.get_args(hint) or (hint,):
             if dataclasses.is_dataclass(option):
                 found |= types_of_keys(option, f"{prefix}{name}.")

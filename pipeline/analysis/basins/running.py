@@ -4,7 +4,6 @@ Initial states are uniform in `solver.timedomain.basin_box`, from the same seed 
 place can be recomputed with `solver.timedomain.basin_shares` alone.
 """
 
-import csv
 import dataclasses
 import hashlib
 import json
@@ -22,6 +21,7 @@ from pipeline.analysis.verification.verdicts import settling_of
 from pipeline.config.schema import Basins
 from pipeline.plan.numerics import point_of
 from pipeline.plan.plan import Plan
+from pipeline.run.sheets import csv_text, write_files
 from pipeline.store import groups
 from solver import domain_parts, gear_system
 
@@ -199,19 +199,14 @@ def read_basins(path: Path, plan: Plan) -> StoredBasins | None:
 
 def write_sheet(found: StoredBasins, plan: Plan, folder: Path, name: str) -> Path:
     """One line per place and attractor as `<name>.csv`; the same bytes from the same store."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{name}.csv"
-    draft = path.with_name(f".{path.name}.draft")
-    columns = [name for name in _FOUND if name != "attractor_code"]
-    with draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["cell", plan.sweep.name, plan.parameter.name, "attractor", *columns, "message"])
-        for i, message in enumerate(found.messages.tolist()):
-            place = [i, float(found.places["x"][i]), float(found.places["p"][i])]
-            for j in range(int(found.places["n_attractors"][i])):
-                label = attractor_label(int(found.found["attractor_code"][i, j]))
-                writer.writerow([*place, label, *(found.found[name][i, j].item() for name in columns), ""])
-            if message:
-                writer.writerow([*place, "", *[""] * len(columns), message])
-    draft.replace(path)
+    columns, lines = [name for name in _FOUND if name != "attractor_code"], []
+    for i, message in enumerate(found.messages.tolist()):
+        place = [i, float(found.places["x"][i]), float(found.places["p"][i])]
+        for j in range(int(found.places["n_attractors"][i])):
+            label = attractor_label(int(found.found["attractor_code"][i, j]))
+            lines.append([*place, label, *(found.found[name][i, j].item() for name in columns), ""])
+        if message:
+            lines.append([*place, "", *[""] * len(columns), message])
+    header = ["cell", plan.sweep.name, plan.parameter.name, "attractor", *columns, "message"]
+    (path,) = write_files(folder, {f"{name}.csv": csv_text(header, lines)})
     return path

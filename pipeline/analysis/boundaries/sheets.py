@@ -1,10 +1,10 @@
 """The stored boundaries as CSV: one line per point, and one per special point."""
 
-import csv
 from pathlib import Path
 
 from pipeline.analysis.boundaries.group import StoredBoundaries, special_places
 from pipeline.plan.plan import Plan
+from pipeline.run.sheets import csv_text, write_files
 from solver.boundaries import SpecialPoint
 
 __all__ = ["write_sheets"]
@@ -29,19 +29,11 @@ def write_sheets(boundaries: StoredBoundaries, plan: Plan, folder: Path, name: s
         special += [[lines[i][-1], *lines[i][:-2]] for i in special_places(curve)]
     # By what they are; the sort keeps the order along the curves.
     special.sort(key=lambda line: SpecialPoint[line[0].upper()])
-    folder.mkdir(parents=True, exist_ok=True)
     places = [x, p, "mean", "amplitude"]
-    return [
-        _write(folder / f"{name}.csv", ["curve", "kind", *places, "stable", "special"], points),
-        _write(folder / f"{name}-special.csv", ["special", "curve", "kind", *places], special),
-    ]
-
-
-def _write(path: Path, header: list[str], lines: list[list]) -> Path:
-    draft = path.with_name(f".{path.name}.draft")
-    with draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(lines)
-    draft.replace(path)
-    return path
+    return write_files(
+        folder,
+        {
+            f"{name}.csv": csv_text(["curve", "kind", *places, "stable", "special"], points),
+            f"{name}-special.csv": csv_text(["special", "curve", "kind", *places], special),
+        },
+    )

@@ -1,6 +1,5 @@
 """The stage `jumps`: attractors followed along rows, upwards and downwards, and where the two ways differ."""
 
-import csv
 import dataclasses
 import hashlib
 import json
@@ -16,6 +15,7 @@ from pipeline.analysis.verification.verdicts import settling_of
 from pipeline.config.schema import Jumps
 from pipeline.plan.numerics import point_of
 from pipeline.plan.plan import Plan
+from pipeline.run.sheets import csv_text, write_files
 from pipeline.store import groups
 from solver import gear_system
 
@@ -227,19 +227,11 @@ def write_sheets(found: StoredJumps, plan: Plan, folder: Path, name: str) -> lis
         for low, high in part
         if not np.isnan(low)
     ]
-    folder.mkdir(parents=True, exist_ok=True)
     heads = [f"{name}_{way}" for way in _WAYS for name in _FOLLOWED]
-    return [
-        _sheet(folder / f"{name}.csv", [p.name, x.name, *heads, "hysteresis"], lines),
-        _sheet(folder / f"{name}-hysteresis.csv", [p.name, f"{x.name}_low", f"{x.name}_high", "width"], stretches),
-    ]
-
-
-def _sheet(path: Path, header: list[str], lines: list[list]) -> Path:
-    draft = path.with_name(f".{path.name}.draft")
-    with draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(lines)
-    draft.replace(path)
-    return path
+    return write_files(
+        folder,
+        {
+            f"{name}.csv": csv_text([p.name, x.name, *heads, "hysteresis"], lines),
+            f"{name}-hysteresis.csv": csv_text([p.name, f"{x.name}_low", f"{x.name}_high", "width"], stretches),
+        },
+    )

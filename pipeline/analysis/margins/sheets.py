@@ -1,12 +1,10 @@
 """Answers about a design point as CSV, Markdown and plain lines; the same text from the same store."""
 
-import csv
-import io
-
 from pipeline.analysis.margins.answer import SAFE, Answer
 from pipeline.analysis.margins.distances import Margin
 from pipeline.analysis.margins.worst import severity
 from pipeline.plan.scales import scales_of
+from pipeline.run.sheets import csv_text, pipes
 from pipeline.store import axis_attributes
 from solver import Event, Scales, domain_label
 
@@ -46,13 +44,9 @@ _FIELDS = (
 
 def tidy(answer: Answer) -> str:
     """One line per answer, numbers to ten digits."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, fieldnames=_FIELDS, restval="", lineterminator="\n")
-    writer.writeheader()
     scales = scales_of(answer.plan)
     records = (_with_physical(record, scales) for record in _records(answer))
-    writer.writerows({key: _exact(value) for key, value in record.items()} for record in records)
-    return text.getvalue()
+    return csv_text(_FIELDS, ([_exact(record.get(field, "")) for field in _FIELDS] for record in records))
 
 
 def _with_physical(record: dict, scales: Scales | None) -> dict:
@@ -153,16 +147,16 @@ def markdown(answer: Answer, name: str) -> str:
         ]
         parts += [
             f"## Labels of the operating range, at {parameter} = {p}",
-            _pipes([f"{sweep} from", "to", "label"], rows),
+            pipes([f"{sweep} from", "to", "label"], rows),
         ]
     rows = [_margin_cells(margin, sweep, scales) for margin in answer.margins]
-    parts += ["## Distance to the nearest change of label", _pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]
+    parts += ["## Distance to the nearest change of label", pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]
     if answer.box is not None:
         sides = ((sweep, answer.box.x), (parameter, answer.box.p))
         rows = [[name, _shown(name, low, scales), _shown(name, high, scales)] for name, (low, high) in sides]
         title = f"Largest safe box: all {SAFE}" if answer.label else "Largest box free of boundaries"
         title += f", {100.0 * answer.box.area:.4g} % of the plane"
-        parts += [f"## {title}", _pipes(["parameter", "from", "to"], rows)]
+        parts += [f"## {title}", pipes(["parameter", "from", "to"], rows)]
     if answer.corners:
         rows = [
             [
@@ -175,7 +169,7 @@ def markdown(answer: Answer, name: str) -> str:
         where += f"{parameter} = {p} ± {_shown(parameter, design.tolerance, scales)}"
         parts += [
             f"## Labels over {where}, the worst first",
-            _pipes(["further parameters", "labels"], rows),
+            pipes(["further parameters", "labels"], rows),
             f"Worst label within the tolerances: **{_worst(answer)}**.",
         ]
     if answer.notes:
@@ -191,10 +185,6 @@ def _margin_cells(margin: Margin, sweep: str, scales: Scales | None) -> list[str
     beyond = domain_label(margin.beyond) or "-"
     distance, at = _shown(margin.name, margin.distance, scales), _shown(sweep, margin.at, scales)
     return [*cells, distance, KINDS[margin.kind], at, beyond]
-
-
-def _pipes(headings: list[str], rows: list[list[str]]) -> str:
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))
 
 
 def lines(answer: Answer) -> list[str]:

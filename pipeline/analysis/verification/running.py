@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.analysis.integration_options import HIGHEST_ORDER
 from pipeline.analysis.verification.credibility import Credibility, Samples, credibility
 from pipeline.analysis.verification.group import (
     StoredVerification,
@@ -20,7 +19,7 @@ from pipeline.analysis.verification.sampling import choose_cells
 from pipeline.analysis.verification.starts import Start, read_labels, read_starts
 from pipeline.analysis.verification.tasks import check_rows, follow_starts
 from pipeline.analysis.verification.verdicts import Seen, Verdict
-from pipeline.config.schema import Verify
+from pipeline.config.schema import HIGHEST_ORDER, Verify
 from pipeline.plan.plan import Plan
 
 __all__ = ["Summary", "orders_of", "tasks_of", "verify"]

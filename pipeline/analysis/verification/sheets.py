@@ -1,7 +1,5 @@
 """In how many cells the map is right, per label: as CSV and as Markdown."""
 
-import csv
-import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +11,7 @@ from pipeline.analysis.verification.group import StoredVerification
 from pipeline.analysis.verification.verdicts import Verdict
 from pipeline.config.schema import Verify
 from pipeline.plan.plan import Plan
+from pipeline.run.sheets import csv_text, pipes, write_files
 from solver import domain_label
 from solver.timedomain import wilson_interval
 
@@ -95,46 +94,25 @@ def write_sheets(
 ) -> list[Path]:
     """Write `<name>.csv` and `<name>.md`; the same bytes from the same store."""
     lines = region_lines(domain, found)
-    folder.mkdir(parents=True, exist_ok=True)
-    return [
-        _write(folder / f"{name}.csv", _csv(lines)),
-        _write(folder / f"{name}.md", _markdown(lines, found, plan, settings, name)),
-    ]
-
-
-def _write(path: Path, text: str) -> Path:
-    draft = path.with_name(f".{path.name}.draft")
-    draft.write_text(text, encoding="utf-8", newline="")
-    draft.replace(path)
-    return path
+    return write_files(
+        folder, {f"{name}.csv": _csv(lines), f"{name}.md": _markdown(lines, found, plan, settings, name)}
+    )
 
 
 def _csv(lines: list[Line]) -> str:
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(
+    confirmed = ("confirmed_samples", "confirmed_share", "confirmed_low", "confirmed_high")
+    header = ["label", "cells", "samples", *confirmed, *(kind.name.lower() for kind in Credibility)]
+    rows = (
         [
-            "label",
-            "cells",
-            "samples",
-            "confirmed_samples",
-            "confirmed_share",
-            "confirmed_low",
-            "confirmed_high",
-            *(kind.name.lower() for kind in Credibility),
+            line.label,
+            line.cells,
+            line.samples,
+            line.confirmed,
+            *map(_number, (line.share, line.low, line.high, *line.classes.values())),
         ]
+        for line in lines
     )
-    for line in lines:
-        writer.writerow(
-            [
-                line.label,
-                line.cells,
-                line.samples,
-                line.confirmed,
-                *map(_number, (line.share, line.low, line.high, *line.classes.values())),
-            ]
-        )
-    return file.getvalue()
+    return csv_text(header, rows)
 
 
 def _number(value: float) -> str:
@@ -154,7 +132,7 @@ def _markdown(lines: list[Line], found: StoredVerification, plan: Plan, settings
         if line.samples:
             share += f" ({_percent(line.low)[:-2]}–{_percent(line.high)})"
         rows.append([line.label, str(line.cells), str(line.samples), share, *map(_percent, line.classes.values())])
-    table = ["| " + " | ".join(cells) + " |" for cells in (head, ["---", *["---:"] * (len(head) - 1)], *rows)]
+    table = pipes(head, rows, numbers_from=1)
     orders = " and ".join(map(str, found.orders)) if found.orders else "none: the map's own order is too high"
     x, p = plan.sweep, plan.parameter
     verdicts = [f"{np.sum(found.samples['verdict'] == kind)} {kind.name.lower().replace('_', ' ')}" for kind in Verdict]
@@ -175,5 +153,5 @@ def _markdown(lines: list[Line], found: StoredVerification, plan: Plan, settings
         "at the higher order, or integration from it ended on another kind of motion.",
         *(f"{kind.name.capitalize().replace('_', ' ')}: {kind.sentence}" for kind in Verdict),
     ]
-    text = [f"# Verification of {name}", "\n".join(table), "\n".join(f"- {note}" for note in notes)]
+    text = [f"# Verification of {name}", table, "\n".join(f"- {note}" for note in notes)]
     return "\n\n".join(text) + "\n"

@@ -2,7 +2,6 @@
 
 from time import perf_counter
 
-from pipeline.analysis.integration_options import check_verify
 from pipeline.run.job import Job, note_unfinished, say_failures
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.stage import Stage
@@ -35,4 +34,4 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if summary.failures else 0
 
 
-STAGE = Stage("verify", _run, lambda job: check_verify(job.settings.config.verify), on_workers=True, writes=True)
+STAGE = Stage("verify", _run, on_workers=True, writes=True)

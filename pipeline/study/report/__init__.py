@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from pipeline.run.sheets import write_files
 from pipeline.study.report.contents import document_of
 from pipeline.study.report.document import Picture
 from pipeline.study.report.html import html
@@ -24,12 +25,5 @@ def write(sources: Sequence[Source], folder: Path) -> list[Path]:
     """
     document = document_of(sources)
     pictures = [block for block in document.blocks if isinstance(block, Picture)]
-    figures = folder / FIGURES
-    figures.mkdir(parents=True, exist_ok=True)
-    contents = {folder / "report.html": html(document).encode(), folder / "report.md": markdown(document).encode()}
-    contents |= {figures / f"{picture.name}.png": picture.png for picture in pictures}
-    for path, content in contents.items():
-        draft = path.with_name(f".{path.name}.draft")
-        draft.write_bytes(content)
-        draft.replace(path)
-    return list(contents)
+    texts = {"report.html": html(document), "report.md": markdown(document)}
+    return write_files(folder, texts | {f"{FIGURES}/{picture.name}.png": picture.png for picture in pictures})

@@ -2,7 +2,7 @@
 
 from functools import singledispatch
 
-from pipeline.study.markup import escaped, pipes
+from pipeline.run.sheets import escaped, pipes
 from pipeline.study.report.document import Bullets, Document, Grid, Heading, Listing, Paragraph, Picture
 
 __all__ = ["FIGURES", "markdown"]

@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import balance_of
+from pipeline.run.sheets import write_files
 from pipeline.store import PENDING, read_plan, statuses
 from pipeline.study.tables.article import ARTICLE_TABLES, ArticleTable
 from pipeline.study.tables.latex import latex
@@ -46,11 +47,8 @@ def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
     for article in ARTICLE_TABLES:
         table = build_table(article, Path(stores[article.plane][0]))
         for suffix, render in _FORMATS.items():
-            texts[folder / f"table{article.number}.{suffix}"] = render(table)
-    folder.mkdir(parents=True, exist_ok=True)
-    for path, text in texts.items():
-        path.write_text(text, encoding="utf-8", newline="\n")
-    return list(texts)
+            texts[f"table{article.number}.{suffix}"] = render(table)
+    return write_files(folder, texts)
 
 
 def _problem(article: ArticleTable, path: Path, command: str) -> str:

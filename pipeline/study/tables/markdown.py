@@ -1,6 +1,6 @@
 """A table as Markdown: three pipe tables and a list of notes."""
 
-from pipeline.study.markup import escaped, pipes
+from pipeline.run.sheets import escaped, pipes
 from pipeline.study.tables.sheets import Sheet, class_sheet, label_sheet, measured_sheet, notes, title
 from pipeline.study.tables.table import Table
 

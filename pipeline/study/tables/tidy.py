@@ -1,10 +1,8 @@
 """A table as CSV for machines: one row per band and resonance, numbers at full precision, nan where nothing exists."""
 
-import csv
-import io
-
 import numpy as np
 
+from pipeline.run.sheets import csv_text
 from pipeline.study.tables.bands import BandAtResonance
 from pipeline.study.tables.edges import nearest_edge
 from pipeline.study.tables.table import Line as TableLine
@@ -19,12 +17,8 @@ _STATE_NAMES = tuple(f"share_{state.name.lower()}" for state in ImpactState)
 
 def tidy(table: Table) -> str:
     """The table's text."""
-    text = io.StringIO()
     records = [_record(table, line) for line in table.lines]
-    writer = csv.DictWriter(text, fieldnames=list(records[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return text.getvalue()
+    return csv_text(list(records[0]), (list(record.values()) for record in records))
 
 
 def _record(table: Table, line: TableLine) -> dict[str, str]:

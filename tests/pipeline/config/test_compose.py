@@ -304,7 +304,7 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path, monkeypatch, capsy
 
 def test_a_disk_too_small_is_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    sizes = ["plane.sweep.num=40000000", "plane.parameter.num=1000", "plane.max_cells=1e12"]
+    sizes = ["plane.sweep.num=1000000", "plane.parameter.num=100000", "plane.max_cells=1e12"]
     assert main(sizes) == 2
     assert "do not fit into" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

@@ -317,7 +317,7 @@ MISTAKES = [
     ("gear.physical.torque=60 N", "gear.physical.torque = '60 N'"),
     ("gear.physical.torque=60 Nmm", "'Nmm' is not a known unit"),
     ("gear.physical.torque=null", "gear.physical.torque has no value"),
-    ("gear.physical.teeth=[20,20.5]", "gear.physical.teeth = [20, 20.5] is not allowed: it must be two whole numbers"),
+    ("gear.physical.teeth=[20,20.5]", "gear.physical.teeth[1] = 20.5 is not allowed"),
     ("gear.physical.shaft_angle=180 deg", "gear.physical.shaft_angle = 180.0"),
     (
         "gear.physical.face_width=60 mm",

@@ -144,7 +144,7 @@ def test_failures_name_both_values(tmp_path, capsys):
 def test_layers_are_drawn(swept, volume):
     from pipeline.figures.volume import draw_volume, read_layers
 
-    assert [path.name for path in (swept / "figures/omega_b_fe").iterdir()] == ["layers.png"]
+    assert [path.name for path in (swept / "figures/omega_b_fe").glob("[!.]*")] == ["layers.png"]
     layers = read_layers(volume)
     assert list(layers) == [0.0, 0.25, 0.5]
     for index, plane in enumerate(layers.values()):

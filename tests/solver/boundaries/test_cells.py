@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from solver import Continuation, Galerkin, Model, sweep_row
+from solver import Continuation, Model, sweep_row
 from solver.boundaries import BIFURCATIONS, boundary_curves, row_events
 from solver.continuation.on_curve import curve_crossings
 from solver.harmonic.describing_function import DescribingFunction
+from solver.harmonic.galerkin import Galerkin
 from solver.rows.lifted_seeds import LiftedSeeds
 from solver.stability import Instability, motion_multipliers
 from tests.conftest import MODELS, slow_but

@@ -135,6 +135,13 @@ CALLS = {
         "normal": argument(None, optional(array(np.ones(4), [1.0] * 3))),
         "max_iterations": argument(None, optional((*COUNT, 0))),
     },
+    "solver.Problem.corrected_all": lambda: {
+        "self": problem(),
+        "places": argument(row().curves[0].points[:2], array(row().curves[0].points[:2], np.ones((2, 3)), empty=True)),
+        "corrector": argument(CORRECTOR, OBJECT),
+        "normal": argument(None, optional(array(np.ones(4), [1.0] * 3))),
+        "max_iterations": argument(None, optional((*COUNT, 0))),
+    },
     "solver.Problem.evaluated": lambda: {
         "self": problem(),
         "y": argument(row().curves[0].points[0], array(row().curves[0].points[0], [1.0] * 3, finite=False)),
@@ -198,11 +205,15 @@ CALLS = {
         "omega": argument(0.6, POSITIVE),
         "unknowns": argument(np.ones(21), array(np.ones(21), np.ones(20))),
     },
-    "solver.harmonic.galerkin.Galerkin": lambda: {
-        "order": argument(2, (*COUNT, 0, 65)),
-        "period": argument(1, (*COUNT, 0, 5)),
+    "solver.solve": lambda: {
+        "system": argument(model(), OBJECT),
+        "guess": argument([1.0, 0.1, 0.0], array([1.0, 0.1, 0.0], [1.0, 0.1], [1.0])),
+        "omega": argument(0.6, POSITIVE),
+        "balance": argument(None, optional((*OBJECT, Galerkin))),
+        "max_iterations": argument(20, (*COUNT, 0)),
     },
-    "solver.harmonic.galerkin.Galerkin.balance_problem": lambda: {
+    "solver.Galerkin": lambda: {"order": argument(2, (*COUNT, 0, 65)), "period": argument(1, (*COUNT, 0, 5))},
+    "solver.Galerkin.balance_problem": lambda: {
         **{
             name: argument(
                 getattr(problem(GALERKIN), name), array(getattr(problem(GALERKIN), name), finite=False, empty=True)
@@ -211,30 +222,30 @@ CALLS = {
         },
         "scale": argument(problem(GALERKIN).scale, array(problem(GALERKIN).scale, -problem(GALERKIN).scale)),
     },
-    "solver.harmonic.galerkin.Galerkin.degree": lambda: {
+    "solver.Galerkin.degree": lambda: {
         "self": GALERKIN,
         **balance_arguments(GALERKIN),
         "grid": argument(GRID, array(GRID, empty=True)),
     },
-    "solver.harmonic.galerkin.Galerkin.displacement": lambda: {
+    "solver.Galerkin.displacement": lambda: {
         "self": GALERKIN,
         "motion": argument(MOTION, array(MOTION, [1.0] * 3)),
         "angle": argument(GRID, array(GRID, any_shape=True)),
     },
-    "solver.harmonic.galerkin.Galerkin.extremes": lambda: {
+    "solver.Galerkin.extremes": lambda: {
         "self": GALERKIN,
         "motions": argument(MOTION, array(MOTION, [1.0] * 3, 1.0, finite=False, any_shape=True)),
     },
-    "solver.harmonic.galerkin.Galerkin.lifted": lambda: {
+    "solver.Galerkin.lifted": lambda: {
         "self": GALERKIN,
         "motions": argument(np.ones(3), array(np.ones(3), [1.0] * 2, 1.0, finite=False, any_shape=True)),
     },
-    "solver.harmonic.galerkin.Galerkin.linear_solution": lambda: {
+    "solver.Galerkin.linear_solution": lambda: {
         "self": GALERKIN,
         **balance_arguments(GALERKIN),
         "p": argument(0.6, NUMBER),
     },
-    "solver.harmonic.galerkin.Galerkin.problem": lambda: {"self": GALERKIN, **about(name="system")},
+    "solver.Galerkin.problem": lambda: {"self": GALERKIN, **about(name="system")},
 }
 
 #: Calls over other axes and with other systems: what is called, and with what.
@@ -262,7 +273,7 @@ FURTHER = {
         },
     ),
     "a gap": (
-        "solver.harmonic.galerkin.Galerkin.problem",
+        "solver.Galerkin.problem",
         lambda: over("gap", system=stop) | {"self": GALERKIN, "omega": argument(0.6, (None, *WRONG_OMEGA))},
     ),
 }

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import solver
-from solver import ContactSystem, Galerkin, ParameterError, SolveStatus, all_solutions, solve, uncondensed_balance
+from solver import ContactSystem, ParameterError, SolveStatus, all_solutions, solve, uncondensed_balance
+from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.uncondensed import translations
 from tests.conftest import antiphase, published
 from tests.solver.continuation.test_stiff_contact import NATURAL, chain, swept

@@ -122,3 +122,9 @@ def test_any_parameter_may_be_swept():
 def test_bad_numbers_of_columns_are_refused():
     with pytest.raises(ParameterError, match="certify_columns = 1 is not allowed"):
         LiftedSeeds(1)
+
+
+@pytest.mark.parametrize("period", [1, 2])
+def test_a_row_without_a_solution_below_the_ceiling(period):
+    row = row_of(published(), 3, period, np.linspace(0.5, 0.8, 9), 9, continuation=Continuation(amplitude_max=1e-6))
+    assert row.curves == () and not np.any(row.n_solutions) and np.all(row.open == 1)

@@ -185,6 +185,27 @@ def test_a_bifurcation_next_to_a_grid_value_is_located_on_the_branch():
     np.testing.assert_allclose(near[0], [0.59888418, -1.69801358, 1.01203479, 0.52581533], rtol=0, atol=1e-8)
 
 
+@pytest.mark.parametrize(
+    "model, event",
+    [
+        (published(f_e=0.21637660669359293), Event.NEIMARK_SACKER),
+        (published(xi_mesh=0.02952820237797956), Event.PERIOD_DOUBLING),
+        (antiphase(b=0.3098673557843914), Event.PERIOD_DOUBLING),
+        (antiphase(f_pm=0.6807589805344487), Event.PERIOD_DOUBLING),
+    ],
+)
+def test_two_between_neighbouring_cells_are_seen(model, event):
+    """A multiplier that passes and comes back between two of 400 columns, where those of 4000 show it."""
+    found = []
+    for columns in (400, 4000):
+        row = sweep_row(model, "omega", np.linspace(0.3, 2.0, columns))
+        found.append(np.concatenate([at(curve, event) for curve in row.curves]))
+    coarse, fine = (points[np.lexsort(points.T)] for points in found)
+    column = np.searchsorted(np.linspace(0.3, 2.0, 400), np.sort(fine[:, -1]))
+    assert np.any(column[1:] == column[:-1])
+    np.testing.assert_allclose(coarse, fine, rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize("make", [published, antiphase])
 def test_all_bifurcations_of_many_rows_are_located(make):
     """Rows with several hundred cells, any of which may lie next to one."""

@@ -7,7 +7,8 @@ Sound and Vibration 146 (1991) 135-156, with three harmonics).
 import numpy as np
 import pytest
 
-from solver import Galerkin, Model, gear_system, solve
+from solver import Model, gear_system, solve
+from solver.harmonic.galerkin import Galerkin
 from solver.stability import Instability, assess
 from solver.timedomain import AttractorKind, basin_shares
 

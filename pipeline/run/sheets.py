@@ -1,0 +1,80 @@
+"""Results as files of text: CSV, and tables in Markdown. A file appears under its name only when it is whole."""
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+__all__ = ["csv_text", "escaped", "pipes", "write_files"]
+
+_MARKUP = re.compile(r"[\\|*`]|<(?=[A-Za-z/!?])")
+
+
+def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
+    """Write files into a folder, in place of what was there.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it does not exist.
+    contents : mapping
+        Name, which may have a folder in it -> text, written as UTF-8, or bytes.
+
+    Returns
+    -------
+    list of Path
+        In the same order.
+    """
+    paths = []
+    for name, content in contents.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draft = path.with_name(f".{path.name}.draft")
+        draft.write_bytes(content.encode() if isinstance(content, str) else content)
+        draft.replace(path)
+        paths.append(path)
+    return paths
+
+
+def csv_text(header: Sequence, lines: Iterable[Sequence]) -> str:
+    """Lines under a header as CSV.
+
+    Examples
+    --------
+    >>> csv_text(["omega", "label"], [[0.5, "2/0-1"]])
+    'omega,label\\n0.5,2/0-1\\n'
+    """
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(lines)
+    return stream.getvalue()
+
+
+def escaped(text: str) -> str:
+    """Text that no reader of Markdown takes for markup; underscores inside words are safe."""
+    return _MARKUP.sub(lambda match: f"\\{match[0]}", text)
+
+
+def pipes(headings: Sequence[str], rows: Iterable[Sequence[str]], numbers_from: int | None = None) -> str:
+    """A pipe table of plain text.
+
+    Parameters
+    ----------
+    headings : sequence of str
+    rows : iterable of sequence of str
+    numbers_from : int, optional
+        The first of the columns that are aligned to the right.
+
+    Examples
+    --------
+    >>> print(pipes(["label", "cells"], [["2/0-1", "7"]], numbers_from=1))
+    | label | cells |
+    | --- | ---: |
+    | 2/0-1 | 7 |
+    """
+    left = len(headings) if numbers_from is None else numbers_from
+    ruler = ["---"] * left + ["---:"] * (len(headings) - left)
+    lines = [map(escaped, headings), ruler, *(map(escaped, cells) for cells in rows)]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

@@ -1,0 +1,332 @@
+"""Where multipliers pass the unit circle on a branch, between places whose test functions are known.
+
+What two neighbouring places bracket is located by regula falsi, bisected where that is slow: next to a grazing the
+functions have square-root corners. Where a function comes nearest to zero at the middle one of three places the branch
+is looked at in between, as long as a parabola says that it may reach zero there.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.continuation.curve_point import point_size, state_at
+from solver.continuation.setup import SETUP
+from solver.continuation.solution_curve import Event
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+from solver.kernels.linear import copy_into
+from solver.stability.monodromy import ROOM, Room, monodromy_at
+from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
+
+__all__ = ["INDICES", "UNKNOWN", "Found", "Recent", "Watch", "look", "search", "search_dips"]
+
+_I, _F, _B = types.int64, types.float64, types.boolean
+INDICES = types.int64[::1]
+_DOUBLING, _TORUS = int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
+
+# Looks that the location of one event may take, and pairs that may pass in one step.
+_LOOKS, _MOST_PAIRS = 80, 8
+# An event is located when its function has fallen to this share of what it was, or in so short a stretch of arc.
+_ROUNDING, _NARROW = 1e-13, 1e-12
+# A pair whose modulus is this close to 1 on both sides is on the circle, as of undamped systems, and passes nothing.
+_ON_CIRCLE = 1e-8
+# At a Neimark-Sacker point the pair nearest to the circle lies on it; if not, a real multiplier was what passed it.
+_PASSED = 1e-5
+# The cubic between two points tells to some share of the arc where on the branch a motion of the raster lies: where its
+# test functions are not those of the branch there, these shares further outward.
+_ASIDE = (0.0, 1e-4, 1e-3, 1e-2)
+# Looks for a pair of events between three places; a function that comes no nearer to zero than this share of its least
+# value is not followed.
+_DIP_LOOKS, _CLEARANCE = 8, 0.5
+
+
+class Watch(NamedTuple):
+    """What test functions are computed with: packed parameters of the system, and room for its matrices."""
+
+    theta: np.ndarray
+    direction: np.ndarray
+    room: Room
+
+
+class Found(NamedTuple):
+    """Bifurcations found: behind which point of the branch, at which fraction of the arc, kind, and point array; and
+    how many were found, how many were not located, and how many points had no multipliers."""
+
+    after: np.ndarray
+    fractions: np.ndarray
+    kinds: np.ndarray
+    points: np.ndarray
+    counts: np.ndarray
+
+
+class Recent(NamedTuple):
+    """The last three places of a branch whose test functions are known: arc lengths, ascending, behind which points of
+    the branch lies what is between two of them, and the functions (3, TESTS)."""
+
+    places: np.ndarray
+    pieces: np.ndarray
+    tests: np.ndarray
+
+
+RECENT = types.NamedTuple((ARRAY, INDICES, MATRIX), Recent)
+WATCH = types.NamedTuple((ARRAY, ARRAY, ROOM), Watch)
+FOUND = types.NamedTuple((INDICES, ARRAY, FLAGS, MATRIX, INDICES), Found)
+LOCATED, MISSED, UNKNOWN = range(3)
+
+
+@kernel(types.void(WATCH, ARRAY, ARRAY), inner=True)
+def look(watch, y, tests):
+    """Fill in the test functions at y = (u, p)."""
+    n = y.shape[0] - 1
+    room = monodromy_at(watch.theta, watch.direction, y[:n], y[n], watch.room)
+    eigenvalues(room.matrix, room.multipliers[0], room.multipliers[1])
+    spectral_tests(room.multipliers[0], room.multipliers[1], tests)
+
+
+@kernel(_F(_I, ARRAY, _F), inline=True)
+def _value(kind, tests, level):
+    """The function of one kind that changes sign at the event; for pairs, where OUTSIDE rises above `level`."""
+    if kind == _DOUBLING:
+        return tests[DOUBLING]
+    size = min(abs(tests[GAP]), 1.0)
+    return size if tests[OUTSIDE] > level else -size
+
+
+@kernel(_F(SETUP, WATCH, ARRAY, ARRAY, _F, _I, _F, ARRAY, MATRIX, ARRAY, ARRAY), inner=True)
+def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tests, found):
+    """Locate an event between two fractions of a piece of the branch.
+
+    Parameters
+    ----------
+    setup, watch
+    left, right : point arrays
+        Ends of the piece.
+    arc : float
+        Its length.
+    kind : int
+    level : float
+        As for `_value`.
+    bracket : (2,) array
+        The two fractions; narrowed.
+    at_ends : (2, TESTS) array
+        Test functions there; replaced by those at the narrowed bracket.
+    tests, found
+        Filled with the test functions and the point array at the event.
+
+    Returns
+    -------
+    float
+        Its fraction; -1 if it cannot be located.
+    """
+    g_low, g_high = _value(kind, at_ends[0], level), _value(kind, at_ends[1], level)
+    reference, side, width = max(abs(g_low), abs(g_high)), 0, bracket[1] - bracket[0]
+    for attempt in range(_LOOKS):
+        low, high = bracket[0], bracket[1]
+        x = (low * g_high - high * g_low) / (g_high - g_low)
+        margin = 1e-3 * (high - low)
+        x = min(max(x, low + margin), high - margin)
+        # Three looks must halve the bracket.
+        if not math.isfinite(x) or (attempt % 3 == 2 and high - low > 0.5 * width):
+            x = 0.5 * (low + high)
+        if attempt % 3 == 2:
+            width = high - low
+        if state_at(setup, left, right, arc, x, found) < 0:
+            return -1.0
+        look(watch, found[: setup.unknowns + 1], tests)
+        if math.isnan(tests[LARGEST]):
+            return -1.0
+        g = _value(kind, tests, level)
+        if abs(g) <= _ROUNDING * reference or (high - low) * arc <= _NARROW:
+            return x
+        if g * g_high < 0.0:
+            bracket[0], g_low = x, g
+            for i in range(TESTS):
+                at_ends[0, i] = tests[i]
+            if side == -1:
+                g_high *= 0.5
+            side = -1
+        else:
+            bracket[1], g_high = x, g
+            for i in range(TESTS):
+                at_ends[1, i] = tests[i]
+            if side == 1:
+                g_low *= 0.5
+            side = 1
+    return -1.0
+
+
+@kernel(types.void(FOUND, _I, _F, _I, ARRAY), inner=True)
+def _record(found, after, fraction, kind, point):
+    """Keep one event, or count it as missed where there is no more room."""
+    count = found.counts[LOCATED]
+    if count == found.after.shape[0]:
+        found.counts[MISSED] += 1
+        return
+    found.after[count], found.fractions[count], found.kinds[count] = after, fraction, kind
+    for j in range(point.shape[0]):
+        found.points[count, j] = point[j]
+    found.counts[LOCATED] += 1
+
+
+@kernel(_F(SETUP, WATCH, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY, ARRAY), inner=True)
+def _end_on_branch(setup, watch, left, right, arc, x, sense, expected, tests, point):
+    """Where, from fraction x on in one sense, the branch's own test functions have the signs of those expected.
+
+    Fills `tests` with them; x and what was expected where they are nowhere near.
+    """
+    for aside in _ASIDE:
+        place = min(max(x + sense * aside, 0.0), 1.0)
+        # At the points of the branch they are its own.
+        if place in (0.0, 1.0) and place == x:
+            break
+        if state_at(setup, left, right, arc, place, point) < 0:
+            break
+        look(watch, point[: setup.unknowns + 1], tests)
+        if tests[OUTSIDE] == expected[OUTSIDE] and tests[DOUBLING] * expected[DOUBLING] > 0.0:
+            return place
+    copy_into(tests, expected)
+    return x
+
+
+@kernel(_F(SETUP, WATCH, FOUND, _I, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), inner=True)
+def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_high):
+    """Locate all events between two neighbouring fractions of a piece whose test functions are known.
+
+    Returns the fraction up to which it looked, which may be a little more.
+    """
+    pairs = at_low[OUTSIDE] != at_high[OUTSIDE]
+    # What lies on the circle on both sides, as in undamped systems, passes nothing.
+    pairs &= max(abs(at_low[GAP]), abs(at_high[GAP])) > _ON_CIRCLE
+    if not pairs and at_low[DOUBLING] * at_high[DOUBLING] >= 0.0:
+        return high
+    bracket, at_ends = np.empty(2), np.empty((2, TESTS))
+    tests, point = np.empty(TESTS), np.empty(point_size(setup))
+    # Places, in order, between which a real multiplier may pass -1.
+    places, at_places = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
+    low = _end_on_branch(setup, watch, left, right, arc, low, -1.0, at_low, at_places[0], point)
+    high = _end_on_branch(setup, watch, left, right, arc, high, 1.0, at_high, at_places[1], point)
+    places[0], places[1], count = low, high, 2
+    at_first, at_last = at_places[0].copy(), at_places[1].copy()
+    if pairs:
+        level, top = min(at_low[OUTSIDE], at_high[OUTSIDE]), max(at_low[OUTSIDE], at_high[OUTSIDE])
+        while level < top and count < places.shape[0]:
+            bracket[0], bracket[1] = low, high
+            copy_into(at_ends[0], at_first)
+            copy_into(at_ends[1], at_last)
+            x = _pinpoint(setup, watch, left, right, arc, _TORUS, level, bracket, at_ends, tests, point)
+            if x < 0.0:
+                found.counts[MISSED] += 1
+            elif abs(tests[GAP]) <= _PASSED:
+                _record(found, after, x, _TORUS, point)
+            # Both ends of the bracket are places to look at. Of two real multipliers that passed one after the other
+            # the second one is what was found here.
+            for end in range(2):
+                k = count
+                while places[k - 1] > bracket[end]:
+                    places[k] = places[k - 1]
+                    for i in range(TESTS):
+                        at_places[k, i] = at_places[k - 1, i]
+                    k -= 1
+                places[k] = bracket[end]
+                for i in range(TESTS):
+                    at_places[k, i] = at_ends[end, i]
+                count += 1
+            level += 2.0
+    for k in range(1, count):
+        if at_places[k - 1, DOUBLING] * at_places[k, DOUBLING] < 0.0:
+            bracket[0], bracket[1] = places[k - 1], places[k]
+            for i in range(TESTS):
+                at_ends[0, i], at_ends[1, i] = at_places[k - 1, i], at_places[k, i]
+            x = _pinpoint(setup, watch, left, right, arc, _DOUBLING, 0.0, bracket, at_ends, tests, point)
+            if x < 0.0:
+                found.counts[MISSED] += 1
+            else:
+                _record(found, after, x, _DOUBLING, point)
+    return high
+
+
+@kernel(_B(MATRIX, _I), inline=True)
+def _dips(tests, slot):
+    """Whether a function has one sign at three places (3, TESTS) and comes nearest to zero at the middle one."""
+    sign = math.copysign(1.0, tests[1, slot])
+    return _ON_CIRCLE < sign * tests[1, slot] <= min(sign * tests[0, slot], sign * tests[2, slot]) < math.inf
+
+
+@kernel(types.void(SETUP, WATCH, FOUND, MATRIX, MATRIX, ARRAY, RECENT, _I), inner=True)
+def _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot):
+    """`search_dips` for one of the test functions."""
+    n, size = setup.unknowns, point_size(setup)
+    places, pieces, at_places = recent.places.copy(), recent.pieces.copy(), recent.tests.copy()
+    left, right, point, tests = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(TESTS)
+    for _ in range(_DIP_LOOKS):
+        if not _dips(at_places, slot):
+            return
+        before, least, behind = at_places[0, slot], at_places[1, slot], at_places[2, slot]
+        first = (least - before) / (places[1] - places[0])
+        bend = ((behind - least) / (places[2] - places[1]) - first) / (places[2] - places[0])
+        if not bend * least > 0.0:
+            return
+        place = 0.5 * (places[0] + places[1]) - 0.5 * first / bend
+        lowest = before + (place - places[0]) * (first + bend * (place - places[1]))
+        if not lowest * math.copysign(1.0, least) < _CLEARANCE * abs(least):
+            return
+        margin = 0.05 * (places[2] - places[0])
+        if abs(place - places[1]) < margin:
+            place = places[1] + (margin if places[2] - places[1] > places[1] - places[0] else -margin)
+        side = 0 if place < places[1] else 1
+        piece = pieces[side]
+        arc = arclength[piece + 1] - arclength[piece]
+        for j in range(n + 1):
+            left[j], left[n + 1 + j] = branch[piece, j], tangents[piece, j]
+            right[j], right[n + 1 + j] = branch[piece + 1, j], tangents[piece + 1, j]
+        x = (place - arclength[piece]) / arc
+        if state_at(setup, left, right, arc, x, point) < 0:
+            return
+        look(watch, point[: n + 1], tests)
+        if math.isnan(tests[LARGEST]):
+            return
+        if tests[OUTSIDE] != at_places[side, OUTSIDE] or tests[DOUBLING] * at_places[side, DOUBLING] < 0.0:
+            low, high = (places[side] - arclength[piece]) / arc, (places[side + 1] - arclength[piece]) / arc
+            search(setup, watch, found, piece, left, right, arc, low, x, at_places[side], tests)
+            search(setup, watch, found, piece, left, right, arc, x, high, tests, at_places[side + 1])
+            return
+        # The three places among four that have the least value in the middle.
+        closer = abs(tests[slot]) <= abs(least)
+        if closer:
+            other = 2 - 2 * side
+            places[other], pieces[1 - side] = places[1], piece
+            copy_into(at_places[other], at_places[1])
+        new = 1 if closer else 2 * side
+        places[new] = place
+        copy_into(at_places[new], tests)
+
+
+@kernel(types.void(SETUP, WATCH, FOUND, MATRIX, MATRIX, ARRAY, RECENT, _F, _I, ARRAY), inner=True)
+def search_dips(setup, watch, found, branch, tangents, arclength, recent, place, piece, tests):
+    """Take one more place, and locate pairs of events that the last three suggest and do not bracket.
+
+    Parameters
+    ----------
+    setup, watch, found
+    branch, tangents, arclength : (k, n + 1), (k, n + 1) and (k,) arrays
+        Points of the branch.
+    recent : Recent
+    place : float
+        Its arc length.
+    piece : int
+        Behind which point of the branch it and the place before lie.
+    tests : (TESTS,) array
+    """
+    for k in range(2):
+        recent.places[k] = recent.places[k + 1]
+        copy_into(recent.tests[k], recent.tests[k + 1])
+    recent.places[2], recent.pieces[0], recent.pieces[1] = place, recent.pieces[1], piece
+    copy_into(recent.tests[2], tests)
+    if not recent.places[0] < recent.places[1] < recent.places[2]:
+        return
+    if not recent.tests[0, OUTSIDE] == recent.tests[1, OUTSIDE] == recent.tests[2, OUTSIDE]:
+        return
+    for slot in (DOUBLING, GAP):
+        if _dips(recent.tests, slot):
+            _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot)
