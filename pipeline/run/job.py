@@ -63,10 +63,11 @@ def command(settings: Settings, *changes: str) -> str:
 
 def other_numbers(settings: Settings, path: Path, changes: str) -> StoreError:
     """What is said where a store was made with other numbers than are asked for: the difference and the ways on."""
-    if settings.default_name != settings.store_name:
+    if settings.overridden("store.name") and settings.config.plane.layer is None:
         beside = command(settings, "store.name=")
     else:
-        beside = command(settings, f"store.name={settings.store_name}-2")
+        # Of a layer, the volume's name is what can be chosen.
+        beside = command(settings, f"store.name={settings.default_name}-2")
     return StoreError(
         f"{path} was made with other numbers ({changes}); another store beside it: {beside}; "
         f"this one computed again: {command(settings, 'store.overwrite=true')}"
