@@ -1,11 +1,11 @@
 """One writer per store: a lock file beside it, held by the operating system for as long as its process lives.
 
-The lock is `flock` on that file, so that it goes with the process however that ends, and a file that is left behind
-locks nothing. What the file says is only for people. A network file system must pass `flock` on (Linux's NFS does).
+The lock is the system's own on that file (`flock`, on Windows `LockFileEx`), so that it goes with the process however
+that ends, and a file that is left behind locks nothing. What the file says is only for people. A network file system
+must pass `flock` on (Linux's NFS does).
 """
 
 import contextlib
-import fcntl
 import json
 import os
 import socket
@@ -90,14 +90,13 @@ def let_go() -> None:
 
 def _attempt(place: Path) -> int | None:
     """An open, locked file under that name, or None if another process has it."""
+    from filelock import lock_descriptor  # takes a while to import, and most stages need no lock
+
     # A link in its place would have the file that it leads to overwritten.
-    descriptor = os.open(place, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o644)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if Path(place).stat().st_ino == os.fstat(descriptor).st_ino:
+    descriptor = os.open(place, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o644)
+    with contextlib.suppress(FileNotFoundError):
+        if lock_descriptor(descriptor, blocking=False) and place.stat().st_ino == os.fstat(descriptor).st_ino:
             return descriptor
-    except (BlockingIOError, FileNotFoundError):
-        pass
     os.close(descriptor)
     return None
 
@@ -108,7 +107,8 @@ def _sign(descriptor: int) -> None:
     text = json.dumps({"host": socket.gethostname(), "pid": os.getpid(), "since": since})
     with contextlib.suppress(OSError):
         os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, text.encode(), 0)
+        os.lseek(descriptor, 0, os.SEEK_SET)
+        os.write(descriptor, text.encode())
 
 
 def _holder(place: Path) -> str:

@@ -7,7 +7,6 @@ entry that is empty, cut short or damaged is removed. Where nothing can be kept,
 
 import atexit
 import contextlib
-import fcntl
 import functools
 import hashlib
 import logging
@@ -178,23 +177,24 @@ class KernelStore:
         if not self._keeps:
             yield True
             return
+        from filelock import lock_descriptor  # takes a while to import, and few processes compile anything
+
         path, until = self._folders[-1] / f"{name}.lock", time.monotonic() + patience
         with contextlib.ExitStack() as opened:
             while True:
                 try:
                     file = opened.enter_context(path.open("w"))
-                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except BlockingIOError:
-                    opened.close()
-                    if time.monotonic() >= until:
-                        yield False
-                        return
-                    time.sleep(0.02)
+                    mine = lock_descriptor(file.fileno(), blocking=False)
                 except OSError:  # no such locks on this file system, or the disk is full: every process for itself
                     break
-                else:
+                if mine:
                     opened.callback(self._remove, path)
                     break
+                opened.close()
+                if time.monotonic() >= until:
+                    yield False
+                    return
+                time.sleep(0.02)
             yield True
 
     def drop(self, name: str) -> None:

@@ -1,9 +1,9 @@
 """One undisturbed store for all tests of this folder, whichever process gets there first."""
 
-import fcntl
 from pathlib import Path
 
 import pytest
+from filelock import lock_descriptor
 
 from tests.pipeline.faults.runs import finished
 
@@ -16,7 +16,7 @@ def undisturbed(tmp_path_factory) -> Path:
     folder = (base.parent if base.name.startswith("popen-") else base) / "undisturbed"
     folder.mkdir(exist_ok=True)
     with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        lock_descriptor(lock.fileno())
         path = folder / "outputs/store/plane.zarr"
         if not path.exists():
             run = finished(folder, "cluster=none")

@@ -1,6 +1,5 @@
 """Disks that fill, folders that cannot be written or go away, clocks that jump, and two runs on one store."""
 
-import fcntl
 import json
 import os
 import re
@@ -11,6 +10,7 @@ import subprocess
 import threading
 
 import pytest
+from filelock import lock_descriptor
 
 from pipeline import store
 from pipeline.__main__ import main
@@ -148,7 +148,7 @@ def test_nothing_that_is_stored_steers_the_terminal(tmp_path, undisturbed, capsy
     assert run("stages=[sweep]") == 0 and "going on" in said[-1]
     lock.write_text(json.dumps({"host": f"a{STEERING}", "pid": 7, "since": STEERING}))
     with lock.open("r+") as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
+        lock_descriptor(held.fileno())
         assert run("stages=[sweep]") == 2 and "is in use by" in said[-1]
     # What is said of a row, the name of a store, the name of a file, and what a store says of itself.
     plan = store.read_plan(path)
@@ -252,7 +252,7 @@ def test_a_lock_that_nobody_holds_is_recognised(tmp_path, undisturbed, capsys):
         assert (code, err) == (0, "") and f"ended without letting go of {path}, going on" in out and not lock.exists()
     assert "store: another process ended" in out
     with lock.open("w") as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
+        lock_descriptor(held.fileno())
         code, _, err = run_here(tmp_path, capsys, "stages=[sweep]")
     assert code == 2 and "is in use by another process" in err
 

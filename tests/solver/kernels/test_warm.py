@@ -1,6 +1,5 @@
 """Compiling ahead: what is compiled, what is said of it, and processes that share the work."""
 
-import fcntl
 import json
 import os
 import subprocess
@@ -9,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from filelock import lock_descriptor
 
 from solver.continuation import correctors
 from solver.enumeration.interval import add
@@ -95,7 +95,7 @@ def test_waiting_for_another_process_has_an_end(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     store = KernelStore()
     with (store.folder / "x.kernel.lock").open("w") as other:
-        fcntl.flock(other, fcntl.LOCK_EX)
+        lock_descriptor(other.fileno())
         for patience in (0.0, 0.1):
             with store.claimed("x.kernel", patience) as mine:
                 assert not mine
