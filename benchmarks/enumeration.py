@@ -9,7 +9,7 @@ import numpy as np
 
 from solver import Proof, all_solutions
 from solver.enumeration.certificates import enumerate_points
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 from tests.conftest import MODELS
 
 POINTS = 400

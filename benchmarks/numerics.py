@@ -16,7 +16,7 @@ from pipeline.plan.planning import plan
 from solver import first_order_problem
 from solver.enumeration.certificates import enumerate_points
 from solver.harmonic.describing_function import linear_solution
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 
 __all__ = ["measure_numerics"]
 
@@ -56,7 +56,7 @@ def _kernel(planned: Plan, model, sizes: Sizes, baselines) -> Measurement:
     low, high = planned.sweep.low, planned.sweep.high
     problem, continuation = first_order_problem(model, "omega", low, high), continuation_of(planned.solver)
     unknowns = np.empty(3)
-    linear_solution(problem.theta, problem.direction, low, unknowns)
+    linear_solution(problem.parameters, problem.parameter_slope, low, unknowns)
     start = np.append(unknowns + [model.b, 0.0, 0.0], low)
     points = len(continuation.trace(problem, start, low, high).points)
     values = timed(

@@ -40,7 +40,7 @@ def main() -> None:
         model = model_at(planned, 1.0, 1.0)
         problem = first_order_problem(model, "omega", LOW, HIGH)
         unknowns = np.empty(3)
-        linear_solution(problem.theta, problem.direction, LOW, unknowns)
+        linear_solution(problem.parameters, problem.parameter_slope, LOW, unknowns)
         start = np.append(unknowns + [model.b, 0.0, 0.0], LOW)
         per_point = {}
         for corrector in ("newton", "broyden"):

@@ -26,6 +26,7 @@ _HOMES = {
     "gear.scales": ("Scale", "Scales"),
     "harmonic.backbone": ("Backbone", "backbone"),
     "harmonic.describing_function": ("DescribingFunction", "first_order_problem"),
+    "harmonic.galerkin": ("Galerkin",),
     "harmonic.steady": ("SolveStatus", "SteadyMotion", "solve"),
     "harmonic.uncondensed": ("translations", "uncondensed_balance"),
     "model.checks": ("ParameterError",),

@@ -8,7 +8,10 @@ from pathlib import Path
 from pipeline.figures.options import check_options
 from pipeline.store import read_plan
 
-__all__ = ["check_options", "draw", "draw_design"]
+__all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_named"]
+
+#: Figures of a plane, those that take longest first.
+NAMES = ("map", "curves", "map-window", "verification", "backbone")
 
 
 def draw(
@@ -65,6 +68,11 @@ def draw(
         if plan.parameter2 is not None:
             return _draw_layers(store_path, folder, formats, dpi, stability == "dynamic")
         return _draw(store_path, folder, curves, formats, dpi, window, stability, units, only)
+
+
+def draw_named(store_path: Path, folder: Path, options: dict, name: str) -> list[Path]:
+    """`draw` one figure, as a task of a worker; nothing if the plane has none of this name."""
+    return draw(store_path, folder, **options, only=[name])
 
 
 def draw_design(

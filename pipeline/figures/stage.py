@@ -1,5 +1,6 @@
 """The stage figures: pictures of the stored plane; nothing is solved again."""
 
+from pathlib import Path
 from time import perf_counter
 
 from pipeline.run.job import Job, note_unfinished
@@ -23,15 +24,29 @@ def _check_options(job: Job) -> None:
     figures.check_options(job.plan, **_options(job))
 
 
-def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+def _draw(job: Job, workforce: Workforce, folder: Path) -> list[Path]:
+    """Draw all figures: side by side where workers of this machine run already, otherwise here."""
     from pipeline import figures
+
+    options = _options(job)
+    if not workforce.has_local_workers or job.plan.parameter2 is not None:
+        return figures.draw(job.store_path, folder, **options)
+    tasks, drawn = [(job.store_path, folder, options, name) for name in figures.NAMES], {}
+    for task, result in workforce.run(figures.draw_named, tasks):
+        if isinstance(result, Exception):
+            raise result
+        drawn[task[-1]] = result
+    return [path for name in figures.NAMES for path in drawn[name]]
+
+
+def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 
     note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
     folder = job.settings.output_root / "figures" / job.settings.store_name
     record, origin = folder / ".figures.json", made_from(job.store_path, _options(job))
     if (paths := still_made(record, origin)) is None:
-        paths = figures.draw(job.store_path, folder, **_options(job))
+        paths = _draw(job, workforce, folder)
         write_record(record, origin, paths)
         took = f"{perf_counter() - begin:.2f} s"
     else:

@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from time import perf_counter
 
 from pipeline import store
@@ -21,6 +22,8 @@ from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
 
+#: Cells of first order that one core computes in half a second.
+_FEW_CELLS = 16_000
 #: Failed rows, and rows with notes, that are listed in full.
 _LISTED = 10
 
@@ -54,6 +57,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
     warm_up_for(job, reporter)
+    workforce = _enough(job, blocks, workforce)
     where = workforce.start()
     open_log(job, reporter)
     if present:
@@ -66,6 +70,15 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     state = "continues: " if present else ""
     reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")
     return compute(job, blocks, workforce, reporter, perf_counter() - begin)
+
+
+def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:
+    """This process alone for a plane that takes less time than workers take to start, unless a cluster is asked for."""
+    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks)
+    first_order = job.plan.solver["balance"] == "describing_function"
+    if job.settings.overridden("cluster") or not first_order or cells > _FEW_CELLS:
+        return workforce
+    return Workforce(replace(workforce.config, kind="none"))
 
 
 def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: Reporter, waited: float = 0.0) -> int:

@@ -256,6 +256,11 @@ class Workforce:
         return bool(workers) and not self._admission.allowed(workers)
 
     @property
+    def has_local_workers(self) -> bool:
+        """Whether worker processes of this machine, which share its files, run already."""
+        return self.config.kind == "local" and self._connection is not None
+
+    @property
     def size(self) -> int:
         """Number of threads that run tasks; workers of a foreign scheduler may come and go."""
         if self.config.kind == "none":

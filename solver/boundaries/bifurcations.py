@@ -24,13 +24,12 @@ import math
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from solver.boundaries.problem import P_STEP, X_STEP
 from solver.continuation.continuation import Problem
 from solver.flow.switched_system import FREQUENCY, count_degrees, new_system, system_at
-from solver.flow.taylor import carry_deviations, count_blocks, new_series
-from solver.harmonic.layout import BACK, FRONT, OMEGA, PERIOD, STIFFNESSES
+from solver.flow.taylor import carry_deviations, count_blocks, new_block_series
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import BACK_GAP, FRONT_GAP, MESH_FREQUENCY, P_STEP, PERIOD, STIFFNESSES, X_STEP
 from solver.stability.multipliers import hessenberg
 
 __all__ = ["ANGLE", "SENSE", "bifurcation_test", "characteristic_remainder", "critical_cosines", "move_parameters"]
@@ -108,7 +107,7 @@ def _carry(here, start, closed, switches, matrix, columns, rows):
     system = new_system(n, int(here[STIFFNESSES]))
     system_at(here, still, 0.0, system)
     vectors = system.vectors
-    series, states = new_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
+    series, states = new_block_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
     for i in range(size):
         states[i // 4, i, i % 4] = 1.0
     scale = period / system.numbers[FREQUENCY]
@@ -151,19 +150,19 @@ def move_parameters(here, along, step, moved):
     """Fill in the parameters a step further along an axis; the gaps, and with them the angles of contact, stay."""
     for i in range(here.shape[0]):
         moved[i] = here[i] + step * along[i]
-    moved[FRONT], moved[BACK] = here[FRONT], here[BACK]
+    moved[FRONT_GAP], moved[BACK_GAP] = here[FRONT_GAP], here[BACK_GAP]
 
 
 @kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _B, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
-def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, start, closed, switches, by_angle, by_axis):
+def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start, closed, switches, by_angle, by_axis):
     """The test functions of a motion, and how they change.
 
     Parameters
     ----------
-    theta : array
+    parameters : array
         Of `solver.boundaries.problem`: holds the steps of differences.
     here, along_x, along_p : arrays
-        `parameters_at` a place (x, p), of `solver.harmonic.layout.packed`.
+        `parameters_at` a place (x, p), of `solver.model.packing.packed`.
     doubling : bool
         Whether of a period doubling or of a Neimark-Sacker.
     kappa : float
@@ -205,11 +204,11 @@ def bifurcation_test(theta, here, along_x, along_p, doubling, kappa, start, clos
             for j in range(size):
                 changed[i, j] = matrix[i, j] + share * columns[c, i] * rows[c, j]
         moved = _tested(changed, doubling, kappa)
-        factor = switches[c, SENSE] * here[PERIOD] / (here[OMEGA] * share)
+        factor = switches[c, SENSE] * here[PERIOD] / (here[MESH_FREQUENCY] * share)
         by_angle[0, c], by_angle[1, c] = factor * (moved[0] - value[0]), factor * (moved[1] - value[1])
     beyond, nothing = np.empty(here.shape[0]), np.empty((0, size))
     for axis in range(2):
-        along, step = (along_x, theta[X_STEP]) if axis == 0 else (along_p, theta[P_STEP])
+        along, step = (along_x, parameters[X_STEP]) if axis == 0 else (along_p, parameters[P_STEP])
         by_axis[0, axis], by_axis[1, axis] = 0.0, 0.0
         for side in (-1.0, 1.0):
             move_parameters(here, along, side * step, beyond)
@@ -232,13 +231,11 @@ def critical_cosines(problem: Problem, y: np.ndarray) -> list[float]:
     y : (..., kappa, x, p) array
         A motion; its kappa does not matter.
     """
-    residual, jacobian = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
 
     def remainder(kappa: float) -> np.ndarray:
         here = y.copy()
         here[-3] = kappa
-        problem.balance(problem.theta, problem.direction, here, residual, jacobian)
-        return residual[-2:].copy()
+        return problem.evaluated(here)[0][-2:]
 
     nodes = chebyshev.chebpts1(_DEGREE + 1)
     values = np.array([remainder(kappa) for kappa in nodes])

@@ -25,18 +25,17 @@ import math
 
 import numpy as np
 
-from solver.boundaries.problem import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, parameters_at
+from solver.boundaries.problem import parameters_at
 from solver.harmonic.describing_function import coefficients
-from solver.harmonic.layout import PAIRS, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.condensation import SIZE
+from solver.model.parameters import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, gear_numbers
 
 __all__ = [
     "BACK",
     "COEFFICIENTS",
     "FRONT",
-    "MONITORS",
+    "TEST_COUNT",
     "UNKNOWNS",
     "P",
     "X",
@@ -49,8 +48,8 @@ __all__ = [
 FRONT, BACK, X, P = range(3, 7)
 UNKNOWNS = 6
 
-#: Monitor values of a boundary: the amplitude, and on grazing curves det dE/du.
-MONITORS = 2
+#: Test functions of a boundary: the amplitude, and on grazing curves det dE/du.
+TEST_COUNT = 2
 
 _C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
 #: Coefficients of the balance, their derivatives by x and by p; then the same for its constants.
@@ -59,13 +58,12 @@ _RIGHT = 0.5 * math.pi
 
 
 @kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
-def plane_coefficients(theta, direction, y):
+def plane_coefficients(parameters, parameter_slope, y):
     """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both."""
-    here, along_x, along_p = parameters_at(theta, direction, y)
-    start = PAIRS + 2 * int(here[STIFFNESSES])
-    model = here[start : start + SIZE]
-    values, by_x, constants, constants_x = coefficients(model, along_x[start : start + SIZE], 0.0)
-    _, by_p, _, constants_p = coefficients(model, along_p[start : start + SIZE], 0.0)
+    here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
+    gear = gear_numbers(here, here)
+    values, by_x, constants, constants_x = coefficients(gear, gear_numbers(here, along_x), 0.0)
+    _, by_p, _, constants_p = coefficients(gear, gear_numbers(here, along_p), 0.0)
     return (values, by_x, by_p), (constants, constants_x, constants_p)
 
 
@@ -86,14 +84,14 @@ def _rows(values, constants, mean, fundamental, displacement):
 
 
 @kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
-def angle_rows(known, theta, y, residual, jacobian):
+def angle_rows(known, parameters, y, residual, jacobian):
     """Balance and angles: fill the first five rows of residual and jacobian (., 7) at y (7,).
 
     Parameters
     ----------
     known : COEFFICIENTS
         From `plane_coefficients` at y.
-    theta : array
+    parameters : array
     y, residual, jacobian : arrays
     """
     (values, by_x, by_p), (constants, constants_x, constants_p) = known
@@ -101,8 +99,8 @@ def angle_rows(known, theta, y, residual, jacobian):
     mean, displacement = y[0], complex(y[1], -y[2])
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     unit = displacement / amplitude
-    front, front_sin, front_cos, front_on = _clamped(theta[FRONT_CONTACT], y[FRONT])
-    back, back_sin, back_cos, back_on = _clamped(theta[BACK_CONTACT], y[BACK])
+    front, front_sin, front_cos, front_on = _clamped(parameters[FRONT_CONTACT], y[FRONT])
+    back, back_sin, back_cos, back_on = _clamped(parameters[BACK_CONTACT], y[BACK])
     ahead, behind = b - mean, -b - mean
 
     f_0 = mean + (ahead * front + amplitude * front_cos - behind * back - amplitude * back_cos) / math.pi
@@ -142,10 +140,10 @@ def angle_rows(known, theta, y, residual, jacobian):
     for row in range(3, 5):
         flank = 1.0 if row == FRONT else -1.0
         sine, cosine = (front_sin, front_cos) if row == FRONT else (back_sin, back_cos)
-        zone, reach = theta[FRONT_CONTACT if row == FRONT else BACK_CONTACT], amplitude * sine
+        zone, reach = parameters[FRONT_CONTACT if row == FRONT else BACK_CONTACT], amplitude * sine
         slope = amplitude * cosine
         if zone != 0.0:
-            slope = theta[LENGTH_SCALE]
+            slope = parameters[LENGTH_SCALE]
             reach += slope * (y[row] - zone * _RIGHT)
         residual[row] = reach - flank * b + mean
         for column in range(7):
@@ -175,7 +173,7 @@ def _contract(left, right):
 
 
 @kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
-def determinant(known, theta, y, gradient, square):
+def determinant(known, parameters, y, gradient, square):
     """det dE/du, its derivatives by y, and dE/du itself.
 
     Along the direction (v_m, V), V = v_c - i v_s, of u the balance feels, with v_a = Re(conj(unit) V),
@@ -191,7 +189,7 @@ def determinant(known, theta, y, gradient, square):
     ----------
     known : COEFFICIENTS
         From `plane_coefficients` at y.
-    theta : array
+    parameters : array
     y : (7,) array
     gradient : (7,) array
         Filled with the derivatives by y.
@@ -202,8 +200,8 @@ def determinant(known, theta, y, gradient, square):
     displacement = complex(y[1], -y[2])
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     unit = displacement / amplitude
-    front, front_sin, front_cos, front_on = _clamped(theta[FRONT_CONTACT], y[FRONT])
-    back, back_sin, back_cos, back_on = _clamped(theta[BACK_CONTACT], y[BACK])
+    front, front_sin, front_cos, front_on = _clamped(parameters[FRONT_CONTACT], y[FRONT])
+    back, back_sin, back_cos, back_on = _clamped(parameters[BACK_CONTACT], y[BACK])
     n_0, g_0 = 1.0 - (front - back) / math.pi, (front_cos - back_cos) / math.pi
     q_m, q_a = 2.0 * g_0, 2.0 / math.pi * (front_sin * front_cos - back_sin * back_cos)
     gain = 1.0 - (front + front_sin * front_cos - back - back_sin * back_cos) / math.pi

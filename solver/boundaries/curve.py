@@ -118,15 +118,20 @@ class BoundaryCurve:
         ------
         ParameterError
             If an argument is not allowed.
+        ArithmeticError
+            If the corrector cannot reach a value that the boundary passes.
         """
         values, continuation = finite_array("values", values, (None,)), _settings(continuation)
         if np.any(values[1:] < values[:-1]):
             raise ParameterError("values", values.tolist(), "ascending")
         columns, points = [np.empty(0, np.int64)], [np.empty((0, 5))]
         for stretch in self.stretches:
-            column, unknowns, _ = curve_crossings(stretch.problem, stretch.curve, values, continuation)
-            columns.append(column)
-            points.append(np.column_stack([unknowns[:, self.shown[:-1]], values[column]]))
+            met = curve_crossings(stretch.problem, stretch.curve, values, continuation)
+            if met.unreached.size:
+                place = values[met.unreached[0]]
+                raise ArithmeticError(f"the boundary passes {place!r}, but the corrector does not converge there")
+            columns.append(met.column)
+            points.append(np.column_stack([met.unknowns[:, self.shown[:-1]], values[met.column]]))
         return np.concatenate(columns), np.concatenate(points)
 
     def distances(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:

@@ -19,36 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
-from solver.boundaries.contact_angles import (
-    BACK,
-    FRONT,
-    MONITORS,
-    UNKNOWNS,
-    P,
-    X,
-    angle_rows,
-    determinant,
-    plane_coefficients,
-)
-from solver.boundaries.problem import (
-    BACK_CONTACT,
-    BIFURCATIONS,
-    EVENT,
-    FLANK,
-    FOLDS_AND_GRAZINGS,
-    FRONT_CONTACT,
-    LENGTH_SCALE,
-    LEVEL,
-    Contact,
-    Guess,
-    Plane,
-    Stretch,
-    parameters_at,
-    plane_theta,
-)
+from solver.boundaries.contact_angles import BACK, FRONT, TEST_COUNT, P, X, angle_rows, determinant, plane_coefficients
+from solver.boundaries.problem import BIFURCATIONS, Contact, Guess, Plane, Stretch, parameters_at, plane_parameters
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import BACK_CONTACT, EVENT, FLANK, FRONT_CONTACT, LENGTH_SCALE, LEVEL
 
 __all__ = ["FirstOrderProblem"]
 
@@ -73,25 +49,25 @@ _SLOT, _BY_CONTACT, _SWITCHES = range(2, 5)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _fold_balance(theta, direction, y, residual, jacobian):
+def _fold_balance(parameters, parameter_slope, y, residual, jacobian):
     """Balance, angles and det dE/du: (6,) and (6, 7)."""
-    known = plane_coefficients(theta, direction, y)
-    angle_rows(known, theta, y, residual, jacobian)
-    residual[5] = determinant(known, theta, y, jacobian[5], np.empty((3, 3)))
+    known = plane_coefficients(parameters, parameter_slope, y)
+    angle_rows(known, parameters, y, residual, jacobian)
+    residual[5] = determinant(known, parameters, y, jacobian[5], np.empty((3, 3)))
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _grazing_balance(theta, direction, y, residual, jacobian):
+def _grazing_balance(parameters, parameter_slope, y, residual, jacobian):
     """Balance, angles and the grazed flank's angle: (6,) and (6, 7)."""
-    angle_rows(plane_coefficients(theta, direction, y), theta, y, residual, jacobian)
-    slot = int(theta[FLANK])
-    residual[5] = y[slot] - theta[LEVEL]
+    angle_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+    slot = int(parameters[FLANK])
+    residual[5] = y[slot] - parameters[LEVEL]
     jacobian[5, :] = 0.0
     jacobian[5, slot] = 1.0
 
 
 @kernel(types.Tuple((types.float64, types.boolean, MATRIX))(ARRAY, ARRAY), inner=True)
-def _switches(theta, y):
+def _switches(parameters, y):
     """A start of the period, whether there is contact then, and the switches of contact that follow, (k, _SWITCHES).
 
     With lambda = lambda_m + lambda_a cos(theta - psi) there is contact at the front flank while
@@ -101,7 +77,7 @@ def _switches(theta, y):
     """
     psi, count = math.atan2(y[2], y[1]), 0
     found = np.empty((4, _SWITCHES))
-    front, back = theta[FRONT_CONTACT], theta[BACK_CONTACT]
+    front, back = parameters[FRONT_CONTACT], parameters[BACK_CONTACT]
     for i in range(4):
         # End of front contact, begin and end of back contact, begin of front contact.
         slot = FRONT if i == 0 or i == 3 else BACK
@@ -116,21 +92,22 @@ def _switches(theta, y):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _bifurcation_balance(theta, direction, y, residual, jacobian):
+def _bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
     """Balance, angles and test functions: (6,) and (6, 7) for a period doubling, (7,) and (7, 8) for a
     Neimark-Sacker."""
-    here, along_x, along_p = parameters_at(theta, direction, y)
-    doubling, last = int(theta[EVENT]) == _DOUBLING, y.shape[0] - 1
+    here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
+    doubling, last = int(parameters[EVENT]) == _DOUBLING, y.shape[0] - 1
     part = np.empty((5, 7))
-    angle_rows(plane_coefficients(theta, direction, y), theta, y, residual, part)
+    angle_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, part)
     for i in range(5):
         jacobian[i, 5] = 0.0
         for j in range(5):
             jacobian[i, j] = part[i, j]
         jacobian[i, last - 1], jacobian[i, last] = part[i, X], part[i, P]
-    start, closed, switches = _switches(theta, y)
+    start, closed, switches = _switches(parameters, y)
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
-    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[5], start, closed, switches, by_angle, by_axis)
+    at = here, along_x, along_p
+    values = bifurcation_test(parameters, *at, doubling, y[5], start, closed, switches, by_angle, by_axis)
     square = y[1] * y[1] + y[2] * y[2]
     for row in range(1 if doubling else 2):
         residual[5 + row] = values[row]
@@ -145,7 +122,7 @@ def _bifurcation_balance(theta, direction, y, residual, jacobian):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _monitor(theta, direction, y, values, gradient):
+def _test_functions(parameters, parameter_slope, y, values, gradient):
     """Amplitude, and det dE/du where there is room for it."""
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     values[0] = amplitude
@@ -153,8 +130,8 @@ def _monitor(theta, direction, y, values, gradient):
     if amplitude > 0.0:
         gradient[0, 1], gradient[0, 2] = y[1] / amplitude, y[2] / amplitude
     if values.shape[0] > 1:
-        known = plane_coefficients(theta, direction, y)
-        values[1] = determinant(known, theta, y, gradient[1], np.empty((3, 3)))
+        known = plane_coefficients(parameters, parameter_slope, y)
+        values[1] = determinant(known, parameters, y, gradient[1], np.empty((3, 3)))
 
 
 @dataclass(frozen=True)
@@ -176,17 +153,12 @@ class FirstOrderProblem:
 
     def __post_init__(self):
         plane, size = self.plane, self.plane.motion_size
-        theta, direction = plane_theta(plane, 1, 1)
-        theta[LENGTH_SCALE] = size
+        parameters, parameter_slope = plane_parameters(plane, 1, 1)
+        parameters[LENGTH_SCALE] = size
         scale = np.array([size, size, size, 1.0, 1.0, *plane.scale])
-        for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
+        for name, value in (("parameters", parameters), ("parameter_slope", parameter_slope), ("scale", scale)):
             value.setflags(write=False)
             object.__setattr__(self, f"_{name}", value)
-
-    @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-        return *FOLDS_AND_GRAZINGS, *BIFURCATIONS
 
     @property
     def unknowns(self) -> int:
@@ -204,16 +176,16 @@ class FirstOrderProblem:
 
     def problem(self, kind: Event, contact: Contact) -> Problem:
         """The curve of one kind within a pair of zones."""
-        theta, direction, scale = self._theta.copy(), self._direction.copy(), self._scale.copy()
-        theta[[FRONT_CONTACT, BACK_CONTACT]] = contact
-        theta[EVENT] = kind
+        parameters, parameter_slope, scale = self._parameters.copy(), self._parameter_slope.copy(), self._scale.copy()
+        parameters[[FRONT_CONTACT, BACK_CONTACT]] = contact
+        parameters[EVENT] = kind
         if kind is Event.FOLD:
-            return Problem(_fold_balance, _monitor, theta, direction, scale, monitors=1)
+            return Problem(_fold_balance, _test_functions, parameters, parameter_slope, scale, test_count=1)
         if kind in BIFURCATIONS:
             scale = np.insert(scale, X, 1.0) if kind is Event.NEIMARK_SACKER else scale
-            return Problem(_bifurcation_balance, _monitor, theta, direction, scale, monitors=1)
-        theta[[FLANK, LEVEL]] = _GRAZED[kind]
-        return Problem(_grazing_balance, _monitor, theta, direction, scale, MONITORS)
+            return Problem(_bifurcation_balance, _test_functions, parameters, parameter_slope, scale, test_count=1)
+        parameters[[FLANK, LEVEL]] = _GRAZED[kind]
+        return Problem(_grazing_balance, _test_functions, parameters, parameter_slope, scale, TEST_COUNT)
 
     def confined(self, kind: Event, contact: Contact) -> Problem:
         """The same: the walls of the zones are sides of the box."""
@@ -270,14 +242,11 @@ class FirstOrderProblem:
 
     def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
         """det dE/du."""
-        values = np.empty(MONITORS)
-        problem.monitor(problem.theta, problem.direction, y, values, np.empty((MONITORS, y.size)))
-        return float(values[1])
+        return float(problem.observed(y, TEST_COUNT)[1])
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (3, 3), dE/dp (3,) and the derivatives of det dE/du by u (3,): the angles follow u and p."""
-        jacobian = np.empty((UNKNOWNS, UNKNOWNS + 1))
-        problem.balance(problem.theta, problem.direction, y, np.empty(UNKNOWNS), jacobian)
+        _, jacobian = problem.evaluated(y)
         by_y = -jacobian[3:5] / np.diag(jacobian[3:5, _ANGLES])[:, None]
         whole = jacobian + jacobian[:, _ANGLES] @ by_y
         return whole[:3, :3], whole[:3, P], whole[5, :3]
@@ -315,7 +284,7 @@ class FirstOrderProblem:
             if zone == 0:
                 angles.append(math.asin(min(max(distance / amplitude, -1.0), 1.0)) if amplitude > 0.0 else 0.0)
             else:
-                beyond = (zone * distance - amplitude) / self._theta[LENGTH_SCALE]
+                beyond = (zone * distance - amplitude) / self._parameters[LENGTH_SCALE]
                 angles.append(zone * (0.5 * math.pi + beyond))
         y = np.array([*point[:3], *angles, *point[3:]])
         slot, angle = _GRAZED.get(kind, _NOTHING_GRAZED)

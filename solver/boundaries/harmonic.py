@@ -13,21 +13,10 @@ import numpy as np
 
 from solver.boundaries.bifurcations import critical_cosines
 from solver.boundaries.harmonic_rows import harmonic_rows
-from solver.boundaries.problem import (
-    BACK_CONTACT,
-    BIFURCATIONS,
-    EVENT,
-    FOLDS_AND_GRAZINGS,
-    FRONT_CONTACT,
-    GRAZINGS,
-    Contact,
-    Guess,
-    Plane,
-    Stretch,
-    plane_theta,
-)
+from solver.boundaries.problem import GRAZINGS, Contact, Guess, Plane, Stretch, plane_parameters
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.harmonic.galerkin import Galerkin
+from solver.model.parameters import BACK_CONTACT, EVENT, FRONT_CONTACT
 
 __all__ = ["HarmonicProblem"]
 
@@ -60,16 +49,11 @@ class HarmonicProblem:
 
     def __post_init__(self):
         plane, balance = self.plane, self.balance
-        theta, direction = plane_theta(plane, balance.order, balance.period)
+        parameters, parameter_slope = plane_parameters(plane, balance.order, balance.period)
         scale = np.array([*[plane.motion_size] * balance.unknowns, *plane.scale])
-        for name, value in (("theta", theta), ("direction", direction), ("scale", scale)):
+        for name, value in (("parameters", parameters), ("parameter_slope", parameter_slope), ("scale", scale)):
             value.setflags(write=False)
             object.__setattr__(self, f"_{name}", value)
-
-    @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-        return *FOLDS_AND_GRAZINGS, *BIFURCATIONS
 
     @property
     def unknowns(self) -> int:
@@ -102,11 +86,12 @@ class HarmonicProblem:
         return self._problem(kind, contact or _ANY)
 
     def _problem(self, kind: Event, contact: tuple[int, int]) -> Problem:
-        theta, direction, scale = self._theta.copy(), self._direction.copy(), self._scale.copy()
-        theta[EVENT], theta[[FRONT_CONTACT, BACK_CONTACT]] = kind, contact
+        parameters, parameter_slope, scale = self._parameters.copy(), self._parameter_slope.copy(), self._scale.copy()
+        parameters[EVENT], parameters[[FRONT_CONTACT, BACK_CONTACT]] = kind, contact
         if kind is Event.NEIMARK_SACKER:
             scale = np.insert(scale, self.unknowns, 1.0)
-        return Problem(harmonic_rows, harmonic_rows, theta, direction, scale, monitors=2 if kind in GRAZINGS else 1)
+        test_count = 2 if kind in GRAZINGS else 1
+        return Problem(harmonic_rows, harmonic_rows, parameters, parameter_slope, scale, test_count)
 
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
         """Low and high border of y: the plane, and for Neimark-Sackers the resonances kappa = -1 and 1."""
@@ -121,9 +106,8 @@ class HarmonicProblem:
         """How often the motion at y switches contact; None for a grazing, along which that changes nothing."""
         if kind in GRAZINGS:
             return None
-        problem, counts, point = self.problem(Event.NONE, None), np.empty(2), y[list(self.components(kind))]
-        problem.monitor(problem.theta, problem.direction, point, counts, np.empty((2, point.size)))
-        return int(counts[0]), int(counts[1])
+        front, back = self.problem(Event.NONE, None).observed(y[list(self.components(kind))], 2)
+        return int(front), int(back)
 
     def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
         """Beyond a corner, at some distance from the grazing there.
@@ -149,10 +133,10 @@ class HarmonicProblem:
         It is where the row behind the balance changes most on the side with more contact.
         """
         problem, n = stretch.problem, self.unknowns
-        corner, jacobian = stretch.curve.points[-1], np.empty((problem.unknowns, problem.unknowns + 1))
+        corner = stretch.curve.points[-1]
 
         def steepest(y):
-            problem.balance(problem.theta, problem.direction, y, np.empty(problem.unknowns), jacobian)
+            _, jacobian = problem.evaluated(y)
             row = jacobian[n + np.argmax(np.linalg.norm(jacobian[n:] * problem.scale, axis=1))] * problem.scale
             return row / np.linalg.norm(row)
 
@@ -172,7 +156,5 @@ class HarmonicProblem:
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (n, n), dE/dp (n,) and the derivatives by u (n,) of the row behind the balance."""
-        n, size = self.unknowns, problem.unknowns
-        jacobian = np.empty((size, size + 1))
-        problem.balance(problem.theta, problem.direction, y, np.empty(size), jacobian)
+        n, (_, jacobian) = self.unknowns, problem.evaluated(y)
         return jacobian[:n, :n], jacobian[:n, -1], jacobian[n, :n]

@@ -20,15 +20,25 @@ import math
 import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, move_parameters
-from solver.boundaries.problem import BACK_CONTACT, EVENT, FRONT_CONTACT, GRAZINGS, P_STEP, X_STEP, parameters_at
+from solver.boundaries.problem import GRAZINGS, parameters_at
 from solver.contact.spectrum import contact_arcs, displacement
 from solver.continuation.continuation import Event
 from solver.harmonic import galerkin
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
-from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
+from solver.model.parameters import (
+    BACK_CONTACT,
+    BACK_GAP,
+    EVENT,
+    FRONT_CONTACT,
+    FRONT_GAP,
+    P_STEP,
+    PERIOD,
+    STIFFNESSES,
+    X_STEP,
+)
 
 __all__ = ["harmonic_rows"]
 
@@ -40,7 +50,7 @@ _TURN = 2.0 * math.pi
 # Columns of the switches of contact behind those of `bifurcations`: flank (1 front, -1 back), how the level of lambda
 # there moves along x and p, and d lambda/d theta.
 FLANK, LEVEL_X, LEVEL_P, SLOPE, SWITCHES = range(2, 7)
-_galerkin_balance, _margins = galerkin.balance, galerkin.monitor
+_galerkin_rows, _margins = galerkin.residual_and_jacobian, galerkin.test_functions
 
 
 @kernel(types.Tuple((_B, MATRIX))(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
@@ -61,14 +71,14 @@ def _switches_of(here, along_x, along_p, u):
         By angle.
     """
     angles, zones = np.empty(2 * u.shape[0] + 8), np.empty(2 * u.shape[0] + 8, np.int64)
-    count = contact_arcs(u, here[FRONT], here[BACK], angles, zones)
+    count = contact_arcs(u, here[FRONT_GAP], here[BACK_GAP], angles, zones)
     found, k = np.empty((count, SWITCHES)), 0
     for i in range(count):
         before, after = zones[i - 1 if i > 0 else count - 1], zones[i]
         # From one flank to the other at once, as without backlash, is no switch.
         if abs(after) == abs(before):
             continue
-        slot, flank = (FRONT, 1.0) if before + after > 0 else (BACK, -1.0)
+        slot, flank = (FRONT_GAP, 1.0) if before + after > 0 else (BACK_GAP, -1.0)
         found[k, ANGLE], found[k, SENSE], found[k, FLANK] = angles[i], abs(after) - abs(before), flank
         found[k, LEVEL_X], found[k, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
         found[k, SLOPE] = displacement(u, angles[i])[1]
@@ -97,7 +107,7 @@ def _scaled_square(here, motion, square):
     n = square.shape[0]
     still, residual, part = np.zeros(here.shape[0]), np.empty(n), np.empty((n, n + 1))
     omega, _ = base_frequency(here, still, 0.0)
-    _galerkin_balance(here, still, motion, residual, part)
+    _galerkin_rows(here, still, motion, residual, part)
     for i in range(n):
         rate = (i + 1) // 2 * omega
         for j in range(n):
@@ -105,7 +115,7 @@ def _scaled_square(here, motion, square):
 
 
 @kernel(types.float64(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY), inner=True)
-def _static_determinant(theta, here, along_x, along_p, motion, switches, gradient):
+def _static_determinant(parameters, here, along_x, along_p, motion, switches, gradient):
     """det dE/du of the Galerkin balance, rows scaled; fill in its gradient over (u, x, p).
 
     Rows of harmonic k are divided by 1 + (k Omega/nu)^2.
@@ -145,7 +155,7 @@ def _static_determinant(theta, here, along_x, along_p, motion, switches, gradien
         _spread_slopes(switches[c], -switches[c, SENSE] * slope / _TURN, gradient, n)
     moved = np.empty(here.shape[0])
     for axis in range(2):
-        along, step = (along_x, theta[X_STEP]) if axis == 0 else (along_p, theta[P_STEP])
+        along, step = (along_x, parameters[X_STEP]) if axis == 0 else (along_p, parameters[P_STEP])
         for side in (-1.0, 1.0):
             move_parameters(here, along, side * step, moved)
             _scaled_square(moved, motion, changed)
@@ -163,10 +173,10 @@ def _count_switches(switches):
 
 
 @kernel(types.boolean(ARRAY, MATRIX, ARRAY), inner=True)
-def _is_beyond(theta, switches, residual):
+def _is_beyond(parameters, switches, residual):
     """Whether the motion has another contact than the one that the problem is confined to; the rows are nan then."""
     front, back = _count_switches(switches)
-    if theta[FRONT_CONTACT] < 0.0 or (front == theta[FRONT_CONTACT] and back == theta[BACK_CONTACT]):
+    if parameters[FRONT_CONTACT] < 0.0 or (front == parameters[FRONT_CONTACT] and back == parameters[BACK_CONTACT]):
         return False
     for i in range(residual.shape[0]):
         residual[i] = math.nan
@@ -186,9 +196,9 @@ def _copy_rows(part, column, jacobian):
 
 
 @kernel(types.void(ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
-def _monitor(theta, motion, switches, values, gradient):
+def _test_functions(parameters, motion, switches, values, gradient):
     """Size of the oscillation, and its gradient; for no event the switches of contact at either flank."""
-    if theta[EVENT] == 0.0:
+    if parameters[EVENT] == 0.0:
         values[0], values[1] = _count_switches(switches)
         return
     size = 0.0
@@ -202,13 +212,14 @@ def _monitor(theta, motion, switches, values, gradient):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _B, MATRIX, ARRAY, MATRIX), inner=True)
-def _bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, residual, jacobian):
+def _bifurcation_rows(parameters, here, along_x, along_p, y, closed, switches, residual, jacobian):
     """Fill in the row of a period doubling, y = (u, x, p), or both of a Neimark-Sacker, y = (u, kappa, x, p)."""
-    doubling, last = int(theta[EVENT]) == _DOUBLING, y.shape[0] - 1
+    doubling, last = int(parameters[EVENT]) == _DOUBLING, y.shape[0] - 1
     number = 1 if doubling else 2
     n = last - number
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
-    values = bifurcation_test(theta, here, along_x, along_p, doubling, y[n], 0.0, closed, switches, by_angle, by_axis)
+    at = here, along_x, along_p
+    values = bifurcation_test(parameters, *at, doubling, y[n], 0.0, closed, switches, by_angle, by_axis)
     for row in range(number):
         residual[n + row] = values[row]
         for j in range(n):
@@ -220,39 +231,39 @@ def _bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, residu
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def harmonic_rows(theta, direction, y, values, gradient):
-    """Rows and monitor of a problem: one kernel, as most of it takes seconds to compile.
+def harmonic_rows(parameters, parameter_slope, y, values, gradient):
+    """Rows and test functions of a problem: one kernel, as most of it takes seconds to compile.
 
     Where there is room for more than two values, the rows of the module. Otherwise the size of the oscillation and, for
     grazings, det dE/du, which vanishes where the motion folds as well; for no event the switches of contact at the
     front and at the back flank.
     """
-    here, along_x, along_p = parameters_at(theta, direction, y)
-    event, last = int(theta[EVENT]), y.shape[0] - 1
+    here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
+    event, last = int(parameters[EVENT]), y.shape[0] - 1
     n = last - (2 if event == _NEIMARK_SACKER else 1)
     closed, switches = _switches_of(here, along_x, along_p, y[:n])
     motion = np.zeros(n + 1)
     for j in range(n):
         motion[j] = y[j]
     if values.shape[0] <= 2:
-        _monitor(theta, motion, switches, values, gradient)
+        _test_functions(parameters, motion, switches, values, gradient)
         if event != 0 and values.shape[0] == 2:
-            values[1] = _static_determinant(theta, here, along_x, along_p, motion, switches, gradient[1])
+            values[1] = _static_determinant(parameters, here, along_x, along_p, motion, switches, gradient[1])
         return
-    if _is_beyond(theta, switches, values):
+    if _is_beyond(parameters, switches, values):
         return
     part, margins, slopes = np.empty((n, n + 1)), np.empty(5), np.empty((5, n + 1))
     for axis in range(2):
         along = along_x if axis == 0 else along_p
-        _galerkin_balance(here, along, motion, values[:n], part)
+        _galerkin_rows(here, along, motion, values[:n], part)
         _copy_rows(part, last - 1 + axis, gradient)
         if event in _GRAZED:
             _margins(here, along, motion, margins, slopes)
             values[n], gradient[n, n + axis] = margins[event - _FOLD], slopes[event - _FOLD, n]
     if event == _FOLD:
-        values[n] = _static_determinant(theta, here, along_x, along_p, motion, switches, gradient[n])
+        values[n] = _static_determinant(parameters, here, along_x, along_p, motion, switches, gradient[n])
     elif event in _GRAZED:
         for j in range(n):
             gradient[n, j] = slopes[event - _FOLD, j]
     else:
-        _bifurcation_rows(theta, here, along_x, along_p, y, closed, switches, values, gradient)
+        _bifurcation_rows(parameters, here, along_x, along_p, y, closed, switches, values, gradient)

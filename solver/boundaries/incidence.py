@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Problem
 from solver.continuation.hermite import cubic, cubic_value
-from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.continuation.setup import SETUP, STRAND
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
@@ -86,9 +86,9 @@ def _distances(setup, strand, targets, seen, nearest):
             _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
             copy_into(found, seed)
             iterations = setup.corrector(
-                setup.balance,
-                setup.theta,
-                setup.direction,
+                setup.residual_and_jacobian,
+                setup.parameters,
+                setup.parameter_slope,
                 scale,
                 found,
                 normal,
@@ -131,7 +131,6 @@ def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continu
     mask[list(seen)] = True
     nearest = np.full(len(targets), np.inf)
     if len(targets):
-        strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
         setup = problem.setup(continuation.corrector)
-        _distances(setup, strand, np.ascontiguousarray(targets, dtype=float), mask, nearest)
+        _distances(setup, curve.strand, np.ascontiguousarray(targets, dtype=float), mask, nearest)
     return nearest

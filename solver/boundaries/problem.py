@@ -5,9 +5,9 @@ equations are smooth. A boundary problem says which equations hold on a stretch,
 goes on beyond; `solver.boundaries.tracer` follows it. There are two of them: `solver.boundaries.first_order` and
 `solver.boundaries.harmonic`.
 
-Kernels read theta = (header | parameters with both axes at 0 | what x adds | how p bends them) and direction, what p
-adds along a straight line. The parameters are those of `solver.harmonic.layout.packed`; how they bend is the flat form
-of `solver.model.parameter_path`.
+Kernels read `parameters`, those of a plane in `solver.model.parameters`, and `parameter_slope`, what p adds to them
+along a straight line. The system's part is that of `solver.model.packing.packed`; how p bends it is the flat form of
+`solver.model.parameter_path`.
 """
 
 from collections.abc import Iterable
@@ -17,7 +17,6 @@ from typing import Protocol
 import numpy as np
 
 from solver.continuation.continuation import Curve, Event, Problem
-from solver.harmonic.layout import SYSTEM_AXES, packed
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import (
@@ -29,10 +28,11 @@ from solver.model.checks import (
     list_length,
     value_range,
 )
-from solver.model.condensation import AXES
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
+from solver.model.packing import AXES, SYSTEM_AXES, packed
 from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
+from solver.model.parameters import P_STEP, PLANE_HEADER, X_STEP
 
 __all__ = [
     "BIFURCATIONS",
@@ -46,7 +46,7 @@ __all__ = [
     "Stretch",
     "curve_tangent",
     "parameters_at",
-    "plane_theta",
+    "plane_parameters",
 ]
 
 GRAZINGS = (Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK)
@@ -59,11 +59,6 @@ SAME = 1e-6
 #: How the motion touches the front and the back flank all along a stretch: the zones of the contact angles at first
 #: order, how often it switches contact at higher ones; None where nothing depends on it.
 Contact = tuple[int, int] | None
-
-# Slots of the header. Contact of either flank; with contact angles the grazed flank's slot of y, its level and the size
-# of lambda; without them the event, and the steps of differences along x and p.
-FRONT_CONTACT, BACK_CONTACT, FLANK, LEVEL, LENGTH_SCALE, EVENT, X_STEP, P_STEP, HEADER = range(9)
-
 
 # Steps of central differences by x and p, as a share of their typical step (a tenth of the range): what they
 # difference is analytic, with some 1e-14 of rounding.
@@ -82,7 +77,7 @@ class Plane:
     system : Model or ContactSystem
         Its own values of the two axes are not used; a path starts from it.
     x_axis : str
-        One of `solver.model.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+        One of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
     p_axis : str or ParameterPath
         Another one, or a path of models.
     x_range, p_range : (low, high)
@@ -173,8 +168,8 @@ def checked_events(name: str, events, size: int) -> tuple[np.ndarray, np.ndarray
     return np.array(kinds, dtype=np.int64), finite_array(name, points, (None, size))
 
 
-def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
-    """`theta`, of its header only the steps, and `direction` of a plane.
+def plane_parameters(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:
+    """`parameters`, of its header only the steps, and `parameter_slope` of a plane.
 
     Parameters
     ----------
@@ -187,7 +182,7 @@ def plane_theta(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.n
         return packed(plane.system_at(p), axis, plane.omega or 0.0, order, period)
 
     read = plane_vectors(vectors, plane.x_axis, plane.p_axis, plane.p_range)
-    header = np.zeros(HEADER)
+    header = np.zeros(PLANE_HEADER)
     header[[X_STEP, P_STEP]] = np.multiply(_DIFFERENCE, plane.scale)
     return np.concatenate([header, read.base, read.along_x, read.bent]), read.along_p
 
@@ -241,10 +236,6 @@ class BoundaryProblem(Protocol):
     plane: Plane
 
     @property
-    def kinds(self) -> tuple[Event, ...]:
-        """The boundaries that can be followed."""
-
-    @property
     def unknowns(self) -> int:
         """Number n of unknowns u of a motion."""
 
@@ -284,12 +275,9 @@ class BoundaryProblem(Protocol):
 
 def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
     """Unit tangent (n + 1,) of a curve at one of its points in scaled unknowns, towards growing p."""
-    n = problem.unknowns
-    jacobian = np.empty((n, n + 1))
-    problem.balance(problem.theta, problem.direction, y, np.empty(n), jacobian)
-    jacobian *= problem.scale
+    jacobian = problem.evaluated(y)[1] * problem.scale
     if not np.all(np.isfinite(jacobian)):
-        return np.full(n + 1, np.nan)
+        return np.full(y.size, np.nan)
     # The rows differ by orders of magnitude next to grazings.
     size = np.linalg.norm(jacobian, axis=1, keepdims=True)
     tangent = np.linalg.svd(jacobian / np.where(size > 0.0, size, 1.0))[2][-1]
@@ -297,12 +285,12 @@ def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
 
 
 @kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
-def parameters_at(theta, direction, y):
+def parameters_at(parameters, parameter_slope, y):
     """The parameters at y = (..., x, p), and what either axis adds to them there."""
-    size, last = direction.shape[0], y.shape[0] - 1
+    size, last = parameter_slope.shape[0], y.shape[0] - 1
     here, along_x, along_p = np.empty(size), np.empty(size), np.empty(size)
     for i in range(size):
-        along_x[i], along_p[i] = theta[HEADER + size + i], direction[i]
-        here[i] = theta[HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
-    add_path(theta, HEADER + 2 * size, y[last], here, along_p)
+        along_x[i], along_p[i] = parameters[PLANE_HEADER + size + i], parameter_slope[i]
+        here[i] = parameters[PLANE_HEADER + i] + y[last - 1] * along_x[i] + y[last] * along_p[i]
+    add_path(parameters, PLANE_HEADER + 2 * size, y[last], here, along_p)
     return here, along_x, along_p

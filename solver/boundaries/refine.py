@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Problem
 from solver.continuation.curve_point import point_size, state_at
-from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.continuation.setup import SETUP, STRAND
 from solver.kernels import types
 from solver.kernels.compile import MATRIX, kernel
 from solver.kernels.linear import copy_into
@@ -60,10 +60,7 @@ def refined(problem: Problem, curve: Curve, parts: np.ndarray, continuation: Con
     """
     result = np.empty((1 + int(np.sum(parts)), problem.unknowns + 1))
     count = _refined(
-        problem.setup(continuation.corrector),
-        Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event),
-        np.ascontiguousarray(parts, dtype=np.int64),
-        result,
+        problem.setup(continuation.corrector), curve.strand, np.ascontiguousarray(parts, dtype=np.int64), result
     )
     if count < 0:
         raise ArithmeticError(f"the corrector fails after point {-1 - count} of the curve")

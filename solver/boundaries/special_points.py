@@ -26,10 +26,7 @@ class SpecialPoint(Explained):
     DOUBLE_GRAZING = 7, "The motion just touches both flanks."
     RESONANCE_1_1 = 8, "The critical pair of multipliers meets at 1: the Neimark-Sacker boundary ends."
     CORNER = 9, "The bifurcating motion just touches a flank: the boundary has a corner."
-    RESONANCE_1_2 = (
-        10,
-        ("The critical pair of multipliers meets at -1: the Neimark-Sacker boundary ends on a period doubling."),
-    )
+    RESONANCE_1_2 = 10, "The critical pair meets at -1: the Neimark-Sacker boundary ends on a period doubling."
 
 
 def named_points(boundary: BoundaryProblem, kind: Event, stretch: Stretch) -> np.ndarray:

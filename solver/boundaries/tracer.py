@@ -87,7 +87,7 @@ def boundary_curves(
     system : Model or ContactSystem
         Its own values of the two axes are not used; a path starts from it.
     x_axis : str
-        One of `solver.model.condensation.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+        One of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
     p_axis : str or ParameterPath
         Another one, or a path of models.
     x_range, p_range : (low, high)

@@ -1,44 +1,29 @@
 """Impact state of a motion and the n/I label of a set of motions (docs/physics.md, section 5)."""
 
-import enum
 from collections.abc import Iterable
 
 import numpy as np
 
+from solver.explained import Explained
 from solver.model.checks import ParameterError, number_array, whole_number
 
 __all__ = ["ImpactState", "domain_code", "domain_label", "domain_labels", "domain_parts", "impact_state", "label_parts"]
 
 
-class ImpactState(enum.IntEnum):
+class ImpactState(Explained):
     """What the teeth do over one period, from the extremes of lambda."""
 
-    PERMANENT = 0
-    SINGLE_SIDED = 1
-    DOUBLE_SIDED = 2
-    FREE = 3
-    MIRRORED_SINGLE_SIDED = 4
-    MIRRORED_PERMANENT = 5
+    PERMANENT = 0, "lambda_min > b: the drive flanks never part."
+    SINGLE_SIDED = 1, "-b <= lambda_min <= b < lambda_max: the teeth part and strike the drive flank again."
+    DOUBLE_SIDED = 2, "lambda_min < -b and lambda_max > b: the teeth strike both flanks."
+    FREE = 3, "-b <= lambda_min and lambda_max <= b: the teeth never touch."
+    MIRRORED_SINGLE_SIDED = 4, "lambda_min < -b <= lambda_max <= b: the teeth strike the back flank only."
+    MIRRORED_PERMANENT = 5, "lambda_max < -b: the back flanks never part."
 
     @property
     def symbol(self) -> str:
         """How the state is written in an n/I label."""
         return "012f"[self] if self <= ImpactState.FREE else ("1m" if self == 4 else "0m")
-
-    @property
-    def sentence(self) -> str:
-        """What the state means."""
-        return _SENTENCES[self]
-
-
-_SENTENCES = {
-    ImpactState.PERMANENT: "lambda_min > b: the drive flanks never part.",
-    ImpactState.SINGLE_SIDED: "-b <= lambda_min <= b < lambda_max: the teeth part and strike the drive flank again.",
-    ImpactState.DOUBLE_SIDED: "lambda_min < -b and lambda_max > b: the teeth strike both flanks.",
-    ImpactState.FREE: "-b <= lambda_min and lambda_max <= b: the teeth never touch.",
-    ImpactState.MIRRORED_SINGLE_SIDED: "lambda_min < -b <= lambda_max <= b: the teeth strike the back flank only.",
-    ImpactState.MIRRORED_PERMANENT: "lambda_max < -b: the back flanks never part.",
-}
 
 
 def impact_state(lowest, highest, b) -> np.ndarray:

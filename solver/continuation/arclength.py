@@ -70,7 +70,7 @@ def _solves(setup, point):
     """Whether the equations hold at the point's y, against what moving y by its scale would do to them."""
     n = setup.unknowns
     jacobian, residual = setup.work[0:n], setup.work[2 * n + 1][:n]
-    setup.balance(setup.theta, setup.direction, point[: n + 1], residual, jacobian)
+    setup.residual_and_jacobian(setup.parameters, setup.parameter_slope, point[: n + 1], residual, jacobian)
     for i in range(n):
         size = 0.0
         for j in range(n + 1):
@@ -166,8 +166,8 @@ def trace(setup, limits, start, heading, strand, log):
     n, scale, room = setup.unknowns, setup.scale, strand.points.shape[0]
     size = point_size(setup)
     here, there, again, guess = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(n + 1)
-    found, fractions = np.zeros((setup.monitors + 1, size)), np.empty(setup.monitors)
-    kinds = np.empty(setup.monitors, np.int64)
+    found, fractions = np.zeros((setup.test_count + 1, size)), np.empty(setup.test_count)
+    kinds = np.empty(setup.test_count, np.int64)
     corner, corner_kinds = np.empty((0, size)), np.empty(CORNER_ROOM, np.int64)
 
     copy_into(here[: n + 1], start)
@@ -216,7 +216,7 @@ def trace(setup, limits, start, heading, strand, log):
                 setup, limits, home, here, there, arc, event, count, travelled, strand, found, fractions, kinds
             )
             outcome = _ACCEPTED if reason >= 0 else _NOT_LOCATED
-        final = found[setup.monitors] if reason > 0 else there
+        final = found[setup.test_count] if reason > 0 else there
         _note(log, attempts, outcome, step, iterations, error, angle, count, final[: n + 1])
         attempts += 1
         if outcome == _ACCEPTED:
@@ -258,7 +258,7 @@ def trace(setup, limits, start, heading, strand, log):
                 fractions,
                 kinds,
             )
-            final, outcome = found[setup.monitors] if reason > 0 else there, _ROUND_A_CORNER
+            final, outcome = found[setup.test_count] if reason > 0 else there, _ROUND_A_CORNER
             if reason < 0:
                 outcome = _NOT_LOCATED
             _note(log, attempts, outcome, arc, 0, math.nan, angle, count, final[: n + 1])

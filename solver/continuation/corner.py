@@ -19,7 +19,7 @@ import numpy as np
 from solver.continuation.correctors import advance, bordered
 from solver.continuation.curve_point import angle_between, correct_onto_curve, observe_from, orient, scaled_distance
 from solver.continuation.hermite import cubic, cubic_slope, cubic_value
-from solver.continuation.setup import CONTACT_ROW, LIMITS, SETUP
+from solver.continuation.setup import ANGLE, CONTACT_ROW, FLANK, LIMITS, MARGIN, SENSE, SETUP
 from solver.continuation.solution_curve import Event
 from solver.continuation.step_checks import BRANCH_POINT_STEP
 from solver.kernels import types
@@ -58,12 +58,12 @@ _FINE = 1e-8
 def _nearest_row(setup, y, angle, flank, sense, rows):
     """Row of the extremum of a kind at a motion y that lies nearest to an angle; -1 if there is none."""
     best, least = -1, math.inf
-    for k in range(setup.contacts(setup.theta, setup.direction, y, rows)):
-        if rows[k, 1] == flank and rows[k, 2] == sense:
-            apart = abs(rows[k, 0] - angle) % (2.0 * math.pi)
-            apart = min(apart, 2.0 * math.pi - apart)
-            if apart < least:
-                best, least = k, apart
+    for k in range(setup.contacts(setup.parameters, setup.parameter_slope, y, rows)):
+        if rows[k, FLANK] == flank and rows[k, SENSE] == sense:
+            distance = abs(rows[k, ANGLE] - angle) % (2.0 * math.pi)
+            distance = min(distance, 2.0 * math.pi - distance)
+            if distance < least:
+                best, least = k, distance
     return best
 
 
@@ -71,22 +71,32 @@ def _nearest_row(setup, y, angle, flank, sense, rows):
 def _find_grazing(setup, here, distance, row, rows, corner, normal):
     """Solve E = 0, margin = 0 for y of `corner`, from `distance` along the tangent; `normal` points deeper."""
     n, scale = setup.unknowns, setup.scale
-    y, angle = corner[: n + 1], row[0]
+    y, angle = corner[: n + 1], row[ANGLE]
     jacobian, matrix = setup.work[0:n], setup.work[n : 2 * n + 1]
     residual, step = setup.work[2 * n + 1][:n], setup.work[2 * n + 2]
     for j in range(n + 1):
         y[j] = here[j] + distance * here[n + 1 + j] * scale[j]
     for _ in range(_MOST_ITERATIONS):
-        k = _nearest_row(setup, y, angle, row[1], row[2], rows)
+        k = _nearest_row(setup, y, angle, row[FLANK], row[SENSE], rows)
         if k < 0:
             return False
-        angle = rows[k, 0]
+        angle = rows[k, ANGLE]
         for j in range(n + 1):
             normal[j] = rows[k, CONTACT_ROW + j] * scale[j]
-        bordered(setup.balance, setup.theta, setup.direction, scale, y, normal, jacobian, residual, matrix)
+        bordered(
+            setup.residual_and_jacobian,
+            setup.parameters,
+            setup.parameter_slope,
+            scale,
+            y,
+            normal,
+            jacobian,
+            residual,
+            matrix,
+        )
         for i in range(n):
             step[i] = -residual[i]
-        step[n] = -rows[k, 3]
+        step[n] = -rows[k, MARGIN]
         if eliminate(matrix, step) == 0.0:
             return False
         length = advance(y, scale, step)
@@ -94,7 +104,7 @@ def _find_grazing(setup, here, distance, row, rows, corner, normal):
             return False
         # The margin is all but linear, and with it the rest: what is left is the square of this.
         if length <= 1e-8:
-            size = row[2] * math.sqrt(dot(normal, normal))
+            size = row[SENSE] * math.sqrt(dot(normal, normal))
             for j in range(n + 1):
                 normal[j] /= size
             return True
@@ -241,7 +251,7 @@ def _add_folds(setup, normal, points, sigmas, kinds, count):
 @kernel(types.void(SETUP, ARRAY), inner=True)
 def _turn_round(setup, point):
     """Let the tangent of a point head the other way."""
-    n, m = setup.unknowns, setup.monitors
+    n, m = setup.unknowns, setup.test_count
     for j in range(n + 1, 2 * n + 2):
         point[j] = -point[j]
     for i in range(2 * n + 2 + m, 2 * n + 2 + 2 * m):
@@ -253,7 +263,7 @@ def _turn_round(setup, point):
 def _clear(setup, corner):
     """Set what vanishes at a grazing to 0 exactly: nothing where only a local extremum touches, perhaps two flanks."""
     values = 2 * setup.unknowns + 2
-    for i in range(1, setup.monitors):
+    for i in range(1, setup.test_count):
         if abs(corner[values + i]) <= _TOUCHING * setup.scale[0]:
             corner[values + i] = 0.0
 
@@ -262,7 +272,7 @@ def _clear(setup, corner):
 def _mark_grazings(setup, points, sigmas, kinds, count, at):
     """Note the event at the grazing, at a point more for each further one; the new number of points."""
     values, marked = 2 * setup.unknowns + 2, 0
-    for i in range(1, setup.monitors):
+    for i in range(1, setup.test_count):
         if points[at, values + i] == 0.0 and count < points.shape[0]:
             if marked > 0:
                 _make_room(points, sigmas, kinds, count, at)
@@ -289,11 +299,11 @@ def _round_one(setup, limits, here, step, row, rows, points, kinds):
     slope = 0.0
     for j in range(n + 1):
         slope += row[CONTACT_ROW + j] * setup.scale[j] * here[n + 1 + j]
-    touching, deepening = row[2] * row[3] >= 0.0, row[2] * slope > 0.0
-    if slope == 0.0 or abs(row[3]) > _REACH * step * abs(slope) or not (deepening or touching):
+    touching, deepening = row[SENSE] * row[MARGIN] >= 0.0, row[SENSE] * slope > 0.0
+    if slope == 0.0 or abs(row[MARGIN]) > _REACH * step * abs(slope) or not (deepening or touching):
         return 0
     corner, normal = np.zeros(size), np.empty(n + 1)
-    if not _find_grazing(setup, here, -row[3] / slope, row, rows, corner, normal):
+    if not _find_grazing(setup, here, -row[MARGIN] / slope, row, rows, corner, normal):
         return 0
     if scaled_distance(corner, here, setup.scale) > _REACH * step or not orient(setup, corner, normal):
         return 0
@@ -369,16 +379,16 @@ def round_corner(setup, limits, here, step, points, kinds):
     """
     n = setup.unknowns
     rows, others = np.empty((_MOST_CONTACTS, CONTACT_ROW + n + 1)), np.empty((_MOST_CONTACTS, CONTACT_ROW + n + 1))
-    total = setup.contacts(setup.theta, setup.direction, here[: n + 1], rows)
+    total = setup.contacts(setup.parameters, setup.parameter_slope, here[: n + 1], rows)
     for _ in range(total):
         nearest = -1
         for k in range(total):
-            if math.isfinite(rows[k, 3]) and (nearest < 0 or abs(rows[k, 3]) < abs(rows[nearest, 3])):
+            if math.isfinite(rows[k, MARGIN]) and (nearest < 0 or abs(rows[k, MARGIN]) < abs(rows[nearest, MARGIN])):
                 nearest = k
         if nearest < 0:
             return 0
         count = _round_one(setup, limits, here, step, rows[nearest], others, points, kinds)
         if count > 0:
             return count
-        rows[nearest, 3] = math.inf
+        rows[nearest, MARGIN] = math.inf
     return 0

@@ -8,14 +8,14 @@ import math
 from dataclasses import dataclass
 
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, MATRIX, kernel
+from solver.kernels.compile import ARRAY, CORRECTOR, MATRIX, RESIDUAL_AND_JACOBIAN, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import finite_number, whole_number
 
 __all__ = ["Broyden", "Newton", "advance", "bordered", "correct_all", "workspace_rows"]
 
 _F = types.float64
-_SIGNATURE = types.int64(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
+_SIGNATURE = types.int64(RESIDUAL_AND_JACOBIAN, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
 
 
 def workspace_rows(unknowns: int) -> int:
@@ -23,11 +23,11 @@ def workspace_rows(unknowns: int) -> int:
     return 3 * unknowns + 6
 
 
-@kernel(types.void(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
-def bordered(balance, theta, direction, scale, y, border, jacobian, residual, matrix):
+@kernel(types.void(RESIDUAL_AND_JACOBIAN, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
+def bordered(residual_and_jacobian, parameters, parameter_slope, scale, y, border, jacobian, residual, matrix):
     """Fill `matrix` (n+1, n+1) with the Jacobian in scaled unknowns above row `border`, `residual` (n,) with E(y)."""
     n = y.shape[0] - 1
-    balance(theta, direction, y, residual, jacobian)
+    residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian)
     for i in range(n):
         for j in range(n + 1):
             matrix[i, j] = jacobian[i, j] * scale[j]
@@ -59,13 +59,13 @@ def _settled(length, previous, tolerance):
 
 
 @kernel(_SIGNATURE)
-def _newton(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work):
+def _newton(residual_and_jacobian, parameters, parameter_slope, scale, y, normal, tolerance, max_iterations, work):
     n = y.shape[0] - 1
     jacobian, matrix = work[0:n], work[n : 2 * n + 1]
     residual, step = work[2 * n + 1][:n], work[2 * n + 2]
     previous = 0.0
     for iteration in range(1, max_iterations + 1):
-        bordered(balance, theta, direction, scale, y, normal, jacobian, residual, matrix)
+        bordered(residual_and_jacobian, parameters, parameter_slope, scale, y, normal, jacobian, residual, matrix)
         for i in range(n):
             step[i] = -residual[i]
         step[n] = 0.0
@@ -82,11 +82,11 @@ def _newton(balance, theta, direction, scale, y, normal, tolerance, max_iteratio
 
 
 @kernel(_SIGNATURE)
-def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work):
+def _broyden(residual_and_jacobian, parameters, parameter_slope, scale, y, normal, tolerance, max_iterations, work):
     n = y.shape[0] - 1
     jacobian, secant, matrix = work[0:n], work[n : 2 * n + 1], work[2 * n + 1 : 3 * n + 2]
     residual, step, right = work[3 * n + 2][:n], work[3 * n + 3], work[3 * n + 4]
-    bordered(balance, theta, direction, scale, y, normal, jacobian, residual, secant)
+    bordered(residual_and_jacobian, parameters, parameter_slope, scale, y, normal, jacobian, residual, secant)
     size, last = math.inf, 0.0
     for iteration in range(1, max_iterations + 1):
         for i in range(n + 1):
@@ -106,12 +106,12 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
             return iteration
         last = length
         # The true Jacobian costs the same as a residual here; the update is kept for what it is: the article's method.
-        balance(theta, direction, y, residual, jacobian)
+        residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian)
         previous, size = size, 0.0
         for i in range(n):
             size = max(size, abs(residual[i]))
         if size > 0.25 * previous:
-            bordered(balance, theta, direction, scale, y, normal, jacobian, residual, secant)
+            bordered(residual_and_jacobian, parameters, parameter_slope, scale, y, normal, jacobian, residual, secant)
             size = math.inf
             continue
         # J s = -E(y_old), so that J + (y - J s) s^T/(s^T s) with y = E(y_new) - E(y_old) adds E(y_new) s^T/(s^T s).
@@ -121,12 +121,28 @@ def _broyden(balance, theta, direction, scale, y, normal, tolerance, max_iterati
     return -1
 
 
-@kernel(types.void(CORRECTOR, BALANCE, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, _F, types.int64, MATRIX))
-def correct_all(corrector, balance, theta, direction, scale, places, normal, tolerance, max_iterations, work):
+@kernel(types.void(CORRECTOR, RESIDUAL_AND_JACOBIAN, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, _F, types.int64, MATRIX))
+def correct_all(
+    corrector,
+    residual_and_jacobian,
+    parameters,
+    parameter_slope,
+    scale,
+    places,
+    normal,
+    tolerance,
+    max_iterations,
+    work,
+):
     """Correct every row of `places` (k, n + 1) across one normal; those that do not settle are filled with nan."""
     for i in range(places.shape[0]):
         y = places[i]
-        if corrector(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work) < 0:
+        if (
+            corrector(
+                residual_and_jacobian, parameters, parameter_slope, scale, y, normal, tolerance, max_iterations, work
+            )
+            < 0
+        ):
             for j in range(y.shape[0]):
                 y[j] = math.nan
 

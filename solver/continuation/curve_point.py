@@ -1,8 +1,8 @@
 """Points of a solution curve: correcting onto it, between two known points, and where a function along it vanishes.
 
-A `point` is one array that holds everything known about a place on the curve (n unknowns, m monitor values):
+A `point` is one array that holds everything known about a place on the curve (n unknowns, m test functions):
 
-    y (n + 1) | unit tangent, scaled (n + 1) | monitor values (m) | their derivatives along the arc (m) | determinant
+    y (n + 1) | unit tangent, scaled (n + 1) | test functions (m) | their derivatives along the arc (m) | determinant
 
 The determinant is that of the scaled Jacobian bordered by a vector near the tangent; with the tangent's last component
 it gives the sign of det dE/du.
@@ -37,7 +37,7 @@ _I, _F = types.int64, types.float64
 @kernel(_I(SETUP), inline=True)
 def point_size(setup):
     """Length of a point array."""
-    return 2 * (setup.unknowns + 1) + 2 * setup.monitors + 1
+    return 2 * (setup.unknowns + 1) + 2 * setup.test_count + 1
 
 
 @kernel(_F(ARRAY, ARRAY, ARRAY), inline=True)
@@ -67,7 +67,17 @@ def orient(setup, point, border):
     y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
     jacobian, matrix = setup.work[0:n], setup.work[n : 2 * n + 1]
     residual, rights = setup.work[2 * n + 1][:n], setup.work[2 * n + 2 : 2 * n + 4]
-    bordered(setup.balance, setup.theta, setup.direction, setup.scale, y, border, jacobian, residual, matrix)
+    bordered(
+        setup.residual_and_jacobian,
+        setup.parameters,
+        setup.parameter_slope,
+        setup.scale,
+        y,
+        border,
+        jacobian,
+        residual,
+        matrix,
+    )
     for j in range(n):
         rights[0, j], rights[1, j] = 0.0, -residual[j]
     rights[0, n], rights[1, n] = 1.0, 0.0
@@ -87,11 +97,11 @@ def orient(setup, point, border):
 
 @kernel(types.void(SETUP, ARRAY), inner=True)
 def observe_from(setup, point):
-    """Fill in monitor values and slopes from the point's y and tangent."""
-    n, m = setup.unknowns, setup.monitors
+    """Fill in test functions and slopes from the point's y and tangent."""
+    n, m = setup.unknowns, setup.test_count
     y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
     values, slopes = point[2 * n + 2 : 2 * n + 2 + m], point[2 * n + 2 + m : 2 * n + 2 + 2 * m]
-    setup.monitor(setup.theta, setup.direction, y, values, setup.gradient)
+    setup.test_functions(setup.parameters, setup.parameter_slope, y, values, setup.gradient)
     for i in range(m):
         total = 0.0
         for j in range(n + 1):
@@ -103,12 +113,12 @@ def observe_from(setup, point):
 def correct_onto_curve(setup, point, normal):
     """Correct the predicted y of `point` on the hyperplane across `normal`; fill in tangent and determinant.
 
-    The monitor's part of the point is left to `observe_from`. Returns the corrector's iterations, or -1.
+    The test functions's part of the point is left to `observe_from`. Returns the corrector's iterations, or -1.
     """
     iterations = setup.corrector(
-        setup.balance,
-        setup.theta,
-        setup.direction,
+        setup.residual_and_jacobian,
+        setup.parameters,
+        setup.parameter_slope,
         setup.scale,
         point[: setup.unknowns + 1],
         normal,

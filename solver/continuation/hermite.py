@@ -3,7 +3,7 @@
 from solver.kernels import types
 from solver.kernels.compile import kernel
 
-__all__ = ["cubic", "cubic_slope", "cubic_value"]
+__all__ = ["cubic", "cubic_slope", "cubic_value", "fraction_at"]
 
 _F = types.float64
 
@@ -24,3 +24,24 @@ def cubic_value(a, b, leave, start, x):
 def cubic_slope(a, b, leave, x):
     """Its derivative at x."""
     return (3.0 * a * x + 2.0 * b) * x + leave
+
+
+@kernel(_F(_F, _F, _F, _F, _F, _F), inner=True)
+def fraction_at(start, end, leave, arrive, level, tolerance):
+    """Where a monotone cubic takes a level between its ends, to a tolerance."""
+    a, b = cubic(start, end, leave, arrive)
+    low, high, x = 0.0, 1.0, (level - start) / (end - start)
+    # Newton's method in a bracket: next to a fold the cubic is only just monotone.
+    for _ in range(40):
+        ahead = cubic_value(a, b, leave, start, x) - level
+        if (ahead < 0.0) == (start < end):
+            low = x
+        else:
+            high = x
+        moved = x - ahead / cubic_slope(a, b, leave, x)
+        if not low < moved < high:
+            moved = 0.5 * (low + high)
+        if abs(moved - x) < tolerance:
+            break
+        x = moved
+    return x

@@ -27,7 +27,7 @@ def _slot_of(setup, event):
 @kernel(_B(SETUP, ARRAY, MATRIX, types.int64[::1], _I), inner=True)
 def _contradicts(setup, left, found, kinds, count):
     """Do the points of `count` located events, in order, show signs that the located events do not explain?"""
-    for event in range(_FOLD, _FOLD + setup.monitors):
+    for event in range(_FOLD, _FOLD + setup.test_count):
         slot = _slot_of(setup, event)
         sign = left[slot]
         for k in range(count):
@@ -47,7 +47,7 @@ def find_events(setup, limits, left, right, arc, event, found, fractions, kinds)
     """
     n = setup.unknowns
     count = 0
-    for kind in range(_FOLD, _FOLD + setup.monitors):
+    for kind in range(_FOLD, _FOLD + setup.test_count):
         slot = _slot_of(setup, kind)
         if left[slot] == 0.0 or left[slot] * right[slot] > 0.0 or (right[slot] == 0.0 and event != 0):
             continue

@@ -1,43 +1,72 @@
-"""Where curves meet given values of the swept parameter: the raster, solved and not interpolated.
+"""Where curves meet given values of the swept parameter, solved and not interpolated, and what known solution that is.
 
-Between two neighbouring points of a curve p is monotone, so every grid value between them is met exactly once. It is
-seeded by the cubic through both points and corrected at fixed p; if that does not stay on its piece of curve (close to
-a fold), it is located along the curve instead.
+Between two neighbouring points of a curve p is monotone, so every grid value between them is met exactly once, by a
+solution of the stability that this piece of curve has. The cubic through both points tells where, to a small share of
+the arc between them. Where all solutions are known and exactly one of that stability lies there, no other one near, the
+curve passes through it. Otherwise the place is corrected at fixed p; if that does not stay on its piece of curve (close
+to a fold), it is located along the curve. What is found is compared with the known solutions to rounding.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.continuation.continuation import Continuation
 from solver.continuation.curve_point import correct_onto_curve, locate, point_size, scaled_distance, snap_to_level
-from solver.continuation.hermite import cubic, cubic_value
+from solver.continuation.hermite import cubic, cubic_value, fraction_at
 from solver.continuation.problem import Problem
-from solver.continuation.setup import SETUP, STRAND, Strand
+from solver.continuation.setup import SETUP, STRAND
 from solver.continuation.solution_curve import Curve, Event
 from solver.kernels import types
+from solver.kernels.brackets import first_above, first_not_below
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.kernels.linear import copy_into
 
-__all__ = ["curve_crossings", "meet"]
+__all__ = ["Crossings", "Known", "curve_crossings"]
 
 _I, _F = types.int64, types.float64
 _FOLD = int(Event.FOLD)
+_CUBE, _CODES = types.float64[:, :, ::1], types.int8[:, ::1]
+
+# The cubic errs by less than the first share of the arc (a step turns by 0.12 rad as a rule, and then it is off by
+# 1e-5 of it); another solution within the second share calls for solving.
+_NEAR, _APART = 0.01, 0.05
+# Continuation and enumeration know a solution to about 1e-12 of its scale, except next to a fold.
+_SAME = 1e-6
+# What is noted instead of stability where a place could not be solved for.
+_UNREACHED = -1
 
 
-@kernel(_I(ARRAY, _F), inner=True)
-def _first_from(grid, value):
-    """Index of the first entry of an increasing grid that is not below a value."""
-    low, high = 0, grid.shape[0]
-    while low < high:
-        middle = (low + high) // 2
-        if grid[middle] < value:
-            low = middle + 1
-        else:
-            high = middle
-    return low
+@kernel(types.Tuple((_I, _F, _F))(ARRAY, MATRIX, FLAGS, ARRAY, _I), inner=True)
+def _nearest(point, solutions, stable, scale, wanted):
+    """The solution nearest to a point, among those of one stability (any if `wanted` is -1): index, distance, next."""
+    index, least, second = -1, np.inf, np.inf
+    for s in range(solutions.shape[0]):
+        if stable[s] < 0 or (wanted >= 0 and stable[s] != wanted):
+            continue
+        distance = 0.0
+        for j in range(solutions.shape[1]):
+            distance = max(distance, abs(solutions[s, j] - point[j]) / scale[j])
+        if distance < least:
+            index, least, second = s, distance, least
+        elif distance < second:
+            second = distance
+    return index, least, second
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
+def _place_between(left, right, leave, arrive, scale, arc, level, place):
+    """Fill `place` (n,) with the unknowns at p = level of the cubic through two points (n + 1,) with tangents."""
+    n = place.shape[0]
+    x = fraction_at(left[n], right[n], arc * leave[n] * scale[n], arc * arrive[n] * scale[n], level, 1e-7)
+    for j in range(n):
+        off, on = arc * leave[j] * scale[j], arc * arrive[j] * scale[j]
+        a, b = cubic(left[j], right[j], off, on)
+        place[j] = cubic_value(a, b, off, left[j], x)
 
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def meet(setup, left, right, arc, level, found):
+def _meet(setup, left, right, arc, level, found):
     """Fill `found` with the point between two points at p = level; False if it cannot be found."""
     n, scale = setup.unknowns, setup.scale
     start, end = left[n], right[n]
@@ -73,12 +102,16 @@ def meet(setup, left, right, arc, level, found):
     return True
 
 
-@kernel(_I(SETUP, STRAND, types.boolean, ARRAY, types.int64[::1], MATRIX, FLAGS))
-def _crossings(setup, strand, closed, grid, columns, unknowns, stabilities):
-    """Fill columns, unknowns and stabilities; their number, -1 - i if column i failed, or the capacity if too small."""
-    n, points, tangents = setup.unknowns, strand.points, strand.tangents
+@kernel(_I(SETUP, STRAND, types.boolean, ARRAY, _CUBE, _CODES, FLAGS, _CODES, types.int64[::1], MATRIX, FLAGS))
+def _crossings(setup, strand, closed, grid, known, known_stable, complete, on_curve, columns, unknowns, stabilities):
+    """Mark the known solutions that the curve passes in `on_curve` (X, S); fill the last three with all other places.
+
+    Their number, or one more than there is room for.
+    """
+    n, scale, points, tangents = setup.unknowns, setup.scale, strand.points, strand.tangents
+    arclength, stable, events = strand.arclength, strand.stable, strand.event
     size = point_size(setup)
-    left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
+    left, right, found, place = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(n)
     count, capacity = 0, columns.shape[0]
     for i in range(-1, points.shape[0] - 1):
         before, after = points[max(i, 0), n], points[i + 1, n]
@@ -86,74 +119,119 @@ def _crossings(setup, strand, closed, grid, columns, unknowns, stabilities):
         # closed.
         if i < 0 and closed:
             continue
-        low, high = _first_from(grid, min(before, after)), _first_from(grid, max(before, after))
-        while high < grid.shape[0] and grid[high] <= max(before, after):
-            high += 1
+        low, high = first_not_below(grid, min(before, after)), first_above(grid, max(before, after))
         filled = False
         for offset in range(high - low):
             # In the order in which the curve passes them.
             k = low + offset if after > before else high - 1 - offset
             if i >= 0 and grid[k] == before:
                 continue
+            if grid[k] == after:
+                piece, reached = stable[i + 1], True
+                copy_into(found[:n], points[i + 1])
+            else:
+                arc = arclength[i + 1] - arclength[i]
+                piece = stable[i] if events[i] != _FOLD else stable[i + 1]
+                if complete[k]:
+                    _place_between(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, grid[k], place)
+                    index, least, second = _nearest(place, known[k], known_stable[k], scale, np.int64(piece))
+                    if least <= _NEAR * arc and second >= _APART * arc:
+                        on_curve[k, index] = 1
+                        continue
+                if not filled:
+                    for j in range(n + 1):
+                        left[j], right[j] = points[i, j], points[i + 1, j]
+                        left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
+                    # The sign of the determinant is that of stability times the sense in which p moves.
+                    sense = 1.0 if after > before else -1.0
+                    left[-1] = right[-1] = sense if piece == 1 else -sense
+                    filled = True
+                reached = _meet(setup, left, right, arc, grid[k], found)
+            if reached:
+                index, least, second = _nearest(found, known[k], known_stable[k], scale, np.int64(-1))
+                if least <= _SAME:
+                    on_curve[k, index] = 1
+                    continue
             if count == capacity:
                 return capacity + 1
-            if grid[k] == after:
-                copy_into(unknowns[count], points[i + 1])
-                columns[count], stabilities[count] = k, strand.stable[i + 1]
-                count += 1
-                continue
-            if not filled:
-                for j in range(n + 1):
-                    left[j], right[j] = points[i, j], points[i + 1, j]
-                    left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
-                # The sign of the determinant is that of stability times the sense in which p moves.
-                sense = 1.0 if after > before else -1.0
-                piece = strand.stable[i] if strand.event[i] != _FOLD else strand.stable[i + 1]
-                left[-1] = right[-1] = sense if piece == 1 else -sense
-                filled = True
-            if not meet(setup, left, right, strand.arclength[i + 1] - strand.arclength[i], grid[k], found):
-                return -1 - k
-            copy_into(unknowns[count], found)
-            columns[count], stabilities[count] = k, piece
+            for j in range(n):
+                unknowns[count, j] = found[j] if reached else np.nan
+            columns[count], stabilities[count] = k, piece if reached else _UNREACHED
             count += 1
     return count
 
 
-def curve_crossings(problem: Problem, curve: Curve, grid: np.ndarray, continuation: Continuation):
-    """All solutions of one curve at given values of the swept parameter.
+class Known(NamedTuple):
+    """Solutions that are known at grid values, S at most at one.
+
+    Parameters
+    ----------
+    motions : (X, S, n) array
+    stable : (X, S) int8 array
+        Static stability; -1 beyond the number of solutions.
+    complete : (X,) int8 array
+        1 where these are proven to be all.
+    """
+
+    motions: np.ndarray
+    stable: np.ndarray
+    complete: np.ndarray
+
+
+class Crossings(NamedTuple):
+    """Where a curve meets grid values.
+
+    Parameters
+    ----------
+    column : (k,) int array
+        Grid values at which it passes through what is not known, in order along the curve.
+    unknowns : (k, n) array
+    stable : (k,) int8 array
+    unreached : (m,) int array
+        Grid values that it passes but at which nothing could be solved for.
+    on_curve : (X, S) bool array
+        The known solutions that it passes through.
+    """
+
+    column: np.ndarray
+    unknowns: np.ndarray
+    stable: np.ndarray
+    unreached: np.ndarray
+    on_curve: np.ndarray
+
+
+def curve_crossings(
+    problem: Problem, curve: Curve, grid, continuation: Continuation, known: Known | None = None
+) -> Crossings:
+    """Where one curve meets grid values.
 
     Parameters
     ----------
     problem : Problem
     curve : Curve
         As traced for that problem.
-    grid : (columns,) array
+    grid : (X,) array
         Ascending.
     continuation : Continuation
         Whose corrector is used.
+    known : Known, optional
 
     Returns
     -------
-    column : (k,) int array
-        Which grid value each solution belongs to, in order along the curve.
-    unknowns : (k, n) array
-    stable : (k,) int8 array
-
-    Raises
-    ------
-    ArithmeticError
-        If the corrector cannot reach a grid value that the curve passes.
+    Crossings
     """
-    n, grid = problem.unknowns, np.array(grid, dtype=float)
-    setup = problem.setup(continuation.corrector)
-    strand = Strand(curve.points, curve.tangents, curve.arclength, curve.stable, curve.event)
-    capacity = 4 * grid.size + 16
+    n, setup, grid = problem.unknowns, problem.setup(continuation.corrector), np.array(grid, dtype=float)
+    if known is None:
+        nothing = np.empty((grid.size, 0, n)), np.empty((grid.size, 0), np.int8), np.zeros(grid.size, np.int8)
+        known = Known(*nothing)
+    capacity = 16 + (0 if np.all(known.complete) else 2 * grid.size)
     while True:
-        columns, unknowns = np.empty(capacity, np.int64), np.empty((capacity, n))
-        stable = np.empty(capacity, np.int8)
-        count = _crossings(setup, strand, curve.closed, grid, columns, unknowns, stable)
-        if count < 0:
-            raise ArithmeticError(f"the curve passes {grid[-1 - count]!r}, but the corrector does not converge there")
+        on_curve = np.zeros(known.stable.shape, np.int8)
+        columns, unknowns, stable = np.empty(capacity, np.int64), np.empty((capacity, n)), np.empty(capacity, np.int8)
+        count = _crossings(setup, curve.strand, curve.closed, grid, *known, on_curve, columns, unknowns, stable)
         if count <= capacity:
-            return columns[:count], unknowns[:count], stable[:count]
+            break
         capacity *= 2
+    columns, unknowns, stable = columns[:count], unknowns[:count], stable[:count]
+    reached = stable != _UNREACHED
+    return Crossings(columns[reached], unknowns[reached], stable[reached], columns[~reached], on_curve.view(bool))

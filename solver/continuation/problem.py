@@ -18,15 +18,15 @@ class Problem:
 
     Parameters
     ----------
-    balance, monitor : compiled kernels
-        With the signatures `solver.kernels.compile.BALANCE` and `MONITOR`; values[0] of the monitor is the amplitude,
-        each of the others has a grazing where it vanishes.
-    theta, direction : arrays
+    residual_and_jacobian, test_functions : compiled kernels
+        With the signatures `RESIDUAL_AND_JACOBIAN` and `TEST_FUNCTIONS` of `solver.kernels.compile`. The first test
+        function is the amplitude; each of the others has a grazing where it vanishes.
+    parameters, parameter_slope : arrays
         Parameters at p = 0 and what p adds to them.
     scale : (n + 1,) array
         Typical size of each unknown and of p.
-    monitors : int
-        Number of monitor values, >= 1.
+    test_count : int
+        Number of test functions, >= 1.
     contacts : compiled kernel
         With the signature `solver.continuation.setup.CONTACTS`: where a stiff contact may begin or end, so that the
         curve has a corner there. None unless given.
@@ -37,25 +37,25 @@ class Problem:
         If a kernel cannot be called, or an array or a number is not allowed.
     """
 
-    balance: object
-    monitor: object
-    theta: np.ndarray
-    direction: np.ndarray
+    residual_and_jacobian: object
+    test_functions: object
+    parameters: np.ndarray
+    parameter_slope: np.ndarray
     scale: np.ndarray
-    monitors: int
+    test_count: int
     contacts: object = no_contacts
 
     def __post_init__(self):
-        for name in ("balance", "monitor", "contacts"):
+        for name in ("residual_and_jacobian", "test_functions", "contacts"):
             if not callable(getattr(self, name)):
                 raise ParameterError(name, getattr(self, name), "a compiled kernel")
-        for name in ("theta", "direction"):
+        for name in ("parameters", "parameter_slope"):
             if number_array(name, getattr(self, name)).ndim != 1:
                 raise ParameterError(name, getattr(self, name), "a vector of numbers")
         scale = finite_array("scale", self.scale, (None,))
         if scale.size < 2 or not scale.min() > 0.0:
             raise ParameterError("scale", self.scale, "at least two numbers above 0")
-        whole_number("monitors", self.monitors, 1, 10_000)
+        whole_number("test_count", self.test_count, 1, 10_000)
 
     @property
     def unknowns(self) -> int:
@@ -71,16 +71,16 @@ class Problem:
             If it is no corrector.
         """
         instance_of("corrector", corrector, Newton, Broyden)
-        n, m = self.unknowns, self.monitors
+        n, m = self.unknowns, self.test_count
         return Setup(
             corrector.kernel,
             corrector.tolerance,
             corrector.max_iterations,
-            self.balance,
-            self.monitor,
+            self.residual_and_jacobian,
+            self.test_functions,
             self.contacts,
-            self.theta,
-            self.direction,
+            self.parameters,
+            self.parameter_slope,
             self.scale,
             n,
             m,
@@ -96,13 +96,31 @@ class Problem:
         ParameterError
             If y is no vector of n + 1 numbers.
         """
-        n = self.unknowns
-        y = number_array("y", y).astype(float)
-        if y.shape != (n + 1,):
-            raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({n + 1},)")
+        n, y = self.unknowns, self._place(y)
         residual, jacobian = np.empty(n), np.empty((n, n + 1))
-        self.balance(self.theta, self.direction, y, residual, jacobian)
+        self.residual_and_jacobian(self.parameters, self.parameter_slope, y, residual, jacobian)
         return residual, jacobian
+
+    def observed(self, y, count: int) -> np.ndarray:
+        """The first test functions (count,) at y = (u, p); nan where y is, and where there is no such one.
+
+        Raises
+        ------
+        ParameterError
+            If y is no vector of n + 1 numbers, or the count is no whole number from 1 to 10000.
+        """
+        count, y = whole_number("count", count, 1, 10_000), self._place(y)
+        # The kernel fills all of its values, however few are wanted.
+        values = np.full(max(count, self.test_count), np.nan)
+        self.test_functions(self.parameters, self.parameter_slope, y, values, np.empty((values.size, y.size)))
+        return values[:count]
+
+    def _place(self, y) -> np.ndarray:
+        """A copy of y = (u, p); raises ParameterError if it is no vector of n + 1 numbers."""
+        y = number_array("y", y).astype(float)
+        if y.shape != (self.unknowns + 1,):
+            raise ParameterError("y", f"array of shape {y.shape}", f"of shape ({self.unknowns + 1},)")
+        return y
 
     def corrected_all(
         self, places, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
@@ -137,9 +155,9 @@ class Problem:
         p = found[:, n].copy()
         correct_all(
             corrector.kernel,
-            self.balance,
-            self.theta,
-            self.direction,
+            self.residual_and_jacobian,
+            self.parameters,
+            self.parameter_slope,
             self.scale,
             found,
             np.eye(n + 1)[n] if normal is None else finite_array("normal", normal, (n + 1,)),

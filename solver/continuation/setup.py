@@ -7,34 +7,37 @@ and from other kernels alike.
 from collections import namedtuple
 
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, BALANCE, CORRECTOR, FLAGS, MATRIX, MONITOR, kernel
+from solver.kernels.compile import ARRAY, CORRECTOR, FLAGS, MATRIX, RESIDUAL_AND_JACOBIAN, TEST_FUNCTIONS, kernel
 
 __all__ = ["CONTACTS", "CONTACT_ROW", "LIMITS", "SETUP", "STRAND", "Limits", "Setup", "Strand", "no_contacts"]
 
 _I, _F = types.int64, types.float64
 
-#: contacts(theta, direction, y, rows) -> count: every local extremum of lambda against every flank that it may touch,
-#: one a row: `CONTACT_ROW` numbers, then the gradient of the margin, (n + 1,).
+#: contacts(parameters, parameter_slope, y, rows) -> count: every local extremum of lambda against every flank that it
+#: may touch, one a row: `CONTACT_ROW` numbers, then the gradient of the margin, (n + 1,).
 CONTACTS = types.FunctionType(_I(ARRAY, ARRAY, ARRAY, MATRIX))
 
 #: Slots of such a row: phase angle of the extremum, flank (1 front, -1 back), sense (1 maximum, -1 minimum) and margin,
 #: lambda there less the flank's. A maximum touches where its margin is positive, a minimum where it is negative.
-CONTACT_ROW = 4
+ANGLE, FLANK, SENSE, MARGIN, CONTACT_ROW = range(5)
 
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX))
-def no_contacts(theta, direction, y, rows):
+def no_contacts(parameters, parameter_slope, y, rows):
     """The contacts of a problem whose force is smooth, or soft enough to be stepped over: none."""
     return 0
 
 
-#: A curve and how points of it are corrected. unknowns = n, monitors = m; work has `workspace_rows(n)` rows of n + 1,
+#: A curve and how points of it are corrected. unknowns = n, test_count = m; work has `workspace_rows(n)` rows of n + 1,
 #: gradient is (m, n + 1).
 Setup = namedtuple(
-    "Setup", "corrector tolerance limit balance monitor contacts theta direction scale unknowns monitors work gradient"
+    "Setup",
+    "corrector tolerance limit residual_and_jacobian test_functions contacts parameters parameter_slope scale "
+    "unknowns test_count work gradient",
 )
 SETUP = types.NamedTuple(
-    (CORRECTOR, _F, _I, BALANCE, MONITOR, CONTACTS, ARRAY, ARRAY, ARRAY, _I, _I, MATRIX, MATRIX), Setup
+    (CORRECTOR, _F, _I, RESIDUAL_AND_JACOBIAN, TEST_FUNCTIONS, CONTACTS, ARRAY, ARRAY, ARRAY, _I, _I, MATRIX, MATRIX),
+    Setup,
 )
 
 #: How far steps may go, and where a curve ends: step lengths and the largest turn of `Continuation`, the longest move

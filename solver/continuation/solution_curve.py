@@ -1,9 +1,10 @@
 """A traced solution curve: its points, what is special about them, and why it ends. No kernel is needed to read it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
+from solver.continuation.setup import Strand
 from solver.explained import Explained
 from solver.model.checks import ParameterError, instance_of, instances_of, whole_number
 
@@ -86,17 +87,15 @@ class Curve:
         """Whether the last point is the first one again."""
         return self.ends[1] is EndReason.CLOSED
 
+    @property
+    def strand(self) -> Strand:
+        """What kernels read of it."""
+        return Strand(self.points, self.tangents, self.arclength, self.stable, self.event)
+
     def reversed(self) -> "Curve":
         """The same curve, the other way."""
-        return Curve(
-            self.points[::-1].copy(),
-            -self.tangents[::-1],
-            self.arclength[-1:] - self.arclength[::-1],
-            self.stable[::-1].copy(),
-            self.event[::-1].copy(),
-            self.ends[::-1],
-            self.refused,
-        )
+        points, tangents, arclength, stable, event = (part[::-1].copy() for part in self.strand)
+        return Curve(points, -tangents, arclength[:1] - arclength, stable, event, self.ends[::-1], self.refused)
 
     def followed_by(self, other: "Curve") -> "Curve":
         """This curve and one that starts at its last point, as one; what it says of that point is the other's.
@@ -107,15 +106,9 @@ class Curve:
             If the other is no curve.
         """
         instance_of("other", other, Curve)
-        return Curve(
-            np.concatenate([self.points[:-1], other.points]),
-            np.concatenate([self.tangents[:-1], other.tangents]),
-            np.concatenate([self.arclength[:-1], self.arclength[-1] + other.arclength]),
-            np.concatenate([self.stable[:-1], other.stable]),
-            np.concatenate([self.event[:-1], other.event]),
-            (self.ends[0], other.ends[1]),
-            self.refused + other.refused,
-        )
+        further = other.strand._replace(arclength=self.arclength[-1] + other.arclength)
+        parts = (np.concatenate([here[:-1], there]) for here, there in zip(self.strand, further, strict=True))
+        return Curve(*parts, (self.ends[0], other.ends[1]), self.refused + other.refused)
 
     def between(self, first: int, last: int, ends: tuple[EndReason, EndReason]) -> "Curve":
         """The part from one point to another, both included.
@@ -137,13 +130,5 @@ class Curve:
         ends = instances_of("ends", ends, EndReason)
         if len(ends) != 2:
             raise ParameterError("ends", ends, "two reasons")
-        part = slice(first, last + 1)
-        return replace(
-            self,
-            points=self.points[part],
-            tangents=self.tangents[part],
-            arclength=self.arclength[part] - self.arclength[first],
-            stable=self.stable[part],
-            event=self.event[part],
-            ends=ends,
-        )
+        strand = Strand(*(part[first : last + 1] for part in self.strand))
+        return Curve(*strand._replace(arclength=strand.arclength - self.arclength[first]), ends, self.refused)

@@ -68,7 +68,7 @@ def is_level(setup, left, right):
 @kernel(types.boolean(SETUP, LIMITS, ARRAY, ARRAY, _F), inner=True)
 def _hides_a_pair(setup, limits, left, right, arc):
     """Would the curve between two points fold twice, or reach a grazing or a border of the box and come back?"""
-    n, m = setup.unknowns, setup.monitors
+    n, m = setup.unknowns, setup.test_count
     p = setup.scale[n]
     if not is_level(setup, left, right) and _turns_twice(
         left[n] / p, right[n] / p, arc * left[2 * n + 1], arc * right[2 * n + 1]

@@ -88,12 +88,12 @@ def _settle(found, last):
 
 
 @kernel(types.UniTuple(_I, 5)(ARRAY, ARRAY, _F, _F, MATRIX, MATRIX, MATRIX), inner=True)
-def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
+def enumerate_point(parameters, parameter_slope, p, ceiling, found, undecided, work):
     """All solutions at one axis value.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
     p : float
         Axis value.
     ceiling : float
@@ -108,7 +108,7 @@ def enumerate_point(theta, direction, p, ceiling, found, undecided, work):
     """
     reduced = work[:ROWS]
     roots, boxes, stack = work[ROWS : ROWS + MOST], work[ROWS + MOST : ROWS + MOST + _UNDECIDED], work[-_STACK:]
-    if not reduce_balance(theta, direction, p, reduced):
+    if not reduce_balance(parameters, parameter_slope, p, reduced):
         for j in range(_COLUMNS):
             undecided[0, j] = math.nan
         undecided[0, ROOT], undecided[0, ROOT + 1] = 0.0, 1.0
@@ -174,12 +174,12 @@ _CUBE, _CODES, _COUNTS = types.float64[:, :, ::1], types.int8[:, ::1], types.int
 
 
 @kernel(types.Tuple((_CUBE, MATRIX, _CODES, _COUNTS, FLAGS, FLAGS))(ARRAY, ARRAY, ARRAY, _F))
-def enumerate_points(theta, direction, grid, ceiling):
+def enumerate_points(parameters, parameter_slope, grid, ceiling):
     """All solutions at many axis values, S at most at one.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
     grid : (X,) array
         Axis values.
     ceiling : float
@@ -205,7 +205,7 @@ def enumerate_points(theta, direction, grid, ceiling):
     total = 0
     for i in range(size):
         counts[i], _open, proof[i], above[i], _visits = enumerate_point(
-            theta, direction, grid[i], ceiling, found, undecided, work
+            parameters, parameter_slope, grid[i], ceiling, found, undecided, work
         )
         if total + counts[i] > boxes.shape[0]:
             longer = np.empty((2 * boxes.shape[0] + MOST, _COLUMNS))

@@ -1,8 +1,7 @@
 """The coefficients of the first-order balance as intervals: a proof then holds for the model, not for its rounding.
 
 The same formulas as `solver.harmonic.describing_function.coefficients` (docs/physics.md, sections 3 and 4), in interval
-arithmetic and without derivatives. The parameters themselves, theta + p * direction, are taken as the exact floats they
-are.
+arithmetic and without derivatives. The numbers parameters + p * parameter_slope are taken as the exact floats they are.
 """
 
 import math
@@ -27,7 +26,7 @@ from solver.enumeration.interval import (
 )
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.model.condensation import (
+from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
     ALPHA_2_PHASE,
@@ -87,12 +86,12 @@ def _phasor(amplitude, phase):
 
 
 @kernel(types.Tuple((types.UniTuple(COMPLEX, 6), INTERVAL))(ARRAY, ARRAY, _F), inner=True)
-def enclosed_coefficients(theta, direction, p):
+def enclosed_coefficients(parameters, parameter_slope, p):
     """Enclosures of the numbers that the balance depends on at one axis value.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
     p : float
         Axis value.
 
@@ -103,9 +102,9 @@ def enclosed_coefficients(theta, direction, p):
         without damping is in resonance.
     c : interval
     """
-    x = np.empty(theta.shape[0])
-    for i in range(theta.shape[0]):
-        x[i] = theta[i] + p * direction[i]
+    x = np.empty(parameters.shape[0])
+    for i in range(parameters.shape[0]):
+        x[i] = parameters[i] + p * parameter_slope[i]
     omega = exact(x[OMEGA])
     omega_squared = square(omega)
     pressure = multiply(exact(x[PRESSURE]), _RADIANS)

@@ -56,7 +56,7 @@ from solver.enumeration.interval import (
 )
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.condensation import (
+from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
     F_PM,
@@ -123,47 +123,49 @@ def _put_cubic(reduced, row, n_0, n_1, n_2, r_0, r_1, r_2):
 
 
 @kernel(types.boolean(ARRAY, ARRAY, _F, _I, _I), inline=True)
-def _are_zero(theta, direction, p, first, stop):
+def _are_zero(parameters, parameter_slope, p, first, stop):
     """Whether parameters first ... stop - 1 are exactly 0 at an axis value."""
     for slot in range(first, stop):  # noqa: SIM110 (kernels have no generators)
-        if theta[slot] + p * direction[slot] != 0.0:
+        if parameters[slot] + p * parameter_slope[slot] != 0.0:
             return False
     return True
 
 
 @kernel(types.boolean(ARRAY, ARRAY, _F), inner=True)
-def _has_common_factor(theta, direction, p):
+def _has_common_factor(parameters, parameter_slope, p):
     """Whether D and A' are real and Q and e are 0 for certain: nothing is damped, and what could make Q and e is 0."""
-    uncoupled = _are_zero(theta, direction, p, SIGMA, SIGMA + 1)
-    undamped = _are_zero(theta, direction, p, XI_MESH, XI_MESH + 1) and (
+    uncoupled = _are_zero(parameters, parameter_slope, p, SIGMA, SIGMA + 1)
+    undamped = _are_zero(parameters, parameter_slope, p, XI_MESH, XI_MESH + 1) and (
         uncoupled
         or (
-            _are_zero(theta, direction, p, XI_TRANSLATION, XI_TRANSLATION + 2)
-            and _are_zero(theta, direction, p, XI_SUPPORT, XI_SUPPORT + 6)
+            _are_zero(parameters, parameter_slope, p, XI_TRANSLATION, XI_TRANSLATION + 2)
+            and _are_zero(parameters, parameter_slope, p, XI_SUPPORT, XI_SUPPORT + 6)
         )
     )
-    first_fixed = _are_zero(theta, direction, p, ALPHA, ALPHA + 1)
-    second_fixed = _are_zero(theta, direction, p, ALPHA_2, ALPHA_2 + 1)
-    rotation_fixed = _are_zero(theta, direction, p, VARIATION_R, VARIATION_R + 1)
-    all_fixed = rotation_fixed and (uncoupled or _are_zero(theta, direction, p, VARIATION_T, VARIATION_T + 1))
+    first_fixed = _are_zero(parameters, parameter_slope, p, ALPHA, ALPHA + 1)
+    second_fixed = _are_zero(parameters, parameter_slope, p, ALPHA_2, ALPHA_2 + 1)
+    rotation_fixed = _are_zero(parameters, parameter_slope, p, VARIATION_R, VARIATION_R + 1)
+    all_fixed = rotation_fixed and (
+        uncoupled or _are_zero(parameters, parameter_slope, p, VARIATION_T, VARIATION_T + 1)
+    )
     return undamped and (first_fixed or rotation_fixed) and (second_fixed or all_fixed)
 
 
 @kernel(types.boolean(ARRAY, ARRAY, _F, MATRIX), inner=True)
-def reduce_balance(theta, direction, p, reduced):
+def reduce_balance(parameters, parameter_slope, p, reduced):
     """Fill `reduced` (ROWS, 2) with the reduced balance at one axis value; False if it is not finite or D may be 0.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
     p : float
         Axis value.
     reduced : (ROWS, 2) array
         Read by the other kernels of this module.
     """
-    values, c = enclosed_coefficients(theta, direction, p)
+    values, c = enclosed_coefficients(parameters, parameter_slope, p)
     D, A, P_1, P_2, F, e = values
-    load = exact(theta[F_PM] + p * direction[F_PM])
+    load = exact(parameters[F_PM] + p * parameter_slope[F_PM])
     per_c = divide(exact(1.0), c)
     half = multiply(exact(0.5), per_c)
     A = complex_subtract(A, complex_scale(half, complex_multiply(P_1, complex_conjugate(e))))
@@ -171,7 +173,7 @@ def reduce_balance(theta, direction, p, reduced):
     G = complex_subtract(F, complex_scale(multiply(load, per_c), P_1))
     L_0 = complex_multiply(complex_conjugate(D), G)
     L_1 = complex_subtract(complex_multiply(complex_conjugate(A), G), complex_multiply(Q, complex_conjugate(G)))
-    factored, zero = _has_common_factor(theta, direction, p), (0.0, 0.0)
+    factored, zero = _has_common_factor(parameters, parameter_slope, p), (0.0, 0.0)
     if factored:
         L_0, L_1 = G, (zero, zero)
     _put(reduced, _FACTORED, exact(1.0 if factored else 0.0))
@@ -185,7 +187,7 @@ def reduce_balance(theta, direction, p, reduced):
     _put(reduced, _Q, Q_squared)
     _put(reduced, _C, per_c)
     _put(reduced, LOAD, load)
-    _put(reduced, GAP, exact(theta[B] + p * direction[B]))
+    _put(reduced, GAP, exact(parameters[B] + p * parameter_slope[B]))
 
     q_0 = add(square(D[0]), square(D[1]))
     q_1 = multiply(exact(2.0), add(multiply(D[0], A[0]), multiply(D[1], A[1])))

@@ -8,7 +8,6 @@ are enclosed (`solver.enumeration.coefficients`): the proof holds for the model 
 """
 
 import dataclasses
-import enum
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +22,7 @@ from solver.enumeration.certificates import (
     enumerate_points,
     workspace,
 )
+from solver.explained import Explained
 from solver.model.checks import (
     ParameterError,
     finite_array,
@@ -32,54 +32,27 @@ from solver.model.checks import (
     number_array,
     one_of,
 )
-from solver.model.condensation import AXES, axis_vectors
 from solver.model.gear_model import Model
+from solver.model.packing import AXES, axis_vectors
 
 __all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row", "enumerate_values"]
 
 
-class Proof(enum.IntEnum):
+class Proof(Explained):
     """What is known about the number of solutions up to the amplitude ceiling."""
 
-    UNDECIDED = 0
-    PROVEN = 1
-    CONTINUUM = 2
-    CONTRADICTION = 3
-
-    @property
-    def sentence(self) -> str:
-        """What it means."""
-        return _PROOF_SENTENCES[self]
+    UNDECIDED = 0, "Too close to a degeneracy, like a fold: what is listed is proven, more may lie in undecided boxes."
+    PROVEN = 1, "Every solution listed is proven to exist and to be the only one in its box, and there is no other."
+    CONTINUUM = 2, "Without mean load the mean of a motion inside the gap is free: a continuum besides what is proven."
+    CONTRADICTION = 3, "Two proofs contradict each other: this is a defect of the program."
 
 
-_PROOF_SENTENCES = {
-    Proof.UNDECIDED: "Too close to a fold or another degeneracy: the solutions listed are proven, more may lie in the "
-    "undecided boxes.",
-    Proof.PROVEN: "Every solution listed is proven to exist and to be the only one in its box, and there is no other.",
-    Proof.CONTINUUM: "Without mean load the teeth can move inside the gap and the mean of that motion is free: besides "
-    "the solutions listed, which are proven, there is this continuum and nothing else.",
-    Proof.CONTRADICTION: "Two proofs contradict each other: this is a defect of the program.",
-}
-
-
-class Above(enum.IntEnum):
+class Above(Explained):
     """What is known about solutions above the amplitude ceiling."""
 
-    EMPTY = 0
-    OCCUPIED = 1
-    OPEN = 2
-
-    @property
-    def sentence(self) -> str:
-        """What it means."""
-        return _ABOVE_SENTENCES[self]
-
-
-_ABOVE_SENTENCES = {
-    Above.EMPTY: "It is proven that no solution lies above the amplitude ceiling, at any amplitude.",
-    Above.OCCUPIED: "Solutions above the amplitude ceiling are proven to exist.",
-    Above.OPEN: "Whether a solution lies above the amplitude ceiling is open: the linear system is nearly singular.",
-}
+    EMPTY = 0, "It is proven that no solution lies above the amplitude ceiling, at any amplitude."
+    OCCUPIED = 1, "Solutions above the amplitude ceiling are proven to exist."
+    OPEN = 2, "Whether a solution lies above the amplitude ceiling is open: the linear system is nearly singular."
 
 
 @dataclass(frozen=True)
@@ -218,9 +191,11 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     """
     instance_of("model", model, Model)
     omega, ceiling = frequency(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
-    theta, direction = axis_vectors(model, "omega")
+    parameters, parameter_slope = axis_vectors(model, "omega")
     found, undecided, work = workspace()
-    count, n_open, proof, above, visits = enumerate_point(theta, direction, omega, ceiling, found, undecided, work)
+    count, n_open, proof, above, visits = enumerate_point(
+        parameters, parameter_slope, omega, ceiling, found, undecided, work
+    )
     proof = Proof(proof)
     if proof is Proof.CONTRADICTION:
         raise ArithmeticError(f"{proof.sentence} It happened at omega = {omega!r} for {model!r}.")
@@ -278,15 +253,17 @@ def enumerate_row(
     return enumerate_values(*axis_vectors(model, axis, omega), grid, ceiling)
 
 
-def enumerate_values(theta: np.ndarray, direction: np.ndarray, grid: np.ndarray, ceiling: float) -> RowSolutions:
+def enumerate_values(
+    parameters: np.ndarray, parameter_slope: np.ndarray, grid: np.ndarray, ceiling: float
+) -> RowSolutions:
     """`enumerate_row` for callers that have the vectors of the axis; nothing is checked.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
-        `solver.model.condensation.axis_vectors`.
+    parameters, parameter_slope : (34,) arrays
+        `solver.model.packing.axis_vectors`.
     grid : (X,) array
     ceiling : float
         `amplitude_max`.
     """
-    return RowSolutions(*enumerate_points(theta, direction, grid, float(ceiling)))
+    return RowSolutions(*enumerate_points(parameters, parameter_slope, grid, float(ceiling)))

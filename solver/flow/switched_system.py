@@ -9,30 +9,40 @@ the load and the offset of the zone's law. Small deviations obey the same equati
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from solver.harmonic.layout import BACK, DEGREES, FRONT, GEAR, KIND, OMEGA, PAIRS, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate_rows
-from solver.model.condensation import (
+from solver.model.condensation import rotation_coupling
+from solver.model.contact_system import ContactSystem
+from solver.model.parameters import (
+    BACK_GAP,
     CONE,
+    DEGREES,
+    FRONT_GAP,
+    GEAR,
     K_SUPPORT,
     KAPPA,
+    KIND,
+    MESH_FREQUENCY,
     PRESSURE,
     SIGMA,
-    SIZE,
     VARIATION_R,
     VARIATION_T,
     XI_MESH,
     XI_SUPPORT,
     XI_TRANSLATION,
-    rotation_coupling,
+    gear_numbers,
+    number_at,
+    stiffness_slot,
+    system_matrices,
 )
 
-__all__ = ["SWITCHED_SYSTEM", "SwitchedSystem", "count_degrees", "new_system", "system_at"]
+__all__ = ["SWITCHED_SYSTEM", "SwitchedSystem", "count_degrees", "loaded_system", "new_system", "system_at"]
 
 _I, _F = types.int64, types.float64
 
@@ -107,41 +117,46 @@ def _supports(model, slope, p, groups):
 
 
 @kernel(_I(ARRAY, ARRAY, _F), inner=True)
-def count_degrees(theta, direction, p):
-    """Number n of coordinates of a system that the contact reaches, from vectors of `solver.harmonic.layout.packed`."""
-    if theta[KIND] != GEAR:
-        return int(theta[DEGREES])
-    start = PAIRS + 2 * int(theta[STIFFNESSES])
-    return 1 + _supports(theta[start : start + SIZE], direction[start : start + SIZE], p, np.empty((4, 6)))
+def count_degrees(parameters, parameter_slope, p):
+    """Number n of coordinates of a system that the contact reaches, from vectors of `solver.model.packing.packed`."""
+    if parameters[KIND] != GEAR:
+        return int(parameters[DEGREES])
+    gear, slope = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
+    return 1 + _supports(gear, slope, p, np.empty((4, 6)))
 
 
 @kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
-def system_at(theta, direction, p, system):
+def system_at(parameters, parameter_slope, p, system):
     """Fill a system of `new_system` at one axis value.
 
     Parameters
     ----------
-    theta, direction : arrays
-        Of `solver.harmonic.layout.packed`.
+    parameters, parameter_slope : arrays
+        Of `solver.model.packing.packed`.
     p : float
         Axis value.
     system : SwitchedSystem
         Of `count_degrees` coordinates.
     """
-    stiffnesses = int(theta[STIFFNESSES])
     numbers, variation = system.numbers, system.variation
-    low, high = -(theta[BACK] + p * direction[BACK]), theta[FRONT] + p * direction[FRONT]
-    numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = theta[OMEGA] + p * direction[OMEGA], low, high
+    (back, _), (high, _) = (
+        number_at(parameters, parameter_slope, p, BACK_GAP),
+        number_at(parameters, parameter_slope, p, FRONT_GAP),
+    )
+    low, (omega, _) = -back, number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
+    numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = omega, low, high
     numbers[LENGTH], numbers[ONE_ZONE] = 1.0, 1.0 if low == high else 0.0
-    for l in range(stiffnesses):
-        at = PAIRS + 2 * l
-        size, phase = theta[at] + p * direction[at], theta[at + 1] + p * direction[at + 1]
+    for l in range(variation.shape[0]):
+        at = stiffness_slot(l + 1)
+        (size, _), (phase, _) = (
+            number_at(parameters, parameter_slope, p, at),
+            number_at(parameters, parameter_slope, p, at + 1),
+        )
         variation[l, 0], variation[l, 1] = size * math.cos(phase), size * math.sin(phase)
-    start = PAIRS + 2 * stiffnesses
-    if theta[KIND] == GEAR:
-        _gear(theta[start : start + SIZE], direction[start : start + SIZE], p, system)
+    if parameters[KIND] == GEAR:
+        _gear(gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope), p, system)
     else:
-        _system(theta[start:], system)
+        _system(parameters, system)
     matrices, vectors = system.matrices, system.vectors
     n = vectors.shape[1]
     for i in range(n):
@@ -175,20 +190,42 @@ def _gear(model, slope, p, system):
 
 
 @kernel(types.void(ARRAY, SWITCHED_SYSTEM), inner=True)
-def _system(numbers, system):
+def _system(parameters, system):
     """A `ContactSystem`, from its M, C, K, w, h and h_v; no axis changes them."""
     matrices, vectors = system.matrices, system.vectors
     n = vectors.shape[1]
-    square = n * n
-    mass, rights = np.empty((n, n)), np.empty((2 * n + 2, n))
+    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters)
+    left, rights = np.empty((n, n)), np.empty((2 * n + 2, n))
     for i in range(n):
-        vectors[0, i] = numbers[3 * square + i]
-        rights[2 * n, i], rights[2 * n + 1, i] = numbers[3 * square + n + i], numbers[3 * square + 2 * n + i]
+        vectors[0, i] = contact[i]
+        rights[2 * n, i], rights[2 * n + 1, i] = force[i], varying[i]
         for j in range(n):
-            mass[i, j] = numbers[i * n + j]
-            rights[j, i], rights[n + j, i] = numbers[2 * square + i * n + j], numbers[square + i * n + j]
-    eliminate_rows(mass, rights)
+            left[i, j] = mass[i, j]
+            rights[j, i], rights[n + j, i] = stiffness[i, j], damping[i, j]
+    eliminate_rows(left, rights)
     for i in range(n):
         vectors[1, i], vectors[2, i] = rights[2 * n, i], rights[2 * n + 1, i]
         for j in range(n):
             matrices[i, j], matrices[2 * n + i, j] = rights[j, i], rights[n + j, i]
+
+
+@lru_cache(maxsize=4)
+def loaded_system(system: ContactSystem, omega: float) -> SwitchedSystem:
+    """A system under its load at one frequency. A motion is followed in many calls; no kernel writes into it."""
+    inverse = np.linalg.inv(system.mass)
+    stiffness, damping = inverse @ system.stiffness, inverse @ system.damping
+    force, varying = inverse @ system.force, inverse @ system.varying_force
+    rows = max(len(system.load), len(system.inertial_load))
+    harmonics = system.load_harmonics(omega, rows - 1) @ inverse.T
+    load = np.empty((2 * rows, system.degrees))
+    load[0::2], load[1::2] = harmonics.real, harmonics.imag
+    sizes, phases = np.array(system.stiffness_harmonics if np.any(varying) else (), dtype=float).reshape(-1, 2).T
+    low, high = -system.back_gap, system.front_gap
+    length = max(abs(high), abs(low) if system.two_sided else 0.0, np.max(np.abs(load)))
+    return SwitchedSystem(
+        np.array([omega, low, high, length, float(low == high)]),
+        np.concatenate([stiffness, stiffness + np.outer(force, system.contact), damping]),
+        np.array([system.contact, force, varying]),
+        np.column_stack([sizes * np.cos(phases), sizes * np.sin(phases)]),
+        load,
+    )

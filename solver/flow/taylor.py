@@ -11,9 +11,9 @@ switches, extremes and integrals are taken from it and no step is ever repeated.
 coefficients (A. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order Taylor
 methods", Experimental Mathematics 14 (2005) 99-117, section 3.2).
 
-States stand in blocks of four columns, which run through the recurrence side by side: the contact term is a product of
-scalar series, one for each column, and four of them take little longer than one. A motion, where there is one, is the
-first column of the first block; unused columns are 0.
+One column, a motion or a deviation, has the scalar recurrence (`column_series`). Those of a monodromy matrix stand
+in blocks of four, which run through it side by side (`carry_deviations`): the contact term is a product of scalar
+series, one for each column, and four of them take little longer than one. Unused columns are 0.
 """
 
 import math
@@ -21,32 +21,42 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.flow.switched_system import FREQUENCY, HIGH, LENGTH, LOW, SWITCHED_SYSTEM
+from solver.flow.switched_system import FREQUENCY, HIGH, LOW, SWITCHED_SYSTEM
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
 __all__ = [
     "BLOCKS",
-    "ORDER",
+    "DEVIATION_ORDER",
+    "MOTION_ORDER",
+    "BLOCK_SERIES",
+    "BlockSeries",
     "SERIES",
     "Series",
     "carry_deviations",
+    "column_at",
+    "column_series",
+    "column_sizes",
     "count_blocks",
+    "motion_series",
+    "new_block_series",
     "new_series",
+    "reach",
     "set_identity",
-    "series_at",
-    "state_at",
-    "step_length",
 ]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 
-#: States in blocks of four columns, (blocks, 2 n, 4): y above y'.
+#: Deviations in blocks of four columns, (blocks, 2 n, 4): y above y'.
 BLOCKS = types.float64[:, :, ::1]
 
-#: Degree of the series of y. The number of steps falls with it as the work of one grows: measured at tolerances from
-#: 1e-13 to 1e-10, monodromy matrices cost least between 24 and 32.
-ORDER = 28
+#: Degree of the series of y where deviations are carried. The number of steps falls with it as the work of one grows:
+#: measured at tolerances from 1e-13 to 1e-10, monodromy matrices cost least between 24 and 32.
+DEVIATION_ORDER = 28
+
+#: Degree for motions alone. At a tolerance of 1e-12 a step covers about a third of a natural period, which contact
+#: switches do not cut much shorter.
+MOTION_ORDER = 20
 
 # Truncation error of deviations in a step, as a share of their largest component: some 1e-11 in a matrix over a period.
 _TOLERANCE = 1e-10
@@ -56,17 +66,25 @@ _MOST_STEPS = 5_000
 
 
 class Series(NamedTuple):
-    """The series of one step: y (blocks, ORDER + 1, n, 4), lambda (blocks, ORDER + 1, 4), and of the motion lambda once
-    more (ORDER + 1,); s (ORDER + 1,) and g (ORDER + 1, n)."""
+    """The series of one column, of order m: y (m + 1, n), lambda (m + 1,), s (m + 1,), and g (m + 1, n) of a motion;
+    of a deviation g has no rows."""
 
     y: np.ndarray
     contact: np.ndarray
-    motion: np.ndarray
     stiffness: np.ndarray
     g: np.ndarray
 
 
-SERIES = types.NamedTuple((types.float64[:, :, :, ::1], BLOCKS, ARRAY, ARRAY, MATRIX), Series)
+class BlockSeries(NamedTuple):
+    """The series of blocks of deviations: y (blocks, m + 1, n, 4), lambda (blocks, m + 1, 4), s (m + 1,)."""
+
+    y: np.ndarray
+    contact: np.ndarray
+    stiffness: np.ndarray
+
+
+SERIES = types.NamedTuple((MATRIX, ARRAY, ARRAY, MATRIX), Series)
+BLOCK_SERIES = types.NamedTuple((types.float64[:, :, :, ::1], BLOCKS, ARRAY), BlockSeries)
 
 
 @kernel(_I(_I), inline=True)
@@ -75,24 +93,24 @@ def count_blocks(columns):
     return (columns + 3) // 4
 
 
-@kernel(SERIES(_I, _I), inner=True)
-def new_series(degrees, columns):
-    """Room for the series of so many columns of n coordinates."""
-    blocks = count_blocks(columns)
-    return Series(
-        np.zeros((blocks, ORDER + 1, degrees, 4)),
-        np.empty((blocks, ORDER + 1, 4)),
-        np.empty(ORDER + 1),
-        np.empty(ORDER + 1),
-        np.empty((ORDER + 1, degrees)),
-    )
+@kernel(SERIES(_I), inner=True)
+def new_series(degrees):
+    """Room for the series of a motion of n coordinates."""
+    size = MOTION_ORDER + 1
+    return Series(np.empty((size, degrees)), np.empty(size), np.empty(size), np.empty((size, degrees)))
 
 
-@kernel(types.void(SWITCHED_SYSTEM, _I, _F, _B, SERIES), inner=True)
-def _sources(system, zone, time, forced, series):
-    """Series of s and, where there is a motion, of g about a time."""
-    n, omega = system.vectors.shape[1], system.numbers[FREQUENCY]
-    g, stiffness = series.g, series.stiffness
+@kernel(BLOCK_SERIES(_I, _I), inner=True)
+def new_block_series(degrees, columns):
+    """Room for the series of so many deviations of n coordinates."""
+    blocks, size = count_blocks(columns), DEVIATION_ORDER + 1
+    return BlockSeries(np.zeros((blocks, size, degrees, 4)), np.empty((blocks, size, 4)), np.empty(size))
+
+
+@kernel(types.void(SWITCHED_SYSTEM, _I, _F, ARRAY, MATRIX), inner=True)
+def _sources(system, zone, time, stiffness, g):
+    """Series of s and, where it has rows, of g about a time."""
+    n, omega, forced = system.vectors.shape[1], system.numbers[FREQUENCY], g.shape[0] > 0
     # The order is read from the arrays: loops of known length are unrolled into code that takes a minute to compile.
     order = stiffness.shape[0] - 1
     harmonics, loads = system.variation.shape[0], system.load.shape[0] // 2 if forced else 0
@@ -100,7 +118,7 @@ def _sources(system, zone, time, forced, series):
         stiffness[j] = 0.0
         if forced:
             for i in range(n):
-                g[j, i] = 0.0
+                g[j, i] = system.load[0, i] if j == 0 else 0.0
     for l in range(1, max(harmonics + 1, loads)):
         rate = l * omega
         # cosine and sine carry the factor (l Omega)^j / j! and turn by a quarter per order.
@@ -113,21 +131,70 @@ def _sources(system, zone, time, forced, series):
                     g[j, i] += system.load[2 * l, i] * cosine - system.load[2 * l + 1, i] * sine
             factor = rate / (j + 1)
             cosine, sine = -sine * factor, cosine * factor
-    if not forced:
-        return
-    for i in range(n):
-        g[0, i] += system.load[0, i]
-    if zone != 0:
+    if forced and zone != 0:
         offset = system.numbers[HIGH] if zone > 0 else system.numbers[LOW]
         for i in range(n):
             g[0, i] += system.vectors[1, i] * offset
-            for j in range(order - 1):
-                g[j, i] += system.vectors[2, i] * offset * stiffness[j]
+            if harmonics > 0:
+                for j in range(order - 1):
+                    g[j, i] += system.vectors[2, i] * offset * stiffness[j]
 
 
-@kernel(types.void(SWITCHED_SYSTEM, _I, _B, types.float64[:, :, ::1], MATRIX, ARRAY, MATRIX), inner=True)
-def _recurrence(system, zone, forced, y, contact, stiffness, g):
-    """Fill in the series of one block, y (ORDER + 1, n, 4) and contact (ORDER + 1, 4), from y_0 and y_1."""
+@kernel(types.void(SWITCHED_SYSTEM, _I, ARRAY, SERIES), inner=True)
+def column_series(system, zone, state, series):
+    """Series of y and lambda of a motion or a deviation from its state (2 n,), those of s and g being filled in."""
+    n, order = system.vectors.shape[1], series.stiffness.shape[0] - 1
+    y, contact, stiffness, forced = series.y, series.contact, series.stiffness, series.g.shape[0] > 0
+    first, second = (n if zone != 0 else 0), 2 * n
+    varied = zone != 0 and system.variation.shape[0] > 0
+    contact[0], contact[1] = 0.0, 0.0
+    for i in range(n):
+        y[0, i], y[1, i] = state[i], state[n + i]
+        contact[0] += system.vectors[0, i] * state[i]
+        contact[1] += system.vectors[0, i] * state[n + i]
+    for j in range(order - 1):
+        product = 0.0
+        if varied:
+            for i in range(j + 1):
+                product += stiffness[i] * contact[j - i]
+        scale = 1.0 / ((j + 2.0) * (j + 1.0))
+        total = 0.0
+        for i in range(n):
+            value, rate = series.g[j, i] if forced else 0.0, 0.0
+            for l in range(n):
+                value -= system.matrices[first + i, l] * y[j, l]
+                rate += system.matrices[second + i, l] * y[j + 1, l]
+            value -= (j + 1.0) * rate
+            if varied:
+                value -= system.vectors[2, i] * product
+            value *= scale
+            y[j + 2, i] = value
+            total += system.vectors[0, i] * value
+        contact[j + 2] = total
+
+
+@kernel(types.void(SWITCHED_SYSTEM, _I, _F, ARRAY, SERIES), inline=True)
+def motion_series(system, zone, time, state, series):
+    """Series of s and of the motion from a state at a time, the law of the zone extended beyond it.
+
+    Parameters
+    ----------
+    system : SwitchedSystem
+    zone : int
+        -1 back, 0 free, 1 front.
+    time : float
+    state : (2 n,) array
+        y, then y'.
+    series : Series
+        Overwritten.
+    """
+    _sources(system, zone, time, series.stiffness, series.g)
+    column_series(system, zone, state, series)
+
+
+@kernel(types.void(SWITCHED_SYSTEM, _I, types.float64[:, :, ::1], MATRIX, ARRAY), inner=True)
+def _block_series(system, zone, y, contact, stiffness):
+    """Fill in the series of one block, y (m + 1, n, 4) and contact (m + 1, 4), from y_0 and y_1."""
     n, order = system.vectors.shape[1], stiffness.shape[0] - 1
     matrices, vectors = system.matrices, system.vectors
     first, second = (n if zone != 0 else 0), 2 * n
@@ -163,8 +230,6 @@ def _recurrence(system, zone, forced, y, contact, stiffness, g):
                 v2 += spring * y[j, l, 2] + drag * y[j + 1, l, 2]
                 v3 += spring * y[j, l, 3] + drag * y[j + 1, l, 3]
             v0, v1, v2, v3 = scale * v0, scale * v1, scale * v2, scale * v3
-            if forced:
-                v0 -= scale * g[j, i]
             y[j + 2, i, 0], y[j + 2, i, 1], y[j + 2, i, 2], y[j + 2, i, 3] = v0, v1, v2, v3
             w = vectors[0, i]
             t0 += w * v0
@@ -174,95 +239,69 @@ def _recurrence(system, zone, forced, y, contact, stiffness, g):
         contact[j + 2, 0], contact[j + 2, 1], contact[j + 2, 2], contact[j + 2, 3] = t0, t1, t2, t3
 
 
-@kernel(types.void(SWITCHED_SYSTEM, _I, _F, _B, BLOCKS, SERIES), inner=True)
-def series_at(system, zone, time, forced, states, series):
-    """Series of all columns from their states at a time, the law of the zone extended beyond it.
+@kernel(_F(_F, _F, _F, _I), inline=True)
+def reach(bound, last, previous, order):
+    """Largest step h with k |y_k| h^(k - 1), a term of y', at most the bound for the last two coefficients of y.
 
-    Parameters
-    ----------
-    system : SwitchedSystem
-    zone : int
-        -1 back, 0 free, 1 front.
-    time : float
-    forced : bool
-        Whether the first column is a motion, under the load; all others are deviations.
-    states : (blocks, 2 n, 4) array
-    series : Series
-        Overwritten.
+    Infinite where the series ends; nan where it is not finite.
     """
-    _sources(system, zone, time, forced, series)
-    n = system.vectors.shape[1]
-    for block in range(states.shape[0]):
-        y, state = series.y[block], states[block]
-        for i in range(n):
-            for column in range(4):
-                y[0, i, column], y[1, i, column] = state[i, column], state[n + i, column]
-        _recurrence(system, zone, forced and block == 0, y, series.contact[block], series.stiffness, series.g)
-    if forced:
-        for j in range(series.motion.shape[0]):
-            series.motion[j] = series.contact[0, j, 0]
-
-
-@kernel(_F(_F, _F, _F), inline=True)
-def _reach(bound, last, previous):
-    """Largest step h with k |y_k| h^(k - 1) at most the bound for the last two coefficients of y."""
     # With nothing in the series the solution is a short polynomial and any step is exact.
     step = math.inf
     if last > 0.0:
-        step = (bound / (ORDER * last)) ** (1.0 / (ORDER - 1))
-    if previous > 0.0 and not (ORDER - 1) * previous * step ** (ORDER - 2) <= bound:
-        step = (bound / ((ORDER - 1) * previous)) ** (1.0 / (ORDER - 2))
+        step = (bound / (order * last)) ** (1.0 / (order - 1))
+    if previous > 0.0 and not (order - 1) * previous * step ** (order - 2) <= bound:
+        step = (bound / ((order - 1) * previous)) ** (1.0 / (order - 2))
     return step
 
 
-@kernel(_F(SWITCHED_SYSTEM, _B, _F, BLOCKS, SERIES), inner=True)
-def step_length(system, forced, tolerance, states, series):
-    """Step at which the last two terms of y' fall to the tolerance.
+@kernel(types.UniTuple(_F, 3)(ARRAY, SERIES), inner=True)
+def column_sizes(state, series):
+    """Largest components of the state and of the last two coefficients of y, for `reach`."""
+    n, order = series.y.shape[1], series.y.shape[0] - 1
+    size, last, previous = 0.0, 0.0, 0.0
+    for i in range(n):
+        size = max(size, abs(state[i]), abs(state[n + i]))
+        last = max(last, abs(series.y[order, i]))
+        previous = max(previous, abs(series.y[order - 1, i]))
+    return size, last, previous
 
-    For a motion it counts relative to max(|state|, length of the system). For deviations, which may grow where the
-    motion rests, it is 1e-10 of the largest component among them.
 
-    Parameters
-    ----------
-    system, forced, states, series
-        As for `series_at`, which must have been called.
-    tolerance : float
-        For the motion.
+@kernel(types.void(SERIES, _F, ARRAY), inner=True)
+def column_at(series, step, state):
+    """Fill in the state (2 n,) at the end of a step."""
+    n, order = series.y.shape[1], series.y.shape[0] - 1
+    for i in range(n):
+        value, slope = series.y[order, i], 0.0
+        for j in range(order - 1, -1, -1):
+            slope = slope * step + value
+            value = value * step + series.y[j, i]
+        state[i], state[n + i] = value, slope
 
-    Returns
-    -------
-    float
-        Infinite where the series ends; nan where it is not finite.
-    """
-    n = system.vectors.shape[1]
-    step = math.inf
-    if forced:
-        size, last, previous = system.numbers[LENGTH], 0.0, 0.0
-        for i in range(n):
-            size = max(size, abs(states[0, i, 0]), abs(states[0, n + i, 0]))
-            last = max(last, abs(series.y[0, ORDER, i, 0]))
-            previous = max(previous, abs(series.y[0, ORDER - 1, i, 0]))
-        step = _reach(tolerance * size, last, previous)
+
+@kernel(_F(BLOCKS, BLOCK_SERIES), inner=True)
+def _block_step(states, series):
+    """Step at which the last two terms of y' fall to 1e-10 of the largest component of all columns."""
+    n, order = series.y.shape[2], series.stiffness.shape[0] - 1
     size, last, previous = 0.0, 0.0, 0.0
     for block in range(states.shape[0]):
         for i in range(n):
-            for column in range(1 if forced and block == 0 else 0, 4):
+            for column in range(4):
                 size = max(size, abs(states[block, i, column]), abs(states[block, n + i, column]))
-                last = max(last, abs(series.y[block, ORDER, i, column]))
-                previous = max(previous, abs(series.y[block, ORDER - 1, i, column]))
-    return min(step, _reach(_TOLERANCE * size, last, previous))
+                last = max(last, abs(series.y[block, order, i, column]))
+                previous = max(previous, abs(series.y[block, order - 1, i, column]))
+    return reach(_TOLERANCE * size, last, previous, order)
 
 
-@kernel(types.void(SERIES, _F, BLOCKS), inner=True)
-def state_at(series, step, states):
-    """Fill in the states at the end of a step."""
-    n = series.y.shape[2]
+@kernel(types.void(BLOCK_SERIES, _F, BLOCKS), inner=True)
+def _blocks_at(series, step, states):
+    """Fill in the deviations at the end of a step."""
+    n, order = series.y.shape[2], series.stiffness.shape[0] - 1
     for block in range(states.shape[0]):
         y, state = series.y[block], states[block]
         for i in range(n):
-            v0, v1, v2, v3 = y[ORDER, i, 0], y[ORDER, i, 1], y[ORDER, i, 2], y[ORDER, i, 3]
+            v0, v1, v2, v3 = y[order, i, 0], y[order, i, 1], y[order, i, 2], y[order, i, 3]
             d0, d1, d2, d3 = 0.0, 0.0, 0.0, 0.0
-            for j in range(series.stiffness.shape[0] - 2, -1, -1):
+            for j in range(order - 1, -1, -1):
                 d0, d1, d2, d3 = d0 * step + v0, d1 * step + v1, d2 * step + v2, d3 * step + v3
                 v0 = v0 * step + y[j, i, 0]
                 v1 = v1 * step + y[j, i, 1]
@@ -280,18 +319,24 @@ def set_identity(states):
         states[i // 4, i, i % 4] = 1.0
 
 
-@kernel(_B(SWITCHED_SYSTEM, _I, _F, _F, BLOCKS, SERIES), inner=True)
+@kernel(_B(SWITCHED_SYSTEM, _I, _F, _F, BLOCKS, BLOCK_SERIES), inner=True)
 def carry_deviations(system, zone, begin, end, states, series):
     """Carry deviations through a zone from one time to another; False where they are not finite any more."""
-    time = begin
+    n, time, no_load = system.vectors.shape[1], begin, np.empty((0, 0))
     for _ in range(_MOST_STEPS):
-        series_at(system, zone, time, False, states, series)
-        step, rest = step_length(system, False, 0.0, states, series), end - time
+        _sources(system, zone, time, series.stiffness, no_load)
+        for block in range(states.shape[0]):
+            y, state = series.y[block], states[block]
+            for i in range(n):
+                for column in range(4):
+                    y[0, i, column], y[1, i, column] = state[i, column], state[n + i, column]
+            _block_series(system, zone, y, series.contact[block], series.stiffness)
+        step, rest = _block_step(states, series), end - time
         if step >= rest:
-            state_at(series, rest, states)
+            _blocks_at(series, rest, states)
             return True
         if not time + step > time:
             return False
-        state_at(series, step, states)
+        _blocks_at(series, step, states)
         time += step
     return False

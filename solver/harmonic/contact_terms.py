@@ -4,9 +4,9 @@ import numpy as np
 
 from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
 from solver.harmonic.impedance import stiffness_phasor
-from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
+from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES, number_at
 
 __all__ = ["coefficient", "contact_of", "modulated"]
 
@@ -20,26 +20,29 @@ def coefficient(coefficients, k):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
-def contact_of(theta, direction, u, p, contact, ahead, behind):
+def contact_of(parameters, parameter_slope, u, p, contact, ahead, behind):
     """Fill the spectra chi, chi+ and chi- of a motion u at one axis value."""
     room = 2 * u.shape[0] + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
-    front, back = theta[FRONT] + p * direction[FRONT], theta[BACK] + p * direction[BACK]
+    (front, _), (back, _) = (
+        number_at(parameters, parameter_slope, p, FRONT_GAP),
+        number_at(parameters, parameter_slope, p, BACK_GAP),
+    )
     count = contact_arcs(u, front, back, angles, zones)
     contact_spectrum(count, angles, zones, contact, ahead, behind)
 
 
 @kernel(types.void(ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
-def modulated(theta, direction, p, spectrum, product, slope):
+def modulated(parameters, parameter_slope, p, spectrum, product, slope):
     """Coefficients of s(tau) times a real function: fill `product`, and `slope` with the derivative along the axis.
 
     `spectrum` must reach N nu further than `product`.
     """
-    period = int(theta[PERIOD])
+    period = int(parameters[PERIOD])
     for k in range(product.shape[0]):
         product[k], slope[k] = 0j, 0j
-    for l in range(1, int(theta[STIFFNESSES]) + 1):
-        S, d_S = stiffness_phasor(theta, direction, p, l)
+    for l in range(1, int(parameters[STIFFNESSES]) + 1):
+        S, d_S = stiffness_phasor(parameters, parameter_slope, p, l)
         if S == 0.0 and d_S == 0.0:
             continue
         for k in range(product.shape[0]):

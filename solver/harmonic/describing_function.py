@@ -12,7 +12,6 @@ The rows are (E_0, Re E_1, -Im E_1), for which a statically stable solution has 
 Harmonics of the stiffness above the second and of the transmission error above the first do not reach this balance.
 """
 
-import cmath
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -21,18 +20,17 @@ import numpy as np
 
 from solver.contact.dead_zone import describing_functions
 from solver.continuation.problem import Problem
-from solver.harmonic.layout import check_axis
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, number_array
-from solver.model.condensation import (
+from solver.model.condensation import mesh_receptance, phasor, rotation_coupling
+from solver.model.gear_model import Model
+from solver.model.packing import axis_vectors, check_axis
+from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
-    ALPHA_2_PHASE,
-    ALPHA_PHASE,
     F_E,
-    F_E_PHASE,
     F_PM,
     F_PV,
     OMEGA,
@@ -40,42 +38,31 @@ from solver.model.condensation import (
     VARIATION_T,
     XI_MESH,
     B,
-    axis_vectors,
-    mesh_receptance,
-    rotation_coupling,
+    number_at,
 )
-from solver.model.gear_model import Model
 
 __all__ = [
     "DescribingFunction",
-    "balance",
+    "residual_and_jacobian",
     "coefficients",
     "evaluate",
     "first_order_problem",
     "linear_degree",
     "linear_solution",
-    "monitor",
+    "test_functions",
 ]
-
-
-@kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64, types.int64), inline=True)
-def _phasor(theta, direction, p, amplitude, phase):
-    """amplitude * exp(i phase) of two slots of `theta`, and its derivative along the axis."""
-    unit = cmath.exp(1j * (theta[phase] + p * direction[phase]))
-    size = theta[amplitude] + p * direction[amplitude]
-    return size * unit, (direction[amplitude] + 1j * size * direction[phase]) * unit
 
 
 _C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
 
 
 @kernel(types.Tuple((_C, _C, _F, _F))(ARRAY, ARRAY, types.float64), inner=True)
-def coefficients(theta, direction, p):
+def coefficients(parameters, parameter_slope, p):
     """The numbers that the balance depends on at one axis value, and their derivatives along the axis.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
     p : float
         Axis value.
 
@@ -86,15 +73,15 @@ def coefficients(theta, direction, p):
     constants, d_constants : 3 floats each
         c, f_pm and b.
     """
-    omega, d_omega = theta[OMEGA] + p * direction[OMEGA], direction[OMEGA]
-    T, U, d_T, d_U = mesh_receptance(theta, direction, p, 1j * omega, 1j * d_omega)
-    c, d_c = rotation_coupling(theta, direction, p)
-    xi, d_xi = theta[XI_MESH] + p * direction[XI_MESH], direction[XI_MESH]
-    eps_t, d_eps_t = theta[VARIATION_T] + p * direction[VARIATION_T], direction[VARIATION_T]
-    eps_r, d_eps_r = theta[VARIATION_R] + p * direction[VARIATION_R], direction[VARIATION_R]
-    S_1, d_S_1 = _phasor(theta, direction, p, ALPHA, ALPHA_PHASE)
-    S_2, d_S_2 = _phasor(theta, direction, p, ALPHA_2, ALPHA_2_PHASE)
-    error, d_error = _phasor(theta, direction, p, F_E, F_E_PHASE)
+    omega, d_omega = number_at(parameters, parameter_slope, p, OMEGA)
+    T, U, d_T, d_U = mesh_receptance(parameters, parameter_slope, p, 1j * omega, 1j * d_omega)
+    c, d_c = rotation_coupling(parameters, parameter_slope, p)
+    xi, d_xi = number_at(parameters, parameter_slope, p, XI_MESH)
+    eps_t, d_eps_t = number_at(parameters, parameter_slope, p, VARIATION_T)
+    eps_r, d_eps_r = number_at(parameters, parameter_slope, p, VARIATION_R)
+    S_1, d_S_1 = phasor(parameters, parameter_slope, p, ALPHA)
+    S_2, d_S_2 = phasor(parameters, parameter_slope, p, ALPHA_2)
+    error, d_error = phasor(parameters, parameter_slope, p, F_E)
     damping, d_damping = c * xi - U, d_c * xi + c * d_xi - d_U
     rotating, d_rotating = c * eps_r, d_c * eps_r + c * d_eps_r
     varying, d_varying = rotating - T * eps_t, d_rotating - d_T * eps_t - T * d_eps_t
@@ -104,7 +91,7 @@ def coefficients(theta, direction, p):
             c - T,
             varying * S_1,
             0.5 * varying * S_2,
-            theta[F_PV] + p * direction[F_PV] + error * omega * omega,
+            parameters[F_PV] + p * parameter_slope[F_PV] + error * omega * omega,
             0.5 * rotating * S_1,
         ),
         (
@@ -112,18 +99,18 @@ def coefficients(theta, direction, p):
             d_c - d_T,
             d_varying * S_1 + varying * d_S_1,
             0.5 * (d_varying * S_2 + varying * d_S_2),
-            direction[F_PV] + d_error * omega * omega + 2.0 * error * omega * d_omega,
+            parameter_slope[F_PV] + d_error * omega * omega + 2.0 * error * omega * d_omega,
             0.5 * (d_rotating * S_1 + rotating * d_S_1),
         ),
-        (c, theta[F_PM] + p * direction[F_PM], theta[B] + p * direction[B]),
-        (d_c, direction[F_PM], direction[B]),
+        (c, parameters[F_PM] + p * parameter_slope[F_PM], parameters[B] + p * parameter_slope[B]),
+        (d_c, parameter_slope[F_PM], parameter_slope[B]),
     )
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def balance(theta, direction, y, residual, jacobian):
+def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
     """Residual (3,) and Jacobian (3, 4) at y = (lambda_m, lambda_c, lambda_s, axis value); see the module."""
-    values, d_values, constants, d_constants = coefficients(theta, direction, y[3])
+    values, d_values, constants, d_constants = coefficients(parameters, parameter_slope, y[3])
     D, A, P_1, P_2, F, e = values
     d_D, d_A, d_P_1, d_P_2, d_F, d_e = d_values
     c, f_pm, b = constants
@@ -161,13 +148,13 @@ def balance(theta, direction, y, residual, jacobian):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def monitor(theta, direction, y, values, gradient):
+def test_functions(parameters, parameter_slope, y, values, gradient):
     """Amplitude and the four contact margins with their gradients.
 
     values (5,) = lambda_a, lambda_min - b, lambda_min + b, lambda_max - b, lambda_max + b; gradient (5, 4). A zero of a
     margin is a grazing: the motion just touches a flank or just leaves it.
     """
-    b, d_b = theta[B] + y[3] * direction[B], direction[B]
+    b, d_b = parameters[B] + y[3] * parameter_slope[B], parameter_slope[B]
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     cosine, sine = 0.0, 0.0
     if amplitude > 0.0:
@@ -183,17 +170,17 @@ def monitor(theta, direction, y, values, gradient):
 
 
 @kernel(types.float64(ARRAY, ARRAY, types.float64, ARRAY))
-def linear_solution(theta, direction, p, unknowns):
+def linear_solution(parameters, parameter_slope, p, unknowns):
     """Solution of the balance without backlash (b = 0, linear), and the determinant of its Jacobian.
 
     As the dead zone differs from the linear force by at most b, the determinant's sign is the topological degree of the
     balance for every b: the signs of det J over all solutions add up to it.
     """
-    base, along = theta.copy(), direction.copy()
+    base, along = parameters.copy(), parameter_slope.copy()
     base[B], along[B] = 0.0, 0.0
     y, residual, jacobian = np.zeros(4), np.empty(3), np.empty((3, 4))
     y[3] = p
-    balance(base, along, y, residual, jacobian)
+    residual_and_jacobian(base, along, y, residual, jacobian)
     square = jacobian[:, :3].copy()
     determinant = eliminate(square, residual)
     for i in range(3):
@@ -202,11 +189,11 @@ def linear_solution(theta, direction, p, unknowns):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY))
-def linear_degree(theta, direction, grid, signs):
+def linear_degree(parameters, parameter_slope, grid, signs):
     """Fill `signs` with the degree at every axis value of `grid`: the sign of the determinant of `linear_solution`."""
     unknowns = np.empty(3)
     for i in range(grid.shape[0]):
-        signs[i] = np.sign(linear_solution(theta, direction, grid[i], unknowns))
+        signs[i] = np.sign(linear_solution(parameters, parameter_slope, grid[i], unknowns))
 
 
 def first_order_problem(model: Model, axis: str, low: float, high: float, omega: float | None = None) -> Problem:
@@ -216,7 +203,7 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     ----------
     model : Model
     axis : str
-        "omega" or a scalar parameter of the gear (`solver.model.condensation.AXES`).
+        "omega" or a scalar parameter of the gear (`solver.model.packing.AXES`).
     low, high : float
         Range of the axis, for scaling.
     omega : float, optional
@@ -236,15 +223,15 @@ def first_order_problem(model: Model, axis: str, low: float, high: float, omega:
     The balance is that of docs/physics.md, section 4.5.
     """
     check_axis(instance_of("model", model, Model), axis, low, high, omega)
-    theta, direction = axis_vectors(model, axis, omega)
+    parameters, parameter_slope = axis_vectors(model, axis, omega)
     size = model.motion_size
     scale = np.array([size, size, size, 0.1 * (high - low)])
-    return Problem(balance, monitor, theta, direction, scale, monitors=5)
+    return Problem(residual_and_jacobian, test_functions, parameters, parameter_slope, scale, test_count=5)
 
 
 def _check(problem: Problem) -> None:
     """Refuse what is no problem of `first_order_problem`."""
-    if instance_of("problem", problem, Problem).balance is not balance:
+    if instance_of("problem", problem, Problem).residual_and_jacobian is not residual_and_jacobian:
         raise ParameterError("problem", problem, "one of first_order_problem")
 
 
@@ -299,7 +286,7 @@ class DescribingFunction:
         """
         p, unknowns = finite_number("p", p), np.empty(3)
         _check(problem)
-        return float(np.sign(linear_solution(problem.theta, problem.direction, p, unknowns))), unknowns
+        return float(np.sign(linear_solution(problem.parameters, problem.parameter_slope, p, unknowns))), unknowns
 
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
         """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
@@ -312,7 +299,7 @@ class DescribingFunction:
         _check(problem)
         grid = finite_array("grid", grid, (None,))
         signs = np.empty(grid.size)
-        linear_degree(problem.theta, problem.direction, grid, signs)
+        linear_degree(problem.parameters, problem.parameter_slope, grid, signs)
         return signs
 
 
@@ -337,8 +324,8 @@ def evaluate(model: Model, omega: float, unknowns) -> tuple[np.ndarray, np.ndarr
     ParameterError
         If an argument is not allowed.
     """
-    theta, direction = axis_vectors(instance_of("model", model, Model), "omega")
+    parameters, parameter_slope = axis_vectors(instance_of("model", model, Model), "omega")
     residual, jacobian = np.empty(3), np.empty((3, 4))
     y = np.append(finite_array("unknowns", unknowns, (3,)), frequency(omega))
-    balance(theta, direction, y, residual, jacobian)
+    residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian)
     return residual, jacobian[:, :3].copy()

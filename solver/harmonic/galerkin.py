@@ -19,37 +19,43 @@ import numpy as np
 
 from solver.contact.spectrum import displacement, extrema, extremes
 from solver.continuation.problem import Problem
-from solver.continuation.setup import CONTACT_ROW
+from solver.continuation.setup import ANGLE, CONTACT_ROW, FLANK, MARGIN, SENSE
 from solver.harmonic.contact_terms import coefficient, contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance
-from solver.harmonic.layout import BACK, FRONT, PERIOD, STIFFNESSES, check_axis, packed
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
+from solver.model.packing import check_axis, packed
+from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
 
-__all__ = ["Galerkin", "balance", "contacts", "linear_solution", "monitor"]
+__all__ = ["Galerkin", "residual_and_jacobian", "contacts", "linear_solution", "test_functions"]
 
 _F = types.float64
 _COMPLEX = np.complex128
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def balance(theta, direction, y, residual, jacobian):
+def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
     """Residual (n,) and Jacobian (n, n + 1) at y = (unknowns, axis value), n = 2 H + 1; see the module."""
     n = y.shape[0] - 1
-    order, period = n // 2, int(theta[PERIOD])
+    order, period = n // 2, int(parameters[PERIOD])
     u, p = y[:n], y[n]
-    reach = order + int(theta[STIFFNESSES]) * period
+    reach = order + int(parameters[STIFFNESSES]) * period
     size = order + reach + 1
     work = np.empty((4, size), _COMPLEX)
     chi, ahead, behind, psi = work[0], work[1], work[2], work[3][: 2 * order + 1]
-    contact_of(theta, direction, u, p, chi, ahead, behind)
-    front, d_front, back, d_back = theta[FRONT] + p * direction[FRONT], direction[FRONT], 0.0, direction[BACK]
-    if math.isfinite(theta[BACK]):
-        back = theta[BACK] + p * d_back
+    contact_of(parameters, parameter_slope, u, p, chi, ahead, behind)
+    front, d_front, back, d_back = (
+        parameters[FRONT_GAP] + p * parameter_slope[FRONT_GAP],
+        parameter_slope[FRONT_GAP],
+        0.0,
+        parameter_slope[BACK_GAP],
+    )
+    if math.isfinite(parameters[BACK_GAP]):
+        back = parameters[BACK_GAP] + p * d_back
 
     force = np.empty((4, reach + 1), _COMPLEX)
     f, d_f, q, dump = force[0], force[1], force[2][: order + 1], force[3][: order + 1]
@@ -60,19 +66,21 @@ def balance(theta, direction, y, residual, jacobian):
             total += coefficient(chi, k - m) * half + chi[k + m] * half.conjugate()
         f[k], d_f[k] = total, d_back * behind[k] - d_front * ahead[k]
     d_q = np.empty(order + 1, _COMPLEX)
-    modulated(theta, direction, p, d_f, q, dump)
+    modulated(parameters, parameter_slope, p, d_f, q, dump)
     for k in range(order + 1):
         d_q[k] = q[k]
-    modulated(theta, direction, p, f, q, dump)
+    modulated(parameters, parameter_slope, p, f, q, dump)
     for k in range(order + 1):
         d_q[k] += dump[k]
     slope = np.empty(2 * order + 1, _COMPLEX)
-    modulated(theta, direction, p, chi, psi, slope)
+    modulated(parameters, parameter_slope, p, chi, psi, slope)
 
-    omega, d_omega = base_frequency(theta, direction, p)
+    omega, d_omega = base_frequency(parameters, parameter_slope, p)
     for k in range(order + 1):
         l = k // period if k % period == 0 else -1
-        (D, A, B, G), (d_D, d_A, d_B, d_G) = impedance(theta, direction, p, 1j * k * omega, 1j * k * d_omega, l)
+        (D, A, B, G), (d_D, d_A, d_B, d_G) = impedance(
+            parameters, parameter_slope, p, 1j * k * omega, 1j * k * d_omega, l
+        )
         if k == 0:
             residual[0] = (D * u[0] + A * f[0] + B * q[0] - G).real
             jacobian[0, 0] = (D + A * chi[0] + B * psi[0]).real
@@ -99,7 +107,7 @@ def balance(theta, direction, y, residual, jacobian):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def monitor(theta, direction, y, values, gradient):
+def test_functions(parameters, parameter_slope, y, values, gradient):
     """Size of the oscillation and the four contact margins with their gradients.
 
     values (5,) = sqrt(sum_k |Lambda_k|^2), then lambda_min - front, lambda_min + back, lambda_max - front, lambda_max +
@@ -117,13 +125,13 @@ def monitor(theta, direction, y, values, gradient):
         gradient[0, j] = y[j] / size if size > 0.0 else 0.0
     for i in range(1, 5):
         value, angle = (low, low_at) if i <= 2 else (high, high_at)
-        slot, sense = (FRONT, -1.0) if i % 2 == 1 else (BACK, 1.0)
-        if not math.isfinite(theta[slot]):
+        slot, sense = (FRONT_GAP, -1.0) if i % 2 == 1 else (BACK_GAP, 1.0)
+        if not math.isfinite(parameters[slot]):
             values[i] = 1.0
             gradient[i, :] = 0.0
             continue
-        values[i] = value + sense * (theta[slot] + y[n] * direction[slot])
-        gradient[i, 0], gradient[i, n] = 1.0, sense * direction[slot]
+        values[i] = value + sense * (parameters[slot] + y[n] * parameter_slope[slot])
+        gradient[i, 0], gradient[i, n] = 1.0, sense * parameter_slope[slot]
         turn = complex(math.cos(angle), math.sin(angle))
         z = 1.0 + 0j
         for k in range(1, n // 2 + 1):
@@ -132,7 +140,7 @@ def monitor(theta, direction, y, values, gradient):
 
 
 @kernel(types.int64(ARRAY, ARRAY, ARRAY, MATRIX))
-def contacts(theta, direction, y, rows):
+def contacts(parameters, parameter_slope, y, rows):
     """Every local extremum of lambda against each flank that there is; see `solver.continuation.setup.CONTACTS`."""
     n = y.shape[0] - 1
     slope, angles, zones = np.empty(n), np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
@@ -140,14 +148,14 @@ def contacts(theta, direction, y, rows):
     for i in range(count):
         value = displacement(y[:n], angles[i])[0]
         turn = complex(math.cos(angles[i]), math.sin(angles[i]))
-        for slot, flank in ((FRONT, 1.0), (BACK, -1.0)):
-            if not math.isfinite(theta[slot]) or found == rows.shape[0]:
+        for slot, flank in ((FRONT_GAP, 1.0), (BACK_GAP, -1.0)):
+            if not math.isfinite(parameters[slot]) or found == rows.shape[0]:
                 continue
             row = rows[found]
             # Where the slope becomes positive lambda is smallest.
-            row[0], row[1], row[2] = angles[i], flank, -1.0 if zones[i] == 1 else 1.0
-            row[3] = value - flank * (theta[slot] + y[n] * direction[slot])
-            row[CONTACT_ROW], row[CONTACT_ROW + n] = 1.0, -flank * direction[slot]
+            row[ANGLE], row[FLANK], row[SENSE] = angles[i], flank, -1.0 if zones[i] == 1 else 1.0
+            row[MARGIN] = value - flank * (parameters[slot] + y[n] * parameter_slope[slot])
+            row[CONTACT_ROW], row[CONTACT_ROW + n] = 1.0, -flank * parameter_slope[slot]
             z = 1.0 + 0j
             for k in range(1, n // 2 + 1):
                 z *= turn
@@ -157,19 +165,19 @@ def contacts(theta, direction, y, rows):
 
 
 @kernel(_F(ARRAY, ARRAY, _F, ARRAY))
-def linear_solution(theta, direction, p, unknowns):
+def linear_solution(parameters, parameter_slope, p, unknowns):
     """Solution of the balance without backlash (f = lambda), and the sign of its Jacobian's determinant.
 
     As the dead zone of a two-sided gap differs from lambda by at most the gap, the sign is the topological degree of
     the balance for every gap: the signs of det J over all solutions add up to it.
     """
-    base, along = theta.copy(), direction.copy()
+    base, along = parameters.copy(), parameter_slope.copy()
     n = unknowns.shape[0]
-    for slot in (FRONT, BACK):
+    for slot in (FRONT_GAP, BACK_GAP):
         base[slot], along[slot] = 0.0, 0.0
     y, residual, jacobian = np.zeros(n + 1), np.empty(n), np.empty((n, n + 1))
     y[0], y[n] = 1.0, p
-    balance(base, along, y, residual, jacobian)
+    residual_and_jacobian(base, along, y, residual, jacobian)
     square = jacobian[:, :n].copy()
     right = residual.copy()
     determinant = eliminate(square, right)
@@ -180,10 +188,10 @@ def linear_solution(theta, direction, p, unknowns):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY))
-def _linear_degree(theta, direction, grid, unknowns, signs):
+def _linear_degree(parameters, parameter_slope, grid, unknowns, signs):
     """Fill `signs` with the degree at every axis value of `grid`; `unknowns` (n,) is overwritten."""
     for i in range(grid.shape[0]):
-        signs[i] = linear_solution(theta, direction, grid[i], unknowns)
+        signs[i] = linear_solution(parameters, parameter_slope, grid[i], unknowns)
 
 
 @kernel(types.void(MATRIX, MATRIX))
@@ -252,7 +260,7 @@ class Galerkin:
         ----------
         system : Model or ContactSystem
         axis : str
-            "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+            "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.model.packing.SYSTEM_AXES`.
         low, high : float
             Range of the axis, for scaling.
         omega : float, optional
@@ -264,18 +272,18 @@ class Galerkin:
             If the axis is unknown, its ends do not ascend or are not allowed, or the frequency is missing.
         """
         check_axis(system, axis, low, high, omega)
-        theta, direction = packed(system, axis, omega, self.order, self.period)
+        parameters, parameter_slope = packed(system, axis, omega, self.order, self.period)
         scale = np.full(self.unknowns + 1, system.motion_size)
         scale[-1] = 0.1 * (high - low)
-        return self.balance_problem(theta, direction, scale)
+        return self.balance_problem(parameters, parameter_slope, scale)
 
     @staticmethod
-    def balance_problem(theta: np.ndarray, direction: np.ndarray, scale: np.ndarray) -> Problem:
-        """The balance as a curve for vectors of `solver.harmonic.layout.packed`.
+    def balance_problem(parameters: np.ndarray, parameter_slope: np.ndarray, scale: np.ndarray) -> Problem:
+        """The balance as a curve for vectors of `solver.model.packing.packed`.
 
         Parameters
         ----------
-        theta, direction : arrays
+        parameters, parameter_slope : arrays
             Parameters at p = 0 and what p adds to them.
         scale : (n + 1,) array
             Typical size of each unknown and of p.
@@ -285,7 +293,9 @@ class Galerkin:
         ParameterError
             If one is no vector of numbers, or a scale is not above 0.
         """
-        return Problem(balance, monitor, theta, direction, scale, monitors=5, contacts=contacts)
+        return Problem(
+            residual_and_jacobian, test_functions, parameters, parameter_slope, scale, test_count=5, contacts=contacts
+        )
 
     def lifted(self, motions: np.ndarray) -> np.ndarray:
         """First-order motions (..., 3) as starting values (..., n) of this balance.
@@ -326,7 +336,7 @@ class Galerkin:
         """
         p, unknowns = finite_number("p", p), np.empty(self.unknowns)
         self._check(problem)
-        return linear_solution(problem.theta, problem.direction, p, unknowns), unknowns
+        return linear_solution(problem.parameters, problem.parameter_slope, p, unknowns), unknowns
 
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
         """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
@@ -339,7 +349,7 @@ class Galerkin:
         self._check(problem)
         grid = finite_array("grid", grid, (None,))
         signs = np.empty(grid.size)
-        _linear_degree(problem.theta, problem.direction, grid, np.empty(self.unknowns), signs)
+        _linear_degree(problem.parameters, problem.parameter_slope, grid, np.empty(self.unknowns), signs)
         return signs
 
     def displacement(self, motion: np.ndarray, angle) -> np.ndarray:
@@ -357,5 +367,8 @@ class Galerkin:
 
     def _check(self, problem: Problem) -> None:
         """Refuse what is no problem of this balance."""
-        if instance_of("problem", problem, Problem).balance is not balance or problem.unknowns != self.unknowns:
+        if (
+            instance_of("problem", problem, Problem).residual_and_jacobian is not residual_and_jacobian
+            or problem.unknowns != self.unknowns
+        ):
             raise ParameterError("problem", problem, f"one of {self}.problem(...)")

@@ -11,23 +11,31 @@ mesh row. Other systems, Z_0 = K + s C + s^2 M, closed by the contact so that a 
 is computed as such, because A of a stiff contact is 1 but for its last digits.
 """
 
-import cmath
-
 import numpy as np
 
-from solver.harmonic.layout import DEGREES, GEAR, KIND, LOADS, OMEGA, PAIRS, PERIOD, SIGN, STIFFNESSES
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.kernels.linear import eliminate_rows
-from solver.model.condensation import (
+from solver.model.condensation import mesh_receptance, phasor, rotation_coupling
+from solver.model.parameters import (
+    DEGREES,
     F_PM,
     F_PV,
-    SIZE,
+    GEAR,
+    KIND,
+    LOADS,
+    MESH_FREQUENCY,
+    PERIOD,
+    SIGN,
     VARIATION_R,
     VARIATION_T,
     XI_MESH,
-    mesh_receptance,
-    rotation_coupling,
+    error_slot,
+    gear_numbers,
+    number_at,
+    stiffness_slot,
+    system_loads,
+    system_matrices,
 )
 
 __all__ = ["base_frequency", "impedance", "stiffness_phasor"]
@@ -38,44 +46,37 @@ _COMPLEX = np.complex128
 
 
 @kernel(types.UniTuple(_F, 2)(ARRAY, ARRAY, _F), inline=True)
-def base_frequency(theta, direction, p):
+def base_frequency(parameters, parameter_slope, p):
     """Omega/nu at one axis value, and its derivative."""
-    return (theta[OMEGA] + p * direction[OMEGA]) / theta[PERIOD], direction[OMEGA] / theta[PERIOD]
+    return (parameters[MESH_FREQUENCY] + p * parameter_slope[MESH_FREQUENCY]) / parameters[PERIOD], parameter_slope[
+        MESH_FREQUENCY
+    ] / parameters[PERIOD]
 
 
 @kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
-def _phasor(theta, direction, p, slot):
-    """amplitude exp(i phase) of a pair of numbers, and its derivative."""
-    unit = cmath.exp(1j * (theta[slot + 1] + p * direction[slot + 1]))
-    size = theta[slot] + p * direction[slot]
-    return size * unit, (direction[slot] + 1j * size * direction[slot + 1]) * unit
-
-
-@kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
-def stiffness_phasor(theta, direction, p, l):
+def stiffness_phasor(parameters, parameter_slope, p, l):
     """S_l = alpha_l exp(i Phi_kl), l >= 1, and its derivative along the axis."""
-    return _phasor(theta, direction, p, PAIRS + 2 * (l - 1))
+    return phasor(parameters, parameter_slope, p, stiffness_slot(l))
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
-def _gear_impedance(theta, direction, p, s, d_s, l):
+def _gear_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a gear pair."""
-    start = PAIRS + 2 * int(theta[STIFFNESSES])
-    model, along = theta[start : start + SIZE], direction[start : start + SIZE]
+    model, along = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
     T, U, d_T, d_U = mesh_receptance(model, along, p, s, d_s)
     c, d_c = rotation_coupling(model, along, p)
-    xi, d_xi = model[XI_MESH] + p * along[XI_MESH], along[XI_MESH]
-    eps_t, d_eps_t = model[VARIATION_T] + p * along[VARIATION_T], along[VARIATION_T]
-    eps_r, d_eps_r = model[VARIATION_R] + p * along[VARIATION_R], along[VARIATION_R]
+    xi, d_xi = number_at(model, along, p, XI_MESH)
+    eps_t, d_eps_t = number_at(model, along, p, VARIATION_T)
+    eps_r, d_eps_r = number_at(model, along, p, VARIATION_R)
     damping, d_damping = c * xi - U, d_c * xi + c * d_xi - d_U
     load, d_load = 0j, 0j
-    if l == 0:
-        load, d_load = complex(model[F_PM] + p * along[F_PM]), complex(along[F_PM])
-    elif l == 1:
-        load, d_load = complex(model[F_PV] + p * along[F_PV]), complex(along[F_PV])
-    if 0 < l <= int(theta[LOADS]):
-        omega, d_omega = l * (theta[OMEGA] + p * direction[OMEGA]), l * direction[OMEGA]
-        error, d_error = _phasor(theta, direction, p, start + SIZE + 2 * (l - 1))
+    if l == 0 or l == 1:
+        constant, d_constant = number_at(model, along, p, F_PM if l == 0 else F_PV)
+        load, d_load = complex(constant), complex(d_constant)
+    if 0 < l <= int(parameters[LOADS]):
+        omega, d_omega = number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
+        omega, d_omega = l * omega, l * d_omega
+        error, d_error = phasor(parameters, parameter_slope, p, error_slot(parameters, l))
         load += omega * omega * error
         d_load += omega * omega * d_error + 2.0 * omega * d_omega * error
     return (
@@ -89,43 +90,39 @@ def _gear_impedance(theta, direction, p, s, d_s, l):
     )
 
 
+@kernel(types.UniTuple(_C, 2)(ARRAY, _F, ARRAY), inline=True)
+def _complex(number, p, slope):
+    """A number of real and imaginary part at one axis value, and its derivative."""
+    return complex(number[0] + p * slope[0], number[1] + p * slope[1]), complex(slope[0], slope[1])
+
+
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
-def _system_impedance(theta, direction, p, s, d_s, l):
+def _system_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a `ContactSystem`."""
-    n, loads = int(theta[DEGREES]), int(theta[LOADS])
-    start = PAIRS + 2 * int(theta[STIFFNESSES])
-    square = n * n
-    mass, damping, stiffness = theta[start:], theta[start + square :], theta[start + 2 * square :]
-    contact, force, varying = (
-        theta[start + 3 * square :],
-        theta[start + 3 * square + n :],
-        theta[start + 3 * square + 2 * n :],
+    n, loads = int(parameters[DEGREES]), int(parameters[LOADS])
+    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters)
+    (steady, growing), (d_steady, d_growing) = (
+        system_loads(parameters, parameters),
+        system_loads(parameters, parameter_slope),
     )
-    fixed = start + 3 * square + 3 * n
-    inertial = fixed + 2 * n * (loads + 1)
     forward, backward, change = np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX), np.empty((n, n), _COMPLEX)
     # Right-hand sides h, h_v, F and (for the derivative alone) dF; across solves the transposed system for w.
     rights, across, none = np.zeros((4, n), _COMPLEX), np.empty((1, n), _COMPLEX), np.empty((0, n), _COMPLEX)
     free = np.empty((n, n), _COMPLEX)
-    omega, d_omega = l * (theta[OMEGA] + p * direction[OMEGA]), l * direction[OMEGA]
+    omega, d_omega = number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
+    omega, d_omega = l * omega, l * d_omega
     for i in range(n):
         rights[0, i], rights[1, i], across[0, i] = force[i], varying[i], contact[i]
         if 0 <= l <= loads:
-            at, at_inertial = fixed + 2 * (n * l + i), inertial + 2 * (n * l + i)
-            steady = complex(theta[at] + p * direction[at], theta[at + 1] + p * direction[at + 1])
-            d_steady = complex(direction[at], direction[at + 1])
-            growing = complex(
-                theta[at_inertial] + p * direction[at_inertial], theta[at_inertial + 1] + p * direction[at_inertial + 1]
-            )
-            d_growing = complex(direction[at_inertial], direction[at_inertial + 1])
-            rights[2, i] = steady + omega * omega * growing
-            rights[3, i] = d_steady + omega * omega * d_growing + 2.0 * omega * d_omega * growing
+            fixed, d_fixed = _complex(steady[l, i], p, d_steady[l, i])
+            inertial, d_inertial = _complex(growing[l, i], p, d_growing[l, i])
+            rights[2, i] = fixed + omega * omega * inertial
+            rights[3, i] = d_fixed + omega * omega * d_inertial + 2.0 * omega * d_omega * inertial
         for j in range(n):
-            at = i * n + j
-            free[i, j] = stiffness[at] + s * damping[at] + s * s * mass[at]
+            free[i, j] = stiffness[i, j] + s * damping[i, j] + s * s * mass[i, j]
             closed = free[i, j] + force[i] * contact[j]
             forward[i, j], backward[j, i] = closed, closed
-            change[i, j] = (damping[at] + 2.0 * s * mass[at]) * d_s
+            change[i, j] = (damping[i, j] + 2.0 * s * mass[i, j]) * d_s
     D = eliminate_rows(free, none) / eliminate_rows(forward, rights)
     eliminate_rows(backward, across)
     A, B, G, d_A, d_B, d_G = 0j, 0j, 0j, 0j, 0j, 0j
@@ -139,18 +136,18 @@ def _system_impedance(theta, direction, p, s, d_s, l):
             d_A -= weight * rights[0, j]
             d_B -= weight * rights[1, j]
             d_G -= weight * rights[2, j]
-    factor = theta[SIGN] if l == 0 else abs(theta[SIGN])
+    factor = parameters[SIGN] if l == 0 else abs(parameters[SIGN])
     return ((factor * D, factor * A, factor * B, factor * G), (-factor * d_A, factor * d_A, factor * d_B, factor * d_G))
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inline=True)
-def impedance(theta, direction, p, s, d_s, l):
+def impedance(parameters, parameter_slope, p, s, d_s, l):
     """D, A, B and G of the module at one complex frequency, and their derivatives along the axis.
 
     Parameters
     ----------
-    theta, direction : arrays
-        Of `solver.harmonic.layout.packed`.
+    parameters, parameter_slope : arrays
+        Of `solver.model.packing.packed`.
     p : float
         Axis value.
     s, d_s : complex
@@ -162,6 +159,6 @@ def impedance(theta, direction, p, s, d_s, l):
     -------
     values, slopes : 4 complex numbers each
     """
-    if theta[KIND] == GEAR:
-        return _gear_impedance(theta, direction, p, s, d_s, l)
-    return _system_impedance(theta, direction, p, s, d_s, l)
+    if parameters[KIND] == GEAR:
+        return _gear_impedance(parameters, parameter_slope, p, s, d_s, l)
+    return _system_impedance(parameters, parameter_slope, p, s, d_s, l)

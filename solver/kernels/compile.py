@@ -12,23 +12,24 @@ from collections.abc import Callable
 from solver.kernels import types
 from solver.kernels.content import described_code
 
-__all__ = ["ARRAY", "BALANCE", "CORRECTOR", "FLAGS", "MATRIX", "MONITOR", "Kernel", "kernel"]
+__all__ = ["ARRAY", "RESIDUAL_AND_JACOBIAN", "CORRECTOR", "FLAGS", "MATRIX", "TEST_FUNCTIONS", "Kernel", "kernel"]
 
 ARRAY = types.float64[::1]
 MATRIX = types.float64[:, ::1]
 FLAGS = types.int8[::1]
 
-#: balance(theta, direction, y, residual, jacobian): residual (n,) and jacobian (n, n + 1) at y = (unknowns, axis
-#: value).
-BALANCE = types.FunctionType(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+#: residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian): residual (n,) and jacobian (n, n + 1) at
+#: y = (unknowns, axis value).
+RESIDUAL_AND_JACOBIAN = types.FunctionType(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 
-#: monitor(theta, direction, y, values, gradient): values[0] is the amplitude, the others are event functions;
-#: gradient (m, n + 1) holds their derivatives.
-MONITOR = types.FunctionType(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+#: test_functions(parameters, parameter_slope, y, values, gradient): values[0] is the amplitude, events lie where the
+#: others vanish; gradient (m, n + 1) holds their derivatives.
+TEST_FUNCTIONS = types.FunctionType(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 
-#: corrector(balance, theta, direction, scale, y, normal, tolerance, max_iterations, work) -> iterations, or -1.
+#: corrector(residual_and_jacobian, parameters, parameter_slope, scale, y, normal, tolerance, max_iterations, work) ->
+#: iterations, or -1.
 CORRECTOR = types.FunctionType(
-    types.int64(BALANCE, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
+    types.int64(RESIDUAL_AND_JACOBIAN, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, types.float64, types.int64, MATRIX)
 )
 
 _LOCK = threading.RLock()

@@ -1,119 +1,63 @@
 """Exact condensation of the seven-degree-of-freedom model to the mesh coordinate, with derivatives along an axis.
 
-Only lambda enters nonlinearly, so the translations leave the balance exactly (docs/physics.md, section 3). Kernels see
-a model as one flat vector `theta`. An axis of a plane is a `direction` in that space: at axis value p the parameters
-are theta + p * direction, so that every scalar of the gear, the frequency included, is swept by the same code.
+Only lambda enters nonlinearly, so the translations leave the balance exactly (docs/physics.md, section 3). The vectors
+are those of a gear in `solver.model.parameters`: every scalar of it, the frequency included, is swept by the same code.
 """
 
+import cmath
 import math
-
-import numpy as np
 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.model.checks import ParameterError
-from solver.model.gear_model import GEOMETRIC, SCALAR_PARAMETERS, Model
+from solver.model.parameters import (
+    CONE,
+    K_SUPPORT,
+    KAPPA,
+    PRESSURE,
+    ROTATION,
+    ROTATION_GEOMETRIC,
+    SIGMA,
+    XI_SUPPORT,
+    XI_TRANSLATION,
+    number_at,
+)
 
-__all__ = ["AXES", "axis_vectors", "mesh_receptance", "parameter_vector"]
-
-OMEGA, B, ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE, F_E, F_E_PHASE, F_PM, F_PV, XI_MESH = range(11)
-KAPPA, XI_TRANSLATION, XI_SUPPORT, K_SUPPORT = 11, 13, 15, 21
-CONE, PRESSURE, SIGMA, ROTATION, ROTATION_GEOMETRIC, VARIATION_T, VARIATION_R = range(27, 34)
-SIZE = 34
-
-_SLOTS = {
-    "omega": slice(OMEGA, OMEGA + 1),
-    "b": slice(B, B + 1),
-    "alpha": slice(ALPHA, ALPHA + 1),
-    "alpha_phase": slice(ALPHA_PHASE, ALPHA_PHASE + 1),
-    "f_e": slice(F_E, F_E + 1),
-    "f_e_phase": slice(F_E_PHASE, F_E_PHASE + 1),
-    "f_pm": slice(F_PM, F_PM + 1),
-    "f_pv": slice(F_PV, F_PV + 1),
-    "xi_mesh": slice(XI_MESH, XI_MESH + 1),
-    "kappa": slice(KAPPA, KAPPA + 2),
-    "xi_translation": slice(XI_TRANSLATION, XI_TRANSLATION + 2),
-    "xi_support": slice(XI_SUPPORT, XI_SUPPORT + 6),
-    "k_support": slice(K_SUPPORT, K_SUPPORT + 6),
-    "pitch_cone_angle": slice(CONE, CONE + 1),
-    "pressure_angle": slice(PRESSURE, PRESSURE + 1),
-    "translation_coupling": slice(SIGMA, SIGMA + 1),
-    "rotation_coupling": slice(ROTATION, ROTATION + 1),
-    "variation_translation": slice(VARIATION_T, VARIATION_T + 1),
-    "variation_rotation": slice(VARIATION_R, VARIATION_R + 1),
-}
-
-#: Everything that may be an axis of a plane or of a continuation.
-AXES = ("omega", *SCALAR_PARAMETERS)
+__all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
 
 
-def parameter_vector(model: Model, omega: float) -> np.ndarray:
-    """The model at one frequency as the flat vector that kernels read, of shape (34,); angles in degrees."""
-    theta = np.zeros(SIZE)
-    theta[OMEGA] = omega
-    for name in SCALAR_PARAMETERS:
-        value = getattr(model, name)
-        theta[_SLOTS[name]] = 0.0 if value == GEOMETRIC else value
-    theta[SIGMA] = model.sigma
-    theta[ROTATION_GEOMETRIC] = float(model.rotation_coupling == GEOMETRIC)
-    if model.alpha_harmonics:
-        theta[ALPHA_2], theta[ALPHA_2_PHASE] = model.alpha_harmonics[0]
-    return theta
-
-
-def axis_vectors(model: Model, axis: str, omega: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """`theta` with the axis set to 0, and the direction of the axis.
-
-    Parameters
-    ----------
-    model : Model
-    axis : str
-        One of `AXES`.
-    omega : float, optional
-        The frequency; needed unless it is the axis.
-
-    Returns
-    -------
-    theta, direction : (34,) arrays
-
-    Raises
-    ------
-    ParameterError
-        If the axis is unknown.
-    """
-    if axis not in AXES:
-        raise ParameterError("axis", axis, f"one of {', '.join(AXES)}")
-    theta = parameter_vector(model, 0.0 if axis == "omega" else omega)
-    direction = np.zeros(SIZE)
-    theta[_SLOTS[axis]] = 0.0
-    direction[_SLOTS[axis]] = 1.0
-    if axis == "rotation_coupling":
-        theta[ROTATION_GEOMETRIC] = 0.0
-    return theta, direction
+@kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64), inline=True)
+def phasor(parameters, parameter_slope, p, slot):
+    """amplitude exp(i phase) of a pair of numbers, the amplitude at a slot, and its derivative along the axis."""
+    (size, d_size), (phase, d_phase) = (
+        number_at(parameters, parameter_slope, p, slot),
+        number_at(parameters, parameter_slope, p, slot + 1),
+    )
+    unit = cmath.exp(1j * phase)
+    return size * unit, (d_size + 1j * size * d_phase) * unit
 
 
 @kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64), inline=True)
-def rotation_coupling(theta, direction, p):
+def rotation_coupling(parameters, parameter_slope, p):
     """Rotation coupling c at axis value p and its derivative along the axis."""
     radians = math.pi / 180.0
-    value = theta[ROTATION] + p * direction[ROTATION]
-    slope = direction[ROTATION]
-    if theta[ROTATION_GEOMETRIC] != 0.0:
-        pressure = (theta[PRESSURE] + p * direction[PRESSURE]) * radians
+    value, slope = number_at(parameters, parameter_slope, p, ROTATION)
+    if parameters[ROTATION_GEOMETRIC] != 0.0:
+        pressure, d_pressure = number_at(parameters, parameter_slope, p, PRESSURE)
+        pressure *= radians
         value += math.cos(pressure) ** 2
-        slope -= math.sin(2.0 * pressure) * direction[PRESSURE] * radians
+        slope -= math.sin(2.0 * pressure) * d_pressure * radians
     return value, slope
 
 
 @kernel(
     types.UniTuple(types.complex128, 4)(ARRAY, ARRAY, types.float64, types.complex128, types.complex128), inner=True
 )
-def mesh_receptance(theta, direction, p, s, d_s):
+def mesh_receptance(parameters, parameter_slope, p, s, d_s):
     """What the supports add to the mesh row at one complex frequency, and its derivative.
 
     Parameters
     ----------
-    theta, direction : (34,) arrays
+    parameters, parameter_slope : (34,) arrays
     p : float
         Axis value.
     s, d_s : complex
@@ -126,12 +70,10 @@ def mesh_receptance(theta, direction, p, s, d_s):
         omega those of docs/physics.md, section 3), and their derivatives along the axis, s moving by d_s.
     """
     radians = math.pi / 180.0
-    cone, pressure = (
-        (theta[CONE] + p * direction[CONE]) * radians,
-        (theta[PRESSURE] + p * direction[PRESSURE]) * radians,
-    )
-    d_cone, d_pressure = direction[CONE] * radians, direction[PRESSURE] * radians
-    sigma, d_sigma = theta[SIGMA] + p * direction[SIGMA], direction[SIGMA]
+    cone, d_cone = number_at(parameters, parameter_slope, p, CONE)
+    pressure, d_pressure = number_at(parameters, parameter_slope, p, PRESSURE)
+    cone, d_cone, pressure, d_pressure = cone * radians, d_cone * radians, pressure * radians, d_pressure * radians
+    sigma, d_sigma = number_at(parameters, parameter_slope, p, SIGMA)
     cone_cos, cone_sin = math.cos(cone) ** 2, math.sin(cone) ** 2
     pressure_cos, pressure_sin = math.cos(pressure) ** 2, math.sin(pressure) ** 2
     turn_cone, turn_pressure = math.sin(2.0 * cone) * d_cone, math.sin(2.0 * pressure) * d_pressure
@@ -146,16 +88,14 @@ def mesh_receptance(theta, direction, p, s, d_s):
             shape, d_shape = pressure_cos, -turn_pressure
         weight, d_weight = sigma * shape, d_sigma * shape + sigma * d_shape
         g = j // 3
-        kappa, d_kappa = theta[KAPPA + g] + p * direction[KAPPA + g], direction[KAPPA + g]
-        xi_g, d_xi_g = theta[XI_TRANSLATION + g] + p * direction[XI_TRANSLATION + g], direction[XI_TRANSLATION + g]
-        xi_j, k_j = (
-            theta[XI_SUPPORT + j] + p * direction[XI_SUPPORT + j],
-            theta[K_SUPPORT + j] + p * direction[K_SUPPORT + j],
-        )
+        kappa, d_kappa = number_at(parameters, parameter_slope, p, KAPPA + g)
+        xi_g, d_xi_g = number_at(parameters, parameter_slope, p, XI_TRANSLATION + g)
+        xi_j, d_xi_j = number_at(parameters, parameter_slope, p, XI_SUPPORT + j)
+        k_j, d_k_j = number_at(parameters, parameter_slope, p, K_SUPPORT + j)
         if xi_j != xi or k_j != k:
             # Supports that are alike, as they mostly are, share one 1/Z_j. Those that differ may not share d_j either,
             # but an axis moves all supports of one kind together, so that equal supports have equal derivatives.
-            xi, d_xi, k, d_k = xi_j, direction[XI_SUPPORT + j], k_j, direction[K_SUPPORT + j]
+            xi, d_xi, k, d_k = xi_j, d_xi_j, k_j, d_k_j
             stiffness = k + 2.0 * xi * s + s * s
             # By the reciprocal: numba raises where a complex number is divided by 0, and this may be a resonance.
             reciprocal = 1.0 / (stiffness.real * stiffness.real + stiffness.imag * stiffness.imag)

@@ -13,13 +13,14 @@ coordinates remain of seven.
 import dataclasses
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, whole_number
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
-__all__ = ["ContactSystem", "gear_system", "reduced"]
+__all__ = ["ContactSystem", "gear_system", "in_motion", "reduced"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,35 +154,45 @@ class ContactSystem:
         return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
 
 
-def reduced(system: ContactSystem) -> ContactSystem:
-    """The system without coordinates that the contact force does not reach and that are not seen at lambda.
+@lru_cache(maxsize=8)
+def in_motion(system: ContactSystem) -> np.ndarray:
+    """Which coordinates are part of the motion, (n,) bool.
 
-    They are no part of the motion: their equations have no solution but their own (docs/physics.md, section 9). The
-    system itself where there are none; else it is written with M = I.
+    Those that the contact force reaches, and of those that the load alone reaches the ones that are seen at lambda.
+    What nothing reaches stays at rest: no start of it belongs to the motion (docs/physics.md, section 9).
     """
-    parts = [system.stiffness, system.damping, system.force[:, None], system.varying_force[:, None]]
-    inverse = np.linalg.solve(system.mass, np.hstack([*parts, system.load.T, system.inertial_load.T]))
-    n = system.degrees
-    stiffness, damping, force, varying = inverse[:, :n], inverse[:, n : 2 * n], inverse[:, 2 * n], inverse[:, 2 * n + 1]
-    coupled = (stiffness != 0.0) | (damping != 0.0)
-    reached, seen = (force != 0.0) | (varying != 0.0), system.contact != 0.0
-    for _ in range(n):
-        reached = reached | np.any(coupled & reached[None, :], axis=1)
+    forces = np.column_stack([system.force, system.varying_force])
+    loads = np.vstack([system.load, system.inertial_load]).T
+    reached, loaded = (np.any(np.linalg.solve(system.mass, part) != 0.0, axis=1) for part in (forces, loads))
+    coupled = np.any([np.linalg.solve(system.mass, part) != 0.0 for part in (system.stiffness, system.damping)], axis=0)
+    seen = system.contact != 0.0
+    for _ in range(system.degrees):
+        reached, loaded = (part | np.any(coupled & part[None, :], axis=1) for part in (reached, loaded))
         seen = seen | np.any(coupled & seen[:, None], axis=0)
-    kept = reached | seen
-    if np.all(kept):
+    kept = reached | (loaded & seen)
+    kept.setflags(write=False)
+    return kept
+
+
+def reduced(system: ContactSystem) -> ContactSystem:
+    """The system of the coordinates that are `in_motion`: itself where all are, else written with M = I."""
+    kept = in_motion(system)
+    if np.all(kept) or not np.any(kept):
         return system
-    both, load = np.ix_(kept, kept), inverse[:, 2 * n + 2 :].T
+
+    def part(matrix):
+        return np.linalg.solve(system.mass, matrix)[kept]
+
     return dataclasses.replace(
         system,
         mass=np.eye(int(np.sum(kept))),
-        damping=damping[both].real,
-        stiffness=stiffness[both].real,
+        damping=part(system.damping)[:, kept],
+        stiffness=part(system.stiffness)[:, kept],
         contact=system.contact[kept],
-        force=force[kept].real,
-        varying_force=varying[kept].real,
-        load=load[: len(system.load), kept],
-        inertial_load=load[len(system.load) :, kept],
+        force=part(system.force),
+        varying_force=part(system.varying_force),
+        load=part(system.load.T).T,
+        inertial_load=part(system.inertial_load.T).T,
     )
 
 

@@ -1,10 +1,11 @@
 """Smooth one-parameter paths of models as an axis, and what two axes of a plane add to the numbers that kernels read.
 
-A plain parameter moves the numbers along a straight line: theta + p * direction. A path bends: every number is some
-function of p. Kernels read it as a polynomial for each number that moves, in Chebyshev form on each stretch between two
-knots, to the last digits; residuals and first derivatives at p need nothing of it but its value and its slope there.
+A plain parameter moves the numbers along a straight line: parameters + p * parameter_slope. A path bends: every number
+is some function of p. Kernels read it as a polynomial for each number that moves, in Chebyshev form on each stretch
+between two knots, to the last digits; residuals and first derivatives at p need nothing of it but its value and its
+slope there.
 
-Flat form: (stretches s | moving numbers k | degree m | s + 1 edges | k slots | (s, k, m + 1) coefficients); (0,) where
+Flat form: the PATH slots of `solver.model.parameters`, s + 1 edges, k slots, (s, k, m + 1) coefficients; (0,) where
 nothing bends.
 """
 
@@ -19,6 +20,7 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import ParameterError
 from solver.model.gear_model import Model
+from solver.model.parameters import DEGREE, EDGES, MOVING, STRETCHES
 
 __all__ = ["ParameterPath", "PlaneVectors", "add_path", "place_on", "plane_vectors"]
 
@@ -102,7 +104,7 @@ def plane_vectors(
     Parameters
     ----------
     vectors : callable
-        vectors(axis, p) -> theta with the axis at 0, and direction, of the model at a place p of the p axis.
+        vectors(axis, p) -> parameters with the axis at 0, and parameter_slope, of the model at a place p of the p axis.
     x_axis, p_axis : str, str or ParameterPath
     p_range : (low, high)
 
@@ -153,27 +155,26 @@ def _bent(numbers: Callable, path: ParameterPath, p_range: tuple[float, float]) 
 
 
 @kernel(types.void(ARRAY, types.int64, types.float64, ARRAY, ARRAY), inner=True)
-def add_path(theta, start, p, numbers, slopes):
+def add_path(parameters, start, p, numbers, slopes):
     """Add to `numbers` what a path has moved them to at p, and to `slopes` their derivatives by p.
 
     Parameters
     ----------
-    theta : array
+    parameters : array
         Holds the path in flat form from `start` on.
     start : int
     p : float
     numbers, slopes : arrays
     """
-    stretches = int(theta[start])
+    stretches = int(parameters[start + STRETCHES])
     if stretches == 0:
         return
-    moving, degree = int(theta[start + 1]), int(theta[start + 2])
-    edges = start + 3
+    moving, degree, edges = int(parameters[start + MOVING]), int(parameters[start + DEGREE]), start + EDGES
     slots = edges + stretches + 1
     stretch = 0
-    while stretch < stretches - 1 and p >= theta[edges + stretch + 1]:
+    while stretch < stretches - 1 and p >= parameters[edges + stretch + 1]:
         stretch += 1
-    low, high = theta[edges + stretch], theta[edges + stretch + 1]
+    low, high = parameters[edges + stretch], parameters[edges + stretch + 1]
     per = 2.0 / (high - low)
     u = (p - 0.5 * (low + high)) * per
     at = slots + moving + stretch * moving * (degree + 1)
@@ -181,10 +182,10 @@ def add_path(theta, start, p, numbers, slopes):
         # Clenshaw's recurrence for the sum and, differentiated, for its slope.
         value_1, value_2, slope_1, slope_2 = 0.0, 0.0, 0.0, 0.0
         for m in range(degree, 0, -1):
-            value = theta[at + m] + 2.0 * u * value_1 - value_2
+            value = parameters[at + m] + 2.0 * u * value_1 - value_2
             slope = 2.0 * value_1 + 2.0 * u * slope_1 - slope_2
             value_1, value_2, slope_1, slope_2 = value, value_1, slope, slope_1
-        slot = int(theta[slots + i])
-        numbers[slot] += theta[at] + u * value_1 - value_2
+        slot = int(parameters[slots + i])
+        numbers[slot] += parameters[at] + u * value_1 - value_2
         slopes[slot] += (value_1 + u * slope_1 - slope_2) * per
         at += degree + 1

@@ -9,36 +9,37 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.boundaries.contact_angles import MONITORS, angle_rows, determinant, plane_coefficients
+from solver.boundaries.contact_angles import TEST_COUNT, angle_rows, determinant, plane_coefficients
 from solver.boundaries.curve import BoundaryCurve, assembled
 from solver.boundaries.first_order import FirstOrderProblem
-from solver.boundaries.problem import LEVEL, Contact, Plane
+from solver.boundaries.problem import Contact, Plane
 from solver.boundaries.tracer import Tracer
 from solver.continuation.continuation import Continuation, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import LEVEL
 
 __all__ = ["ceiling_curve"]
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _ceiling_balance(theta, direction, y, residual, jacobian):
+def _ceiling_balance(parameters, parameter_slope, y, residual, jacobian):
     """Balance, angles and the amplitude, in units of the ceiling: (6,) and (6, 7)."""
-    angle_rows(plane_coefficients(theta, direction, y), theta, y, residual, jacobian)
-    ceiling, amplitude = theta[LEVEL], math.sqrt(y[1] * y[1] + y[2] * y[2])
+    angle_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+    ceiling, amplitude = parameters[LEVEL], math.sqrt(y[1] * y[1] + y[2] * y[2])
     residual[5] = amplitude / ceiling - 1.0
     jacobian[5, :] = 0.0
     jacobian[5, 1], jacobian[5, 2] = y[1] / (amplitude * ceiling), y[2] / (amplitude * ceiling)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _ceiling_monitor(theta, direction, y, values, gradient):
+def _ceiling_tests(parameters, parameter_slope, y, values, gradient):
     """Nothing that ends the curve, and det dE/du."""
     values[0] = 0.0
     gradient[0, :] = 0.0
     if values.shape[0] > 1:
-        known = plane_coefficients(theta, direction, y)
-        values[1] = determinant(known, theta, y, gradient[1], np.empty((3, 3)))
+        known = plane_coefficients(parameters, parameter_slope, y)
+        values[1] = determinant(known, parameters, y, gradient[1], np.empty((3, 3)))
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,11 @@ class _CeilingProblem(FirstOrderProblem):
 
     def problem(self, kind: Event, contact: Contact) -> Problem:
         folds = super().problem(Event.FOLD, contact)
-        folds.theta[LEVEL] = self.ceiling
+        folds.parameters[LEVEL] = self.ceiling
         folds.scale[:3] = self.ceiling
-        return Problem(_ceiling_balance, _ceiling_monitor, folds.theta, folds.direction, folds.scale, MONITORS)
+        return Problem(
+            _ceiling_balance, _ceiling_tests, folds.parameters, folds.parameter_slope, folds.scale, TEST_COUNT
+        )
 
 
 def ceiling_curve(

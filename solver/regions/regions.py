@@ -224,7 +224,7 @@ def regions(
     model : Model
         Its own values of the two axes are not used; a path starts from it.
     x_axis : str
-        One of `solver.model.condensation.AXES`: along rows.
+        One of `solver.model.packing.AXES`: along rows.
     p_axis : str or ParameterPath
         Another one, or a path of models: from row to row.
     x_range, p_range : (low, high)

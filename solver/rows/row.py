@@ -12,9 +12,9 @@ from solver.continuation.continuation import Continuation, Curve, EndReason, Eve
 from solver.continuation.problem import Balance
 from solver.enumeration.solutions import Above, Proof
 from solver.harmonic.describing_function import DescribingFunction
-from solver.harmonic.layout import check_axis, packed
 from solver.model.checks import ascending_grid, has_methods, instance_of
 from solver.model.gear_model import Model
+from solver.model.packing import check_axis, packed
 from solver.rows.crossings import crossings
 from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, proven_solutions
 from solver.rows.span import BROKEN, RowSpan

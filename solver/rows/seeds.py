@@ -255,7 +255,7 @@ def _at_columns(met: Crossings, place: np.ndarray) -> Crossings:
     column = np.searchsorted(place, met.column).clip(0, place.size - 1)
     unreached = np.searchsorted(place, met.unreached).clip(0, place.size - 1)
     here, there = place[column] == met.column, place[unreached] == met.unreached
-    return Crossings(met.on_curve[place], column[here], met.unknowns[here], met.stable[here], unreached[there])
+    return Crossings(column[here], met.unknowns[here], met.stable[here], unreached[there], met.on_curve[place])
 
 
 def proven_solutions(span: RowSpan, probes: np.ndarray) -> RowSolutions:

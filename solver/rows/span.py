@@ -9,8 +9,8 @@ import numpy as np
 from solver.continuation.continuation import Continuation, Curve, EndReason, Problem
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
-from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
+from solver.model.packing import axis_vectors
 
 __all__ = ["BROKEN", "RowError", "RowSpan", "ends_notes", "runs"]
 
@@ -51,9 +51,9 @@ class RowSpan:
 
     @cached_property
     def first_order_vectors(self) -> tuple[np.ndarray, np.ndarray]:
-        """`solver.model.condensation.axis_vectors`, which enumeration reads."""
+        """`solver.model.packing.axis_vectors`, which enumeration reads."""
         if isinstance(self.balance, DescribingFunction):
-            return self.problem.theta, self.problem.direction
+            return self.problem.parameters, self.problem.parameter_slope
         return axis_vectors(self.model, self.axis, self.omega)
 
     def corrected(self, starts: np.ndarray, iterations: int = 20) -> np.ndarray:

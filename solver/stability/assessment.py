@@ -10,7 +10,6 @@ import numpy as np
 
 from solver.continuation.problem import Balance
 from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
-from solver.harmonic.layout import PERIOD, SYSTEM_AXES, packed
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.checks import (
@@ -24,9 +23,10 @@ from solver.model.checks import (
     one_of,
     whole_number,
 )
-from solver.model.condensation import AXES
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
+from solver.model.packing import AXES, SYSTEM_AXES, packed
+from solver.model.parameters import PERIOD
 from solver.stability.instability import named
 from solver.stability.monodromy import carry_through, fill_monodromies, find_switches, fitted_room, new_room
 from solver.stability.multipliers import LARGEST, TESTS, eigenvalues, spectral_tests, where_multipliers_lie
@@ -92,16 +92,16 @@ def _equal(left, right):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, MATRIX, _F, FLAGS, MATRIX))
-def _assess(theta, direction, values, motions, tolerance, bits, tests):
+def _assess(parameters, parameter_slope, values, motions, tolerance, bits, tests):
     """Fill bits (k,) and tests (k, TESTS) of motions (k, 2 H + 1) at axis values (k,)."""
     if values.shape[0] == 0:
         return
-    room = new_room(theta, direction, values[0], motions.shape[1])
+    room = new_room(parameters, parameter_slope, values[0], motions.shape[1])
     # Of the last motions that stayed free, and in contact: the linear system, bits and tests.
     free, closed = np.zeros(0), np.zeros(0)
     known_bits, known_tests = np.zeros(2, np.int8), np.empty((2, TESTS))
     for k in range(values.shape[0]):
-        room = fitted_room(theta, direction, values[k], room)
+        room = fitted_room(parameters, parameter_slope, values[k], room)
         count = find_switches(motions[k], room)
         zone = 1 if room.zones[0] != 0 else 0
         if count == 0:
@@ -115,7 +115,7 @@ def _assess(theta, direction, values, motions, tolerance, bits, tests):
                 closed = linear
             else:
                 free = linear
-        carry_through(count, theta[PERIOD], room)
+        carry_through(count, parameters[PERIOD], room)
         real, imaginary = room.multipliers[0], room.multipliers[1]
         eigenvalues(room.matrix, real, imaginary)
         bits[k] = where_multipliers_lie(real, imaginary, tolerance)
@@ -211,7 +211,7 @@ def monodromies(
         (`solver.model.contact_system.gear_system`): the multipliers left out are those of the supports' motion across
         the contact direction, exp[(-xi_j +- sqrt(xi_j^2 - k_j)) nu 2 pi/Omega].
     axis : str
-        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.model.packing.SYSTEM_AXES`.
     values : (k,) array_like
     motions : (k, 2 H + 1) array_like
         (Lambda_0, c_1, s_1, ...) of harmonics of Omega/nu.
@@ -235,13 +235,13 @@ def monodromies(
     The contact force is continuous, so that the matrices of the smooth pieces between contact switches multiply,
     without jumps (docs/physics.md, section 6.2).
     """
-    theta, direction, values, motions = _checked(system, axis, values, motions, omega, 1, period)
+    parameters, parameter_slope, values, motions = _checked(system, axis, values, motions, omega, 1, period)
     if values.size == 0:
         return np.empty((0, 0, 0))
     one = np.empty((1, 0, 0))
-    states = 2 * (fill_monodromies(theta, direction, values[:1], motions[:1], one))
+    states = 2 * (fill_monodromies(parameters, parameter_slope, values[:1], motions[:1], one))
     found = np.empty((values.size, states, states))
-    if fill_monodromies(theta, direction, values, motions, found):
+    if fill_monodromies(parameters, parameter_slope, values, motions, found):
         raise ParameterError("values", values.tolist(), "such that all have the same number of coordinates")
     return found
 
@@ -326,7 +326,7 @@ def assess(
     system : Model or ContactSystem
         As for `monodromies`.
     axis : str
-        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.harmonic.layout.SYSTEM_AXES`.
+        "omega" or a scalar parameter of the gear; for a ContactSystem one of `solver.model.packing.SYSTEM_AXES`.
     values : (k,) array_like
     motions : (k, n) array_like
         Solutions of the balance: (lambda_m, lambda_c, lambda_s) at first order, else (Lambda_0, c_1, s_1, ...).
@@ -353,10 +353,10 @@ def assess(
     if balance is not None:
         has_methods("balance", balance, "problem", "extremes")
     order, period, unknowns = (1, 1, 3) if balance is None else (balance.order, balance.period, balance.unknowns)
-    theta, direction, values, motions = _checked(system, axis, values, motions, omega, order, period)
+    parameters, parameter_slope, values, motions = _checked(system, axis, values, motions, omega, order, period)
     if motions.shape[1] != unknowns:
         raise ParameterError("motions", f"array of shape {motions.shape}", f"of shape ({values.size}, {unknowns})")
     static, tolerance = _checked_static(static, values.size), finite_number("tolerance", tolerance, at_least=0.0)
     bits, tests = np.empty(values.size, np.int8), np.empty((values.size, TESTS))
-    _assess(theta, direction, values, motions, tolerance, bits, tests)
+    _assess(parameters, parameter_slope, values, motions, tolerance, bits, tests)
     return Stability(named(bits, static), tests[:, LARGEST].copy(), tests)

@@ -18,18 +18,18 @@ import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, Event
 from solver.continuation.curve_point import point_size
-from solver.continuation.hermite import cubic, cubic_slope, cubic_value
+from solver.continuation.hermite import cubic, cubic_value, fraction_at
 from solver.continuation.problem import Balance, Problem
-from solver.continuation.setup import SETUP
-from solver.harmonic import layout
+from solver.continuation.setup import SETUP, STRAND
 from solver.kernels import types
 from solver.kernels.brackets import first_above, first_not_below
-from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
+from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.condensation import ALPHA, ALPHA_2, ALPHA_2_PHASE, ALPHA_PHASE, F_E, F_E_PHASE, OMEGA, B
+from solver.model.packing import gear_vectors
+from solver.model.parameters import ALPHA_2, ALPHA_2_PHASE
 from solver.stability.monodromy import new_room
 from solver.stability.multipliers import LARGEST, TESTS
-from solver.stability.passages import INDICES, UNKNOWN, Found, Recent, Watch, look, search, search_dips
+from solver.stability.passages import FOUND, UNKNOWN, Found, Recent, Watch, look, search, search_dips
 
 __all__ = ["KnownMotions", "locate_bifurcations", "packed_parameters", "with_bifurcations"]
 
@@ -58,26 +58,7 @@ class KnownMotions(NamedTuple):
     tests: np.ndarray
 
 
-@kernel(_F(SETUP, ARRAY, ARRAY, _F, _F), inner=True)
-def _fraction_at(setup, left, right, arc, level):
-    """The fraction of a piece at which its cubic, monotone in p, has p = level."""
-    n = setup.unknowns
-    leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
-    a, b = cubic(left[n], right[n], leave, arrive)
-    low, high, x = 0.0, 1.0, (level - left[n]) / (right[n] - left[n])
-    for _ in range(40):
-        ahead = cubic_value(a, b, leave, left[n], x) - level
-        if (ahead < 0.0) == (left[n] < right[n]):
-            low = x
-        else:
-            high = x
-        moved = x - ahead / cubic_slope(a, b, leave, x)
-        if not low < moved < high:
-            moved = 0.5 * (low + high)
-        if abs(moved - x) < 1e-9:
-            break
-        x = moved
-    return x
+_KNOWN = types.NamedTuple((ARRAY, MATRIX, MATRIX), KnownMotions)
 
 
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, MATRIX, _I, _I), inner=True)
@@ -98,24 +79,12 @@ def _on_piece(setup, left, right, arc, x, motions, first, last):
     return nearest if distance <= _NEAR * arc and second >= _APART * arc else -1
 
 
-@kernel(
-    types.void(
-        SETUP,
-        MATRIX, MATRIX, ARRAY,
-        ARRAY, ARRAY, ARRAY, MATRIX, MATRIX,
-        INDICES, ARRAY, FLAGS, MATRIX, INDICES,
-    )
-)  # fmt: skip
-def _bifurcations(
-    setup,
-    branch, tangents, arclength,
-    system_theta, system_direction, values, motions, motion_tests,
-    after, fractions, kinds, points, counts,
-):  # fmt: skip
-    """Locate the bifurcations of a branch; the last five arrays are those of `Found`."""
-    n = setup.unknowns
-    watch = Watch(system_theta, system_direction, new_room(system_theta, system_direction, branch[0, n], n))
-    found = Found(after, fractions, kinds, points, counts)
+@kernel(types.void(SETUP, STRAND, ARRAY, ARRAY, _KNOWN, FOUND))
+def _bifurcations(setup, strand, parameters, parameter_slope, known, found):
+    """Locate the bifurcations of a branch, with the packed parameters of its system."""
+    n, branch, tangents, arclength = setup.unknowns, strand.points, strand.tangents, strand.arclength
+    values = known.values
+    watch = Watch(parameters, parameter_slope, new_room(parameters, parameter_slope, branch[0, n], n))
     recent = Recent(np.full(3, -math.inf), np.zeros(2, np.int64), np.full((3, TESTS), math.nan))
     size = point_size(setup)
     left, right = np.zeros(size), np.zeros(size)
@@ -125,8 +94,8 @@ def _bifurcations(
             left[j], left[n + 1 + j] = right[j], right[n + 1 + j]
             right[j], right[n + 1 + j] = branch[i, j], tangents[i, j]
         look(watch, branch[i], at_right)
-        known = not math.isnan(at_right[LARGEST])
-        counts[UNKNOWN] += not known
+        told = not math.isnan(at_right[LARGEST])
+        found.counts[UNKNOWN] += not told
         if i > 0 and not math.isnan(at_low[LARGEST]):
             arc, low = arclength[i] - arclength[i - 1], 0.0
             begin, end = left[n], right[n]
@@ -144,37 +113,31 @@ def _bifurcations(
                     while lower > first and values[lower - 1] == values[upper - 1]:
                         lower -= 1
                     last = lower
-                x = _fraction_at(setup, left, right, arc, values[lower])
-                k = _on_piece(setup, left, right, arc, x, motions, lower, upper)
-                if k >= 0 and x > low and not math.isnan(motion_tests[k, LARGEST]):
-                    copy_into(at_high, motion_tests[k])
+                leave, arrive = arc * left[2 * n + 1] * setup.scale[n], arc * right[2 * n + 1] * setup.scale[n]
+                x = fraction_at(left[n], right[n], leave, arrive, values[lower], 1e-9)
+                k = _on_piece(setup, left, right, arc, x, known.motions, lower, upper)
+                if k >= 0 and x > low and not math.isnan(known.tests[k, LARGEST]):
+                    copy_into(at_high, known.tests[k])
                     low = search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
                     copy_into(at_low, at_high)
                     place = arclength[i - 1] + x * arc
                     search_dips(setup, watch, found, branch, tangents, arclength, recent, place, i - 1, at_low)
-            if known:
+            if told:
                 search(setup, watch, found, i - 1, left, right, arc, low, 1.0, at_low, at_right)
         copy_into(at_low, at_right)
         search_dips(setup, watch, found, branch, tangents, arclength, recent, arclength[i], max(i - 1, 0), at_low)
 
 
 def packed_parameters(balance: Balance, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors of `solver.harmonic.layout.packed` for the motions of a problem of a balance.
+    """Vectors of `solver.model.packing.packed` for the motions of a problem of a balance.
 
     A Galerkin problem carries them. That of the describing function knows two harmonics of the stiffness; where the
     gear has more, pack them from the gear.
     """
     if not balance.truncated:
-        return problem.theta, problem.direction
-    vectors = []
-    for model, constant in ((problem.theta, 1.0), (problem.direction, 0.0)):
-        head = np.zeros(layout.PAIRS)
-        head[[layout.HARMONICS, layout.PERIOD, layout.LOADS, layout.SIGN]] = constant
-        head[layout.KIND], head[layout.STIFFNESSES] = layout.GEAR, 2.0 * constant
-        head[[layout.OMEGA, layout.FRONT, layout.BACK]] = model[[OMEGA, B, B]]
-        pairs, load = model[[ALPHA, ALPHA_PHASE, ALPHA_2, ALPHA_2_PHASE]], model[[F_E, F_E_PHASE]]
-        vectors.append(np.concatenate([head, pairs, model, load]))
-    return vectors[0], vectors[1]
+        return problem.parameters, problem.parameter_slope
+    second = problem.parameters[[ALPHA_2, ALPHA_2_PHASE]]
+    return gear_vectors(problem.parameters, problem.parameter_slope, [second], [], 1, 1)
 
 
 def with_bifurcations(balance: Balance, problem: Problem, curve: Curve, continuation: Continuation) -> Curve:
@@ -204,8 +167,8 @@ def locate_bifurcations(
 
     Parameters
     ----------
-    parameters : (theta, direction)
-        `solver.harmonic.layout.packed(system, axis, omega, balance.order, balance.period)`.
+    parameters : (parameters, parameter_slope)
+        `solver.model.packing.packed(system, axis, omega, balance.order, balance.period)`.
     problem : Problem
         `balance.problem(...)`.
     curve : Curve
@@ -230,22 +193,17 @@ def locate_bifurcations(
     """
     old = np.isin(curve.event, (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER))
     if np.any(old):
-        names = ("points", "tangents", "arclength", "stable", "event")
-        curve = dataclasses.replace(curve, **{name: getattr(curve, name)[~old] for name in names})
+        curve = Curve(*(part[~old] for part in curve.strand), curve.ends, curve.refused)
     if len(curve.points) < 2:
         return curve, ()
     n = problem.unknowns
     if known is None:
         known = KnownMotions(np.empty(0), np.empty((0, n)), np.empty((0, TESTS)))
-    after, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
-    points, counts = np.empty((_MOST, 2 * (n + 1) + 2 * problem.monitors + 1)), np.zeros(3, np.int64)
-    _bifurcations(
-        problem.setup(continuation.corrector),
-        curve.points, curve.tangents, curve.arclength,
-        *parameters, *known,
-        after, fractions, kinds, points, counts,
-    )  # fmt: skip
-    count, missed, unknown = counts.tolist()
+    size = 2 * (n + 1) + 2 * problem.test_count + 1
+    indices, fractions, kinds = np.empty(_MOST, np.int64), np.empty(_MOST), np.empty(_MOST, np.int8)
+    found = Found(indices, fractions, kinds, np.empty((_MOST, size)), np.zeros(3, np.int64))
+    _bifurcations(problem.setup(continuation.corrector), curve.strand, *parameters, known, found)
+    count, missed, unknown = found.counts.tolist()
     notes = []
     here = f"between the axis values {curve.points[0, -1]:.9g} and {curve.points[-1, -1]:.9g} of a branch's ends"
     if missed:
@@ -254,14 +212,14 @@ def locate_bifurcations(
         notes.append(f"the multipliers of {unknown} points {here} cannot be computed")
     if count == 0:
         return curve, tuple(notes)
-    order = np.lexsort((fractions[:count], after[:count]))
-    at, steps, found = after[order], np.diff(curve.arclength), points[order]
+    order = np.lexsort((fractions[:count], indices[:count]))
+    at, steps, points = indices[order], np.diff(curve.arclength), found.points[order]
     # A fold's neighbour on the far side tells the stability of the piece behind it.
     piece = np.where(curve.event[at] != Event.FOLD, curve.stable[at], curve.stable[at + 1])
     return dataclasses.replace(
         curve,
-        points=np.insert(curve.points, at + 1, found[:, : n + 1], axis=0),
-        tangents=np.insert(curve.tangents, at + 1, found[:, n + 1 : 2 * n + 2], axis=0),
+        points=np.insert(curve.points, at + 1, points[:, : n + 1], axis=0),
+        tangents=np.insert(curve.tangents, at + 1, points[:, n + 1 : 2 * n + 2], axis=0),
         arclength=np.insert(curve.arclength, at + 1, curve.arclength[at] + fractions[order] * steps[at]),
         stable=np.insert(curve.stable, at + 1, piece),
         event=np.insert(curve.event, at + 1, kinds[order]),

@@ -7,11 +7,11 @@ recurrence (`solver.flow.taylor`).
 
 For kernels (boundaries, test functions) that have the packed parameters of a balance, of either kind:
 
-    room = new_room(theta, direction, p, u.size)          once; allocates
-    room = monodromy_at(theta, direction, u, p, room)     as often as wanted
+    room = new_room(parameters, parameter_slope, p, u.size)          once; allocates
+    room = monodromy_at(parameters, parameter_slope, u, p, room)     as often as wanted
 
-leaves the matrix M (2n, 2n) over the period nu 2 pi/Omega from tau = 0, on the states (y, y'), in `room.matrix`. theta
-and direction are those of `solver.harmonic.layout.packed(system, axis, omega, order, period)`, for the describing
+leaves the matrix M (2n, 2n) over the period nu 2 pi/Omega from tau = 0, on the states (y, y'), in `room.matrix`. Their
+vectors are those of `solver.model.packing.packed(system, axis, omega, order, period)`, for the describing
 function `packed(model, axis, omega, 1, 1)`, at axis value p. M is nan where it cannot be computed. It depends smoothly
 on (u, p) as long as the motion switches contact in the same order, up to a truncation error of 1e-11 of its size; where
 a switch appears or vanishes (grazing) it has a square-root corner. n may change where a coupling is exactly 0, with
@@ -34,10 +34,18 @@ from solver.flow.switched_system import (
     new_system,
     system_at,
 )
-from solver.flow.taylor import BLOCKS, SERIES, Series, carry_deviations, count_blocks, new_series, set_identity
-from solver.harmonic.layout import PERIOD, STIFFNESSES
+from solver.flow.taylor import (
+    BLOCK_SERIES,
+    BLOCKS,
+    BlockSeries,
+    carry_deviations,
+    count_blocks,
+    new_block_series,
+    set_identity,
+)
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.parameters import PERIOD, STIFFNESSES
 
 __all__ = [
     "ROOM",
@@ -59,7 +67,7 @@ class Room(NamedTuple):
     and the zones that begin there, the result, and room for its multipliers (2, 2 n)."""
 
     system: SwitchedSystem
-    series: Series
+    series: BlockSeries
     states: np.ndarray
     angles: np.ndarray
     zones: np.ndarray
@@ -67,7 +75,7 @@ class Room(NamedTuple):
     multipliers: np.ndarray
 
 
-ROOM = types.NamedTuple((SWITCHED_SYSTEM, SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
+ROOM = types.NamedTuple((SWITCHED_SYSTEM, BLOCK_SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
 
 
 @kernel(ROOM(_I, _I, _I), inner=True)
@@ -75,7 +83,7 @@ def _room(degrees, stiffnesses, unknowns):
     columns = 2 * degrees
     return Room(
         new_system(degrees, stiffnesses),
-        new_series(degrees, columns),
+        new_block_series(degrees, columns),
         np.empty((count_blocks(columns), columns, 4)),
         np.empty(2 * unknowns + 8),
         np.empty(2 * unknowns + 8, np.int64),
@@ -85,18 +93,18 @@ def _room(degrees, stiffnesses, unknowns):
 
 
 @kernel(ROOM(ARRAY, ARRAY, _F, _I), inner=True)
-def new_room(theta, direction, p, unknowns):
+def new_room(parameters, parameter_slope, p, unknowns):
     """Room for the monodromy matrices of motions with so many unknowns; see the module."""
-    return _room(count_degrees(theta, direction, p), int(theta[STIFFNESSES]), unknowns)
+    return _room(count_degrees(parameters, parameter_slope, p), int(parameters[STIFFNESSES]), unknowns)
 
 
 @kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True)
-def fitted_room(theta, direction, p, room):
+def fitted_room(parameters, parameter_slope, p, room):
     """The room, or a new one where the system has another number of coordinates, with the system at p filled in."""
-    degrees = count_degrees(theta, direction, p)
+    degrees = count_degrees(parameters, parameter_slope, p)
     if degrees != room.system.vectors.shape[1]:
-        room = _room(degrees, int(theta[STIFFNESSES]), (room.angles.shape[0] - 8) // 2)
-    system_at(theta, direction, p, room.system)
+        room = _room(degrees, int(parameters[STIFFNESSES]), (room.angles.shape[0] - 8) // 2)
+    system_at(parameters, parameter_slope, p, room.system)
     return room
 
 
@@ -131,7 +139,7 @@ def carry_through(count, period, room):
 
 
 @kernel(ROOM(ARRAY, ARRAY, ARRAY, _F, ROOM), inner=True)
-def monodromy_at(theta, direction, motion, p, room):
+def monodromy_at(parameters, parameter_slope, motion, p, room):
     """Fill `room.matrix` with the monodromy matrix of a motion of packed parameters at one axis value; see the module.
 
     Returns
@@ -139,20 +147,20 @@ def monodromy_at(theta, direction, motion, p, room):
     Room
         The one given, or a new one where the number of coordinates is another.
     """
-    room = fitted_room(theta, direction, p, room)
-    carry_through(find_switches(motion, room), theta[PERIOD], room)
+    room = fitted_room(parameters, parameter_slope, p, room)
+    carry_through(find_switches(motion, room), parameters[PERIOD], room)
     return room
 
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX, types.float64[:, :, ::1]))
-def fill_monodromies(theta, direction, values, motions, found):
+def fill_monodromies(parameters, parameter_slope, values, motions, found):
     """Fill found (k, 2 n, 2 n); the number of coordinates of the first motion that has not n, else 0."""
-    room = new_room(theta, direction, values[0], motions.shape[1])
+    room = new_room(parameters, parameter_slope, values[0], motions.shape[1])
     for k in range(values.shape[0]):
-        room = fitted_room(theta, direction, values[k], room)
+        room = fitted_room(parameters, parameter_slope, values[k], room)
         if room.matrix.shape[0] != found.shape[1]:
             return room.system.vectors.shape[1]
-        carry_through(find_switches(motions[k], room), theta[PERIOD], room)
+        carry_through(find_switches(motions[k], room), parameters[PERIOD], room)
         for i in range(found.shape[1]):
             for j in range(found.shape[1]):
                 found[k, i, j] = room.matrix[i, j]

@@ -19,7 +19,7 @@ from solver.kernels.linear import copy_into
 from solver.stability.monodromy import ROOM, Room, monodromy_at
 from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
 
-__all__ = ["INDICES", "UNKNOWN", "Found", "Recent", "Watch", "look", "search", "search_dips"]
+__all__ = ["FOUND", "UNKNOWN", "Found", "Recent", "Watch", "look", "search", "search_dips"]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
 INDICES = types.int64[::1]
@@ -44,8 +44,8 @@ _DIP_LOOKS, _CLEARANCE = 8, 0.5
 class Watch(NamedTuple):
     """What test functions are computed with: packed parameters of the system, and room for its matrices."""
 
-    theta: np.ndarray
-    direction: np.ndarray
+    parameters: np.ndarray
+    parameter_slope: np.ndarray
     room: Room
 
 
@@ -79,7 +79,7 @@ LOCATED, MISSED, UNKNOWN = range(3)
 def look(watch, y, tests):
     """Fill in the test functions at y = (u, p)."""
     n = y.shape[0] - 1
-    room = monodromy_at(watch.theta, watch.direction, y[:n], y[n], watch.room)
+    room = monodromy_at(watch.parameters, watch.parameter_slope, y[:n], y[n], watch.room)
     eigenvalues(room.matrix, room.multipliers[0], room.multipliers[1])
     spectral_tests(room.multipliers[0], room.multipliers[1], tests)
 
@@ -204,9 +204,10 @@ def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_h
     tests, point = np.empty(TESTS), np.empty(point_size(setup))
     # Places, in order, between which a real multiplier may pass -1.
     places, at_places = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
-    low = _end_on_branch(setup, watch, left, right, arc, low, -1.0, at_low, at_places[0], point)
-    high = _end_on_branch(setup, watch, left, right, arc, high, 1.0, at_high, at_places[1], point)
-    places[0], places[1], count = low, high, 2
+    for end in range(2):
+        expected, x, sense = (at_low, low, -1.0) if end == 0 else (at_high, high, 1.0)
+        places[end] = _end_on_branch(setup, watch, left, right, arc, x, sense, expected, at_places[end], point)
+    low, high, count = places[0], places[1], 2
     at_first, at_last = at_places[0].copy(), at_places[1].copy()
     if pairs:
         level, top = min(at_low[OUTSIDE], at_high[OUTSIDE]), max(at_low[OUTSIDE], at_high[OUTSIDE])
@@ -287,9 +288,14 @@ def _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot):
         if math.isnan(tests[LARGEST]):
             return
         if tests[OUTSIDE] != at_places[side, OUTSIDE] or tests[DOUBLING] * at_places[side, DOUBLING] < 0.0:
-            low, high = (places[side] - arclength[piece]) / arc, (places[side + 1] - arclength[piece]) / arc
-            search(setup, watch, found, piece, left, right, arc, low, x, at_places[side], tests)
-            search(setup, watch, found, piece, left, right, arc, x, high, tests, at_places[side + 1])
+            # One call in a loop: every further one is compiled once more.
+            for part in range(2):
+                low, high = (places[side] - arclength[piece]) / arc, x
+                at_low, at_high = at_places[side], tests
+                if part == 1:
+                    low, high = x, (places[side + 1] - arclength[piece]) / arc
+                    at_low, at_high = tests, at_places[side + 1]
+                search(setup, watch, found, piece, left, right, arc, low, high, at_low, at_high)
             return
         # The three places among four that have the least value in the middle.
         closer = abs(tests[slot]) <= abs(least)

@@ -1,12 +1,12 @@
 """Kinds of attractors, and what is recorded of one."""
 
-import enum
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from solver.contact.impact import ImpactState, impact_state
+from solver.explained import Explained
 from solver.model.checks import ParameterError, instance_of, number_array
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import Status
@@ -14,43 +14,24 @@ from solver.timedomain.integrator import Status
 __all__ = ["Attractor", "AttractorKind", "contact_impact"]
 
 
-class AttractorKind(enum.IntEnum):
+class AttractorKind(Explained):
     """What a motion settles on."""
 
-    FAILED = 0
-    PERIOD_1 = 1
-    PERIOD_2 = 2
-    PERIOD_3 = 3
-    PERIOD_4 = 4
-    PERIOD_HIGHER = 5
-    QUASI_PERIODIC = 6
-    CHAOTIC = 7
-    UNBOUNDED = 8
-    UNSETTLED = 9
-
-    @property
-    def sentence(self) -> str:
-        """What the kind means."""
-        return _SENTENCES[self]
+    FAILED = 0, "The integrator could not continue the motion; its status says why."
+    PERIOD_1 = 1, "The motion repeats after every forcing period."
+    PERIOD_2 = 2, "The motion repeats after two forcing periods."
+    PERIOD_3 = 3, "The motion repeats after three forcing periods."
+    PERIOD_4 = 4, "The motion repeats after four forcing periods."
+    PERIOD_HIGHER = 5, "The motion repeats after more than four forcing periods."
+    QUASI_PERIODIC = 6, "The motion never repeats, and neighbouring motions neither part nor meet: a torus."
+    CHAOTIC = 7, "Neighbouring motions part exponentially: the largest Lyapunov exponent is above 0."
+    UNBOUNDED = 8, "The contact coordinate grew above the ceiling."
+    UNSETTLED = 9, "The motion still converges, slowly: it had not settled after the allowed periods."
 
     @property
     def periodic(self) -> bool:
         """Whether the motion repeats."""
         return AttractorKind.PERIOD_1 <= self <= AttractorKind.PERIOD_HIGHER
-
-
-_SENTENCES = {
-    AttractorKind.FAILED: "The integrator could not continue the motion; its status says why.",
-    AttractorKind.PERIOD_1: "The motion repeats after every forcing period.",
-    AttractorKind.PERIOD_2: "The motion repeats after two forcing periods.",
-    AttractorKind.PERIOD_3: "The motion repeats after three forcing periods.",
-    AttractorKind.PERIOD_4: "The motion repeats after four forcing periods.",
-    AttractorKind.PERIOD_HIGHER: "The motion repeats after more than four forcing periods.",
-    AttractorKind.QUASI_PERIODIC: "The motion never repeats, and neighbouring motions neither part nor meet: a torus.",
-    AttractorKind.CHAOTIC: "Neighbouring motions part exponentially: the largest Lyapunov exponent is above 0.",
-    AttractorKind.UNBOUNDED: "The contact coordinate grew above the ceiling.",
-    AttractorKind.UNSETTLED: "The motion still converges, slowly: it had not settled after the allowed periods.",
-}
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,44 +7,46 @@ that zone. Where the dead zone is empty the system is linear and has one zone.
 import enum
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from solver.explained import Explained
+from solver.flow.switched_system import HIGH, LENGTH, LOW, ONE_ZONE, SWITCHED_SYSTEM, SwitchedSystem, loaded_system
+from solver.flow.taylor import (
+    MOTION_ORDER,
+    SERIES,
+    Series,
+    column_at,
+    column_series,
+    column_sizes,
+    motion_series,
+    new_series,
+    reach,
+)
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, whole_number
-from solver.model.contact_system import ContactSystem
+from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, whole_number
+from solver.model.contact_system import ContactSystem, in_motion
 from solver.timedomain.polynomial import evaluate, first_exit
-from solver.timedomain.taylor import ORDER, PACKED, WORK, land, new_work, pack, series, step_length
 
 __all__ = ["Status", "Trajectory", "Zone", "advance_step", "checked_states", "integrate", "zone_of"]
 
-COMPLETE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS, CEILING = 0, 1, 2, 3, 4
+_F, _I = types.float64, types.int64
 
 
-class Status(enum.IntEnum):
+class Status(Explained):
     """How an integration ended."""
 
-    COMPLETE = COMPLETE
-    STEP_TOO_SMALL = STEP_TOO_SMALL
-    NOT_FINITE = NOT_FINITE
-    TOO_MANY_STEPS = TOO_MANY_STEPS
-    CEILING = CEILING
-
-    @property
-    def sentence(self) -> str:
-        """What happened, for the reader of a log."""
-        return _SENTENCES[self]
+    COMPLETE = 0, "The integration reached its end."
+    STEP_TOO_SMALL = 1, "The step that the tolerance asks for is lost in rounding."
+    NOT_FINITE = 2, "The motion is not finite any more."
+    TOO_MANY_STEPS = 3, "The integration needs more steps than there is room for."
+    CEILING = 4, "The motion rose above the ceiling of the contact coordinate."
 
 
-_SENTENCES = {
-    Status.COMPLETE: "The integration reached its end.",
-    Status.STEP_TOO_SMALL: "The step that the tolerance asks for is lost in rounding.",
-    Status.NOT_FINITE: "The motion is not finite any more.",
-    Status.TOO_MANY_STEPS: "The integration needs more steps than there is room for.",
-    Status.CEILING: "The motion rose above the ceiling of the contact coordinate.",
-}
+COMPLETE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS, CEILING = map(int, Status)
 
 
 class Zone(enum.IntEnum):
@@ -55,17 +57,17 @@ class Zone(enum.IntEnum):
     FRONT = 1
 
 
-@kernel(types.int64(PACKED, ARRAY), inner=True)
-def zone_of(packed, state):
+@kernel(_I(SWITCHED_SYSTEM, ARRAY), inner=True)
+def zone_of(system, state):
     """The zone that a state is in; on a border, the one that it moves into."""
-    n = packed.vectors.shape[1]
-    low, high = packed.numbers[1], packed.numbers[2]
-    if packed.numbers[4] != 0.0:
+    n = system.vectors.shape[1]
+    low, high = system.numbers[LOW], system.numbers[HIGH]
+    if system.numbers[ONE_ZONE] != 0.0:
         return 1
     value, slope = 0.0, 0.0
     for i in range(n):
-        value += packed.vectors[0, i] * state[i]
-        slope += packed.vectors[0, i] * state[n + i]
+        value += system.vectors[0, i] * state[i]
+        slope += system.vectors[0, i] * state[n + i]
     if value > high or (value == high and slope > 0.0):
         return 1
     if value < low or (value == low and slope < 0.0):
@@ -73,75 +75,98 @@ def zone_of(packed, state):
     return 0
 
 
-@kernel(
-    types.Tuple((types.float64, types.int64, types.int64))(
-        PACKED, types.int64, types.float64, types.float64, types.float64, types.float64, ARRAY, WORK
-    ),
-    inner=True,
-)
-def advance_step(packed, zone, time, stop, tolerance, longest, state, work):
-    """Series of the motion from (time, state), and how far it may be used.
+class Deviations(NamedTuple):
+    """Small deviations from a motion: states (k, 2 n), and their series y (k, m + 1, n), lambda (k, m + 1)."""
+
+    states: np.ndarray
+    y: np.ndarray
+    contact: np.ndarray
+
+
+DEVIATIONS = types.NamedTuple((MATRIX, types.float64[:, :, ::1], MATRIX), Deviations)
+
+
+@kernel(DEVIATIONS(MATRIX), inner=True)
+def new_deviations(states):
+    """Room for the series of deviations (k, 2 n), which are overwritten as they are carried."""
+    count, n = states.shape[0], states.shape[1] // 2
+    return Deviations(states, np.empty((count, MOTION_ORDER + 1, n)), np.empty((count, MOTION_ORDER + 1)))
+
+
+@kernel(SERIES(DEVIATIONS, _I, SERIES), inline=True)
+def deviation_series(deviations, k, series):
+    """The series of one deviation, about the same time as that of the motion."""
+    return Series(deviations.y[k], deviations.contact[k], series.stiffness, series.g[:0])
+
+
+@kernel(types.Tuple((_F, _I, _I))(SWITCHED_SYSTEM, _I, _F, _F, _F, ARRAY, SERIES, DEVIATIONS), inline=True)
+def advance_step(system, zone, time, stop, tolerance, state, series, deviations):
+    """Series of a motion and of deviations from their states at a time, and how far they may be used.
 
     Parameters
     ----------
-    packed : Packed
+    system : SwitchedSystem
     zone : int
     time, stop, tolerance : float
-    longest : float
-        No step is longer.
     state : (2 n,) array
-    work : Work
+    series : Series
+    deviations : Deviations
 
     Returns
     -------
     step : float
-        At most stop - time; the series is in `work`. Not positive and finite if there is none.
+        At most stop - time; the series is in `series`. Not positive and finite if there is none.
     zone : int
         The zone at the end of the step; another one if the step ends at a contact switch.
     status : int
     """
-    series(packed, zone, time, state, work)
-    step = step_length(packed, state, tolerance, work)
-    if not (step > 0.0 and math.isfinite(work.contact[-1])):
+    motion_series(system, zone, time, state, series)
+    numbers, contact = system.numbers, series.contact
+    size, last, previous = column_sizes(state, series)
+    step = reach(tolerance * max(numbers[LENGTH], size), last, previous, MOTION_ORDER)
+    if deviations.states.shape[0] > 0:
+        # They may grow where the motion is at rest.
+        size, last, previous = 0.0, 0.0, 0.0
+        for k in range(deviations.states.shape[0]):
+            other = deviation_series(deviations, k, series)
+            column_series(system, zone, deviations.states[k], other)
+            sizes = column_sizes(deviations.states[k], other)
+            size, last, previous = max(size, sizes[0]), max(last, sizes[1]), max(previous, sizes[2])
+        step = min(step, reach(tolerance * size, last, previous, MOTION_ORDER))
+    if not (step > 0.0 and math.isfinite(contact[-1])):
         return 0.0, zone, NOT_FINITE
-    step = min(step, longest, stop - time)
+    step = min(step, stop - time)
     if time + step == time:
         return 0.0, zone, STEP_TOO_SMALL
-    if packed.numbers[4] != 0.0:
+    if numbers[ONE_ZONE] != 0.0:
         return step, zone, COMPLETE
-    low = packed.numbers[2] if zone > 0 else (packed.numbers[1] if zone == 0 else -math.inf)
-    high = packed.numbers[1] if zone < 0 else (packed.numbers[2] if zone == 0 else math.inf)
-    step, side = first_exit(work.contact, step, low, high)
+    low = numbers[HIGH] if zone > 0 else (numbers[LOW] if zone == 0 else -math.inf)
+    high = numbers[LOW] if zone < 0 else (numbers[HIGH] if zone == 0 else math.inf)
+    step, side = first_exit(contact, step, low, high)
     return step, zone + side, COMPLETE
 
 
-@kernel(
-    types.UniTuple(types.int64, 3)(
-        PACKED, ARRAY, types.float64, types.float64, types.float64, MATRIX, ARRAY, MATRIX, types.int64[::1]
-    )
-)
-def _integrate(packed, start, begin, stop, tolerance, series_table, times, states, zones):
-    """Fill times (m + 1,), states (m + 1, 2 n), zones (m + 1,) of the steps and the series of lambda (m, ORDER + 1).
+@kernel(types.UniTuple(_I, 3)(SWITCHED_SYSTEM, _F, _F, MATRIX, ARRAY, MATRIX, types.int64[::1]))
+def _integrate(system, stop, tolerance, table, times, states, zones):
+    """Fill times (m + 1,), states (m + 1, 2 n), zones (m + 1,) of the steps and the series of lambda (m, order + 1).
 
-    Returns the status, the number of steps and the zone at the end. Steps of length 0 (switches that follow at once)
-    are kept: they are switches.
+    The first time and state are those of the start. Returns the status, the number of steps and the zone at the end.
+    Steps of length 0 (switches that follow at once) are kept: they are switches.
     """
-    room, n = series_table.shape[0], packed.vectors.shape[1]
-    work, state = new_work(n), start.copy()
-    zone, time, count = zone_of(packed, state), begin, 0
-    times[0] = time
-    copy_into(states[0], state)
+    room, size = table.shape[0], states.shape[1]
+    series, state, count, time = new_series(size // 2), states[0].copy(), 0, times[0]
+    zone, none = zone_of(system, state), new_deviations(np.empty((0, size)))
     while time < stop:
         if count == room:
             return TOO_MANY_STEPS, count, zone
-        step, after, status = advance_step(packed, zone, time, stop, tolerance, math.inf, state, work)
+        step, after, status = advance_step(system, zone, time, stop, tolerance, state, series, none)
         if status != COMPLETE:
             return status, count, zone
-        land(work, step, state)
+        column_at(series, step, state)
         last = after == zone and step >= stop - time
         time = stop if last else time + step
         zones[count] = zone
-        copy_into(series_table[count], work.contact)
+        copy_into(table[count], series.contact)
         count += 1
         times[count] = time
         copy_into(states[count], state)
@@ -150,11 +175,11 @@ def _integrate(packed, start, begin, stop, tolerance, series_table, times, state
 
 
 @kernel(types.float64[::1](MATRIX, ARRAY, types.int64[::1], ARRAY))
-def _dense(series_table, times, steps, at):
+def _dense(table, times, steps, at):
     """lambda at times, each within the named step."""
     values = np.empty(at.shape[0])
     for i in range(at.shape[0]):
-        values[i], _ = evaluate(series_table[steps[i]], at[i] - times[steps[i]])
+        values[i], _ = evaluate(table[steps[i]], at[i] - times[steps[i]])
     return values
 
 
@@ -176,7 +201,7 @@ class Trajectory:
         `Zone` after each of them.
     status : Status
         Where it is not COMPLETE, the arrays hold the motion up to there.
-    series : (m, ORDER + 1) array
+    series : (m, MOTION_ORDER + 1) array
         Taylor coefficients of lambda from the start of each step.
     """
 
@@ -204,6 +229,17 @@ class Trajectory:
         return _dense(self.series, self.times, steps, flat).reshape(at.shape)
 
 
+def checked_system(system: ContactSystem, omega: float) -> SwitchedSystem:
+    """A system under its load at one frequency, as kernels see it.
+
+    Raises
+    ------
+    ParameterError
+        If it is no ContactSystem, or omega is not a finite number above 0.
+    """
+    return loaded_system(instance_of("system", system, ContactSystem), frequency(omega))
+
+
 def checked_states(system: ContactSystem, states, name: str = "states") -> np.ndarray:
     """Initial states as a fresh (k, 2 n) array; one state may come as (2 n,).
 
@@ -225,6 +261,14 @@ def checked_states(system: ContactSystem, states, name: str = "states") -> np.nd
     if array.ndim != 2 or array.shape[1] != size:
         raise ParameterError(name, states, f"finite numbers, {size} for each state (y, y')")
     return array
+
+
+def with_the_rest(system: ContactSystem, states: np.ndarray) -> np.ndarray:
+    """States (..., 2 n) from those of the coordinates that are in motion; 0 for all others."""
+    kept = np.tile(in_motion(system), 2)
+    whole = np.zeros((*states.shape[:-1], kept.size))
+    whole[..., kept] = states
+    return whole
 
 
 def checked_state(system: ContactSystem, state, name: str = "state") -> np.ndarray:
@@ -299,11 +343,12 @@ def integrate(
     stop = finite_number("stop", stop, at_least=start)
     max_steps = whole_number("max_steps", max_steps, 1, 10**8)
     tolerance = checked_tolerance(tolerance)
-    packed, room = pack(system, omega), min(256, max_steps)
+    loaded, room = checked_system(system, omega), min(256, max_steps)
     while True:
-        table = np.empty((room, ORDER + 1))
-        times, states, zones = np.empty(room + 1), np.empty((room + 1, initial.size)), np.empty(room, np.int64)
-        status, count, end = _integrate(packed, initial, start, stop, tolerance, table, times, states, zones)
+        table, zones = np.empty((room, MOTION_ORDER + 1)), np.empty(room, np.int64)
+        times, states = np.empty(room + 1), np.empty((room + 1, initial.size))
+        times[0], states[0] = start, initial
+        status, count, end = _integrate(loaded, stop, tolerance, table, times, states, zones)
         if status != TOO_MANY_STEPS or room == max_steps:
             break
         # Cheaper than to grow the arrays within the kernel: the first attempts are small.

@@ -7,9 +7,12 @@ along by the linear equation of the zone. The contact force is continuous, so no
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
+from solver.flow.taylor import SERIES, column_at, new_series
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_number, whole_number
@@ -17,72 +20,72 @@ from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import (
     CEILING,
     COMPLETE,
+    DEVIATIONS,
     TOO_MANY_STEPS,
     Status,
     advance_step,
     checked_state,
     checked_states,
+    checked_system,
     checked_tolerance,
+    deviation_series,
+    new_deviations,
     zone_of,
 )
 from solver.timedomain.polynomial import fourier, widen
-from solver.timedomain.taylor import PACKED, WORK, land, new_work, pack, tangent_series, tangent_step_length
 
 __all__ = ["MAX_STEPS", "Measurement", "Sections", "advance", "growth", "measure", "monodromy"]
+
+_F, _I = types.float64, types.int64
 
 #: Steps allowed in one forcing period.
 MAX_STEPS = 100_000
 
 
-@kernel(
-    types.int64(
-        PACKED,
-        ARRAY,
-        types.float64,
-        types.float64,
-        types.float64,
-        types.int64,
-        MATRIX,
-        types.float64,
-        types.float64,
-        MATRIX,
-        ARRAY,
-        types.int64[::1],
-        WORK,
-    ),
-    inner=True,
-)
-def _period(
-    packed, state, tolerance, longest, ceiling, max_steps, tangents, base, offset, sums, extremes, switches, work
-):
-    """Carry a state, and the rows of `tangents` with it, over one forcing period.
+class Watch(NamedTuple):
+    """What is gathered along a motion.
 
-    No step is longer than `longest`. Where `extremes` (2,) is not empty it is widened, and Fourier integrals with
-    frequency `base` and time counted from -offset are added to `sums` (H + 1, 2); the contact switches are counted in
-    `switches` (1,).
+    Extremes (2,) of lambda are widened; Fourier integrals at multiples of `base`, time counted from -offset, are added
+    to `sums` (H + 1, 2); contact switches are counted in `switches` (1,). Arrays without elements ask for nothing.
     """
-    stop, time = 2.0 * math.pi / packed.numbers[0], 0.0
-    n = packed.vectors.shape[1]
-    zone = zone_of(packed, state)
-    for _ in range(max_steps):
-        step, after, status = advance_step(packed, zone, time, stop, tolerance, longest, state, work)
+
+    extremes: np.ndarray
+    sums: np.ndarray
+    switches: np.ndarray
+    base: float
+
+
+WATCH = types.NamedTuple((ARRAY, MATRIX, types.int64[::1], _F), Watch)
+
+
+@kernel(WATCH(), inner=True)
+def _nothing():
+    return Watch(np.empty(0), np.empty((0, 2)), np.empty(0, np.int64), 0.0)
+
+
+@kernel(_I(SWITCHED_SYSTEM, ARRAY, DEVIATIONS, _F, _F, _F, WATCH, SERIES), inner=True)
+def _period(system, state, deviations, tolerance, ceiling, offset, watch, series):
+    """Carry a state, and deviations with it, over one forcing period."""
+    stop, time = 2.0 * math.pi / system.numbers[FREQUENCY], 0.0
+    zone = zone_of(system, state)
+    for _ in range(MAX_STEPS):
+        step, after, status = advance_step(system, zone, time, stop, tolerance, state, series, deviations)
         if status != COMPLETE:
             return status
-        if extremes.shape[0] == 2:
-            extremes[0], extremes[1] = widen(work.contact, step, extremes[0], extremes[1])
-            if sums.shape[0] > 0:
-                fourier(work.contact, step, time + offset, base, sums)
-        land(work, step, state)
-        for row in range(tangents.shape[0]):
-            tangent_series(packed, zone, tangents[row], work)
-            land(work, step, tangents[row])
+        if watch.extremes.shape[0] == 2:
+            watch.extremes[0], watch.extremes[1] = widen(series.contact, step, watch.extremes[0], watch.extremes[1])
+            fourier(series.contact, step, time + offset, watch.base, watch.sums)
+        column_at(series, step, state)
+        for k in range(deviations.states.shape[0]):
+            column_at(deviation_series(deviations, k, series), step, deviations.states[k])
         displacement = 0.0
-        for i in range(n):
-            displacement += packed.vectors[0, i] * state[i]
+        for i in range(system.vectors.shape[1]):
+            displacement += system.vectors[0, i] * state[i]
         if not abs(displacement) <= ceiling:
             return CEILING
         if after != zone:
-            switches[0] += 1
+            if watch.switches.shape[0] > 0:
+                watch.switches[0] += 1
         elif step >= stop - time:
             return COMPLETE
         zone = after
@@ -92,87 +95,52 @@ def _period(
     return TOO_MANY_STEPS
 
 
-@kernel(
-    types.void(PACKED, MATRIX, types.float64, types.float64, types.int64, types.float64[:, :, ::1], types.int64[::1])
-)
-def _advance(packed, states, tolerance, ceiling, max_steps, sections, status):
+@kernel(types.void(SWITCHED_SYSTEM, MATRIX, _F, _F, types.float64[:, :, ::1], types.int64[::1]))
+def _advance(system, states, tolerance, ceiling, sections, status):
     """Sections (k, periods, 2 n) of k states, which are overwritten; nan after the first period that fails."""
-    work, none, ends, switches = new_work(packed.vectors.shape[1]), np.empty((0, 0)), np.empty(0), np.zeros(1, np.int64)
+    size, nothing = states.shape[1], _nothing()
+    none, series = new_deviations(np.empty((0, size))), new_series(size // 2)
     for row in range(states.shape[0]):
         status[row] = COMPLETE
         for count in range(sections.shape[1]):
             if status[row] == COMPLETE:
-                status[row] = _period(
-                    packed,
-                    states[row],
-                    tolerance,
-                    math.inf,
-                    ceiling,
-                    max_steps,
-                    none,
-                    0.0,
-                    0.0,
-                    none,
-                    ends,
-                    switches,
-                    work,
-                )
-            for i in range(states.shape[1]):
+                status[row] = _period(system, states[row], none, tolerance, ceiling, 0.0, nothing, series)
+            for i in range(size):
                 sections[row, count, i] = states[row, i] if status[row] == COMPLETE else math.nan
 
 
-@kernel(
-    types.int64(
-        PACKED, ARRAY, types.int64, types.float64, types.float64, types.float64, MATRIX, ARRAY, types.int64[::1]
-    )
-)
-def _measure(packed, state, periods, tolerance, ceiling, base, sums, extremes, switches):
-    """Carry a state over some periods and gather extremes, switches and Fourier integrals."""
-    work, none = new_work(packed.vectors.shape[1]), np.empty((0, 0))
-    span = 2.0 * math.pi / packed.numbers[0]
+@kernel(_I(SWITCHED_SYSTEM, ARRAY, _I, _F, _F, WATCH))
+def _measure(system, state, periods, tolerance, ceiling, watch):
+    """Carry a state, which is overwritten, over some periods and gather what is watched."""
+    size, span = state.shape[0], 2.0 * math.pi / system.numbers[FREQUENCY]
+    none, series = new_deviations(np.empty((0, size))), new_series(size // 2)
     for count in range(periods):
-        status = _period(
-            packed,
-            state,
-            tolerance,
-            math.inf,
-            ceiling,
-            MAX_STEPS,
-            none,
-            base,
-            count * span,
-            sums,
-            extremes,
-            switches,
-            work,
-        )
+        status = _period(system, state, none, tolerance, ceiling, count * span, watch, series)
         if status != COMPLETE:
             return status
     return COMPLETE
 
 
-@kernel(types.int64(PACKED, ARRAY, types.int64, types.float64, types.float64, MATRIX, ARRAY))
-def _tangents(packed, state, periods, tolerance, ceiling, tangents, logarithms):
-    """Carry a state and deviations over some periods.
+@kernel(_I(SWITCHED_SYSTEM, ARRAY, MATRIX, _I, _F, _F, ARRAY))
+def _carry(system, state, tangents, periods, tolerance, ceiling, logarithms):
+    """Carry a state and deviations (k, 2 n), which are overwritten, over some periods.
 
     Where `logarithms` (periods,) is not empty, the first deviation is brought back to length 1 after every period and
     the logarithm of its length is kept.
     """
-    work, none, ends, switches = new_work(packed.vectors.shape[1]), np.empty((0, 0)), np.empty(0), np.zeros(1, np.int64)
-    longest = tangent_step_length(packed, tolerance)
+    size, nothing = state.shape[0], _nothing()
+    deviations, series = new_deviations(tangents), new_series(size // 2)
     for count in range(periods):
-        status = _period(
-            packed, state, tolerance, longest, ceiling, MAX_STEPS, tangents, 0.0, 0.0, none, ends, switches, work
-        )
+        status = _period(system, state, deviations, tolerance, ceiling, 0.0, nothing, series)
         if status != COMPLETE:
             return status
         if logarithms.shape[0] > 0:
             length = 0.0
-            for i in range(tangents.shape[1]):
+            for i in range(size):
                 length += tangents[0, i] ** 2
             length = math.sqrt(length)
             logarithms[count] = math.log(length)
-            for i in range(tangents.shape[1]):
+            for i in range(size):
                 tangents[0, i] /= length
     return COMPLETE
 
@@ -261,7 +229,7 @@ def advance(
     sections = np.empty((len(current), checked_count("periods", periods), current.shape[1]))
     status = np.empty(len(current), np.int64)
     tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
-    _advance(pack(system, omega), current, tolerance, ceiling, MAX_STEPS, sections, status)
+    _advance(checked_system(system, omega), current, tolerance, ceiling, sections, status)
     return Sections(sections, status)
 
 
@@ -306,25 +274,15 @@ def measure(
     current = checked_state(system, state)
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
-    switches = np.zeros(1, np.int64)
-    status = Status(
-        _measure(
-            pack(system, omega),
-            current,
-            periods,
-            checked_tolerance(tolerance),
-            checked_ceiling(ceiling),
-            omega / divisor,
-            sums,
-            extremes,
-            switches,
-        )
-    )
+    loaded = checked_system(system, omega)
+    watch = Watch(extremes, sums, np.zeros(1, np.int64), omega / divisor)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
+    status = Status(_measure(loaded, current, periods, tolerance, ceiling, watch))
     if status is not Status.COMPLETE:
         return Measurement(current, np.full(len(sums), np.nan + 0j), math.nan, math.nan, 0, status)
     harmonics = (sums[:, 0] - 1j * sums[:, 1]) * omega / (math.pi * periods)
     harmonics[0] *= 0.5
-    return Measurement(current, harmonics, float(extremes[0]), float(extremes[1]), int(switches[0]), status)
+    return Measurement(current, harmonics, float(extremes[0]), float(extremes[1]), int(watch.switches[0]), status)
 
 
 def monodromy(
@@ -358,17 +316,11 @@ def monodromy(
     The contact force is continuous, so that the matrices of the smooth pieces multiply (docs/physics.md, section 6.2).
     """
     current = checked_state(system, state)
+    periods, loaded = checked_count("periods", periods), checked_system(system, omega)
+    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
     # Rows of the kernel's array are columns of the matrix.
     tangents = np.eye(current.size)
-    status = _tangents(
-        pack(system, omega),
-        current,
-        checked_count("periods", periods),
-        checked_tolerance(tolerance),
-        checked_ceiling(ceiling),
-        tangents,
-        np.empty(0),
-    )
+    status = _carry(loaded, current, tangents, periods, tolerance, ceiling, np.empty(0))
     return current, tangents.T.copy(), Status(status)
 
 
@@ -408,10 +360,10 @@ def growth(
         If an argument is not allowed.
     """
     current, periods = checked_state(system, state), checked_count("periods", periods)
-    tangent = np.ones(current.size) if direction is None else checked_state(system, direction, "direction")
-    if not np.any(tangent):
+    deviation = np.ones(current.size) if direction is None else checked_state(system, direction, "direction")
+    if not np.any(deviation):
         raise ParameterError("direction", direction, "other than 0")
-    tangent, logarithms = (tangent / np.linalg.norm(tangent))[None], np.full(periods, np.nan)
+    tangent, logarithms = deviation[None, :] / np.linalg.norm(deviation), np.full(periods, np.nan)
     tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
-    status = _tangents(pack(system, omega), current, periods, tolerance, ceiling, tangent, logarithms)
+    status = _carry(checked_system(system, omega), current, tangent, periods, tolerance, ceiling, logarithms)
     return logarithms, current, Status(status)

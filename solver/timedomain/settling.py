@@ -6,14 +6,14 @@ on a periodic orbit is told by its largest Lyapunov exponent.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from solver.model.checks import finite_number, frequency, instance_of
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, in_motion, reduced
 from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
-from solver.timedomain.integrator import Status, checked_states, checked_tolerance
+from solver.timedomain.integrator import Status, checked_states, checked_tolerance, with_the_rest
 from solver.timedomain.poincare import advance, checked_count, growth, measure
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, shoot
 
@@ -97,6 +97,7 @@ def settle(system: ContactSystem, omega: float, states, *, settling: Settling | 
     Returns
     -------
     tuple of k Attractor
+        0 where a coordinate is no part of the motion (`solver.model.contact_system.in_motion`).
 
     Raises
     ------
@@ -105,8 +106,14 @@ def settle(system: ContactSystem, omega: float, states, *, settling: Settling | 
     """
     instance_of("system", system, ContactSystem)
     settling = Settling() if settling is None else instance_of("settling", settling, Settling)
-    settler = _Settler(system, frequency(omega), settling)
-    return tuple(settler.run(state) for state in checked_states(system, states))
+    omega = frequency(omega)
+    starts, kept = checked_states(system, states), np.tile(in_motion(system), 2)
+    if not np.all(kept):
+        found = settle(reduced(system), omega, starts[:, kept], settling=settling)
+        wholes = ((with_the_rest(system, one.state), with_the_rest(system, one.points)) for one in found)
+        return tuple(replace(one, state=s, points=p) for one, (s, p) in zip(found, wholes, strict=True))
+    settler = _Settler(system, omega, settling)
+    return tuple(settler.run(state) for state in starts)
 
 
 @dataclass

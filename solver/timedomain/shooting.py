@@ -1,37 +1,25 @@
 """Periodic orbits of the true system: Newton's method on the Poincare map with the exact monodromy matrix."""
 
-import enum
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solver.explained import Explained
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of
-from solver.model.contact_system import ContactSystem
-from solver.timedomain.integrator import Status, checked_state, checked_tolerance
+from solver.model.contact_system import ContactSystem, in_motion, reduced
+from solver.timedomain.integrator import Status, checked_state, checked_tolerance, with_the_rest
 from solver.timedomain.poincare import checked_count, measure, monodromy
 
 __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
 
 
-class ShootingStatus(enum.IntEnum):
+class ShootingStatus(Explained):
     """How the search for a periodic orbit ended."""
 
-    CONVERGED = 0
-    NOT_CONVERGED = 1
-    INTEGRATION_FAILED = 2
-
-    @property
-    def sentence(self) -> str:
-        """What happened, for the reader of a log."""
-        return _SENTENCES[self]
-
-
-_SENTENCES = {
-    ShootingStatus.CONVERGED: "The orbit closes to the tolerance.",
-    ShootingStatus.NOT_CONVERGED: "Newton's method did not close the orbit.",
-    ShootingStatus.INTEGRATION_FAILED: "The motion from the last iterate could not be integrated.",
-}
+    CONVERGED = 0, "The orbit closes to the tolerance."
+    NOT_CONVERGED = 1, "Newton's method did not close the orbit."
+    INTEGRATION_FAILED = 2, "The motion from the last iterate could not be integrated."
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +29,14 @@ class PeriodicOrbit:
     Parameters
     ----------
     state : (2 n,) array
-        y, then y', at tau = 0.
+        y, then y', at tau = 0; 0 where a coordinate is no part of the motion
+        (`solver.model.contact_system.in_motion`).
     period : int
         Forcing periods after which the motion repeats (not always the smallest number: see `minimal_period`).
     minimal_period : int
         The smallest divisor of `period` after which it repeats.
-    multipliers : (2 n,) complex array
-        Eigenvalues of the monodromy matrix over `period`, the largest modulus first.
+    multipliers : (2 m,) complex array
+        Eigenvalues of the monodromy matrix of the m coordinates in motion over `period`, the largest modulus first.
     residual : float
         Distance between end and start of the orbit.
     harmonics : (H + 1,) complex array
@@ -128,6 +117,13 @@ def shoot(
     order = checked_count("order", order, 0, 10_000)
     checked_tolerance(integration_tolerance, "integration_tolerance")
     current = checked_state(system, state)
+    kept = np.tile(in_motion(system), 2)
+    if not np.all(kept):
+        settings = dict(
+            order=order, tolerance=tolerance, integration_tolerance=integration_tolerance, max_iterations=max_iterations
+        )
+        orbit = shoot(reduced(system), omega, current[kept], period, **settings)
+        return replace(orbit, state=with_the_rest(system, orbit.state))
     flow = _Map(system, omega, period, integration_tolerance)
     end, matrix, status = flow(current)
     if status is not Status.COMPLETE:

@@ -96,8 +96,11 @@ def test_python_runs_and_prints_what_is_shown(name, stores, monkeypatch, stand_i
 
 @pytest.fixture
 def stand_ins(monkeypatch):
-    """No window is opened, and queueing systems have a stand-in: their commands are composed and planned."""
+    """No window is opened, planes are small and stay in this process, and queueing systems have a stand-in: their
+    commands are composed and planned."""
     monkeypatch.setenv("MPLBACKEND", "agg")
+    sizes = ["plane.sweep.num=101", "plane.parameter.num=11", "cluster=none"]
+    monkeypatch.setattr("pipeline.api.compose", lambda overrides, folder: compose([*overrides, *sizes], folder))
 
     class Queue:
         scheduler_address = "tcp://127.0.0.1:8786"

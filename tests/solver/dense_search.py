@@ -7,7 +7,7 @@ and its Jacobian (by differences) are written out anew.
 import numpy as np
 
 from solver.harmonic.describing_function import coefficients
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 
 __all__ = ["dense_search"]
 

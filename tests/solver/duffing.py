@@ -38,7 +38,7 @@ def balance(theta, direction, y, residual, jacobian):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def monitor(theta, direction, y, values, gradient):
+def test_functions(theta, direction, y, values, gradient):
     """values (2,) = amplitude, amplitude - LEVEL."""
     amplitude = math.sqrt(y[0] * y[0] + y[1] * y[1])
     gradient[:, :] = 0.0
@@ -51,7 +51,7 @@ def duffing(low=0.05, high=2.0) -> Problem:
     """The problem over Omega in [low, high]."""
     theta = np.array([DAMPING, STIFFNESS, CUBIC, FORCE, 0.0])
     scale = np.array([1.0, 1.0, 0.1 * (high - low)])
-    return Problem(balance, monitor, theta, np.eye(5)[4], scale, monitors=2)
+    return Problem(balance, test_functions, theta, np.eye(5)[4], scale, test_count=2)
 
 
 def squared_frequencies(amplitude):

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from solver.harmonic.describing_function import balance, linear_solution
+from solver.harmonic.describing_function import linear_solution, residual_and_jacobian
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
-from solver.model.condensation import axis_vectors
 from solver.model.gear_model import Model
+from solver.model.packing import axis_vectors
 
 
 @kernel(types.int64(ARRAY, ARRAY, types.float64, MATRIX, types.float64, MATRIX))
@@ -19,7 +19,7 @@ def _search(theta, direction, p, starts, size, found):
     for s in range(starts.shape[0]):
         y[:3], y[3] = starts[s], p
         for _ in range(60):
-            balance(theta, direction, y, residual, jacobian)
+            residual_and_jacobian(theta, direction, y, residual, jacobian)
             square[:, :] = jacobian[:, :3]
             step[:] = residual
             if eliminate(square, step) == 0.0:

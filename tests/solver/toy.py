@@ -24,7 +24,7 @@ def balance(theta, direction, y, residual, jacobian):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def monitor(theta, direction, y, values, gradient):
+def test_functions(theta, direction, y, values, gradient):
     """Amplitude |u| and a parabola in u, which two places graze."""
     values[0], values[1] = abs(y[0]), (y[0] - theta[5]) ** 2 - theta[6]
     gradient[0, 0], gradient[0, 1] = math.copysign(1.0, y[0]), 0.0
@@ -34,7 +34,7 @@ def monitor(theta, direction, y, values, gradient):
 def toy(cubic=0.0, linear=0.0, mixed=0.0, parameter=0.0, limit=np.inf, centre=0.0, depth=-1.0) -> Problem:
     """The curve with the given coefficients; p is scaled by 1."""
     theta = np.array([cubic, linear, mixed, parameter, limit, centre, depth])
-    return Problem(balance, monitor, theta, np.zeros(7), np.ones(2), monitors=2)
+    return Problem(balance, test_functions, theta, np.zeros(7), np.ones(2), test_count=2)
 
 
 def s_curve(gap: float, **changes) -> Problem:

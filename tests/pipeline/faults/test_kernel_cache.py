@@ -12,7 +12,7 @@ from solver.kernels.warm import kernels_of, warm
 from tests.pipeline.faults.runs import finished, same, start
 
 #: Kernels of rows that take a second to compile.
-SMALL = ("correctors._newton", "describing_function.balance", "describing_function.monitor")
+SMALL = ("correctors._newton", "describing_function.residual_and_jacobian", "describing_function.test_functions")
 
 
 @pytest.fixture

@@ -66,7 +66,7 @@ def test_points_solve_the_balance_and_their_own_condition(gear, axis, balance):
             problem, n = stretch.problem, stretch.problem.unknowns
             residual, jacobian = np.empty(n), np.empty((n, n + 1))
             for y in stretch.curve.points[::7]:
-                problem.balance(problem.theta, problem.direction, y, residual, jacobian)
+                problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y, residual, jacobian)
                 # Next to a grazing a determinant varies with the root of a margin that rounding leaves at 1e-16.
                 steepness = np.linalg.norm(jacobian * problem.scale, axis=1)
                 assert np.max(np.abs(residual) / (1.0 + steepness)) < 1e-7 * max(1.0, np.max(np.abs(y)))
@@ -203,10 +203,12 @@ def test_a_motion_that_just_touches_a_flank_keeps_its_contact(order):
             low, _ = balance.extremes(u[None])
             u[0] += 1.0 - low[0]
         residual, jacobian = np.empty(u.size), np.empty((u.size, u.size + 1))
-        problem.balance(problem.theta, problem.direction, np.append(u, 1.1), residual, jacobian)
+        problem.residual_and_jacobian(
+            problem.parameters, problem.parameter_slope, np.append(u, 1.1), residual, jacobian
+        )
         above = residual.copy()
         u[0] += 1e-7
-        problem.balance(problem.theta, problem.direction, np.append(u, 1.1), above, jacobian)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, np.append(u, 1.1), above, jacobian)
         np.testing.assert_allclose(residual, above, rtol=0, atol=1e-5)
 
 

@@ -92,7 +92,7 @@ def along_branches(plane, value, row, crossed):
     values, shown = np.unique(np.concatenate([row.grid, crossed[:, -1]])), [0, *plane.balance.fundamental]
     problem = plane.balance.problem(plane.at(value), plane.sweep, *plane.span, plane.omega)
     for curve in row.curves:
-        columns, motions, _ = curve_crossings(problem, curve, values, Continuation())
+        columns, motions, *_ = curve_crossings(problem, curve, values, Continuation())
         passed = []
         for x, motion in zip(values[columns], motions, strict=True):
             here = crossed[crossed[:, -1] == x, :-1]

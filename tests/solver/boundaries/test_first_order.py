@@ -52,14 +52,14 @@ def test_contact_angles_are_the_balance_and_have_its_derivatives(axis, low, high
         seen.add(zones)
         problem, y = plane.problem(Event.FOLD, zones), plane.lift(Event.FOLD, zones, point)
         residual, jacobian = np.empty(6), np.empty((6, 7))
-        problem.balance(problem.theta, problem.direction, y, residual, jacobian)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y, residual, jacobian)
         force, square = evaluate(model.replace(**{axis: point[4]}), point[3], point[:3])
         np.testing.assert_allclose(residual, [*force, 0.0, 0.0, np.linalg.det(square)], rtol=1e-11, atol=1e-12)
         differences, other, scratch = np.empty((6, 7)), np.empty(6), np.empty((6, 7))
         for j in range(7):
             step = np.eye(7)[j] * 1e-6
-            problem.balance(problem.theta, problem.direction, y + step, residual, scratch)
-            problem.balance(problem.theta, problem.direction, y - step, other, scratch)
+            problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y + step, residual, scratch)
+            problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y - step, other, scratch)
             differences[:, j] = (residual - other) / 2e-6
         np.testing.assert_allclose(jacobian, differences, rtol=0, atol=1e-7 * (1.0 + np.max(np.abs(jacobian))))
     assert len(seen) >= 5

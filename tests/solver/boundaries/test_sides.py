@@ -56,7 +56,9 @@ def equations(gear, axis, balance, y):
     def at(p):
         problem = balance.problem(GEARS[gear](**{axis: p}), "omega", *OMEGA)
         residual, jacobian = np.empty(n), np.empty((n, n + 1))
-        problem.balance(problem.theta, problem.direction, np.ascontiguousarray(y[:-1]), residual, jacobian)
+        problem.residual_and_jacobian(
+            problem.parameters, problem.parameter_slope, np.ascontiguousarray(y[:-1]), residual, jacobian
+        )
         return residual, jacobian
 
     residual, jacobian = at(y[-1])

@@ -59,7 +59,7 @@ def motions(axes, balance, kind, count=12):
 
 def rows(problem, y):
     residual, jacobian = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
-    problem.balance(problem.theta, problem.direction, y, residual, jacobian)
+    problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y, residual, jacobian)
     return residual, jacobian
 
 

@@ -120,13 +120,16 @@ CALLS = {
         "every_column": argument(True, (None, 1, "no", [], {})),
     },
     "solver.Problem": lambda: {
-        **{name: argument(getattr(problem(), name), (None, 1, "foo")) for name in ("balance", "monitor", "contacts")},
+        **{
+            name: argument(getattr(problem(), name), (None, 1, "foo"))
+            for name in ("residual_and_jacobian", "test_functions", "contacts")
+        },
         **{
             name: argument(getattr(problem(), name), array(getattr(problem(), name), finite=False, empty=True))
-            for name in ("theta", "direction")
+            for name in ("parameters", "parameter_slope")
         },
         "scale": argument(problem().scale, array(problem().scale, -problem().scale, problem().scale[:1])),
-        "monitors": argument(5, (*COUNT, 0)),
+        "test_count": argument(5, (*COUNT, 0)),
     },
     "solver.Problem.corrected": lambda: {
         "self": problem(),
@@ -145,6 +148,11 @@ CALLS = {
     "solver.Problem.evaluated": lambda: {
         "self": problem(),
         "y": argument(row().curves[0].points[0], array(row().curves[0].points[0], [1.0] * 3, finite=False)),
+    },
+    "solver.Problem.observed": lambda: {
+        "self": problem(),
+        "y": argument(row().curves[0].points[0], array(row().curves[0].points[0], [1.0] * 3, finite=False)),
+        "count": argument(5, (*COUNT, 0)),
     },
     "solver.Problem.setup": lambda: {"self": problem(), "corrector": argument(CORRECTOR, OBJECT)},
     "solver.Row.branch_impact": lambda: {"self": row(), "curve": argument(row().curves[0], OBJECT)},
@@ -186,13 +194,6 @@ CALLS = {
         }
     ),
     "solver.first_order_problem": about,
-    "solver.solve": lambda: {
-        "system": argument(model(), OBJECT),
-        "guess": argument([1.6, 0.4, 0.1], array([1.6, 0.4, 0.1], [1.0, 0.0])),
-        "omega": argument(0.6, POSITIVE),
-        "balance": argument(None, optional((*OBJECT, Galerkin))),
-        "max_iterations": argument(20, (*COUNT, 0)),
-    },
     "solver.sweep_row": lambda: (
         about(ends=False)
         | {
@@ -225,7 +226,7 @@ CALLS = {
             name: argument(
                 getattr(problem(GALERKIN), name), array(getattr(problem(GALERKIN), name), finite=False, empty=True)
             )
-            for name in ("theta", "direction")
+            for name in ("parameters", "parameter_slope")
         },
         "scale": argument(problem(GALERKIN).scale, array(problem(GALERKIN).scale, -problem(GALERKIN).scale)),
     },

@@ -24,7 +24,15 @@ class Workshop:
     def correct(self, start, normal, tolerance=1e-12, limit=50):
         y, p = np.array(start, dtype=float), self.problem
         iterations = self.corrector.kernel(
-            p.balance, p.theta, p.direction, p.scale, y, np.array(normal, dtype=float), tolerance, limit, self.work
+            p.residual_and_jacobian,
+            p.parameters,
+            p.parameter_slope,
+            p.scale,
+            y,
+            np.array(normal, dtype=float),
+            tolerance,
+            limit,
+            self.work,
         )
         return iterations, y
 
@@ -32,7 +40,17 @@ class Workshop:
         """Scaled bordered Jacobian and residual."""
         p, n = self.problem, self.problem.unknowns
         jacobian, residual, matrix = np.empty((n, n + 1)), np.empty(n), np.empty((n + 1, n + 1))
-        bordered(p.balance, p.theta, p.direction, p.scale, y, np.array(normal, dtype=float), jacobian, residual, matrix)
+        bordered(
+            p.residual_and_jacobian,
+            p.parameters,
+            p.parameter_slope,
+            p.scale,
+            y,
+            np.array(normal, dtype=float),
+            jacobian,
+            residual,
+            matrix,
+        )
         return matrix, residual
 
 

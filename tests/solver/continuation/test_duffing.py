@@ -29,8 +29,8 @@ def test_derivatives():
     residual, jacobian, values, gradient = np.empty(2), np.empty((2, 3)), np.empty(2), np.empty((2, 3))
 
     def both(x):
-        problem.balance(problem.theta, problem.direction, x, residual, jacobian)
-        problem.monitor(problem.theta, problem.direction, x, values, gradient)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, x, residual, jacobian)
+        problem.test_functions(problem.parameters, problem.parameter_slope, x, values, gradient)
         return np.concatenate([residual, values])
 
     expected = np.column_stack([difference(lambda x, c=c: both(y + x * np.eye(3)[c]), 0.0, 1e-3) for c in range(3)])
@@ -111,7 +111,7 @@ def test_both_ways_from_the_middle_is_one_curve_in_order():
 
 def test_crossings_are_all_roots_of_the_cubic(curve):
     grid = np.linspace(LOW, HIGH, 391)
-    columns, unknowns, stable = curve_crossings(duffing.duffing(LOW, HIGH), curve, grid, Continuation())
+    columns, unknowns, stable, *_ = curve_crossings(duffing.duffing(LOW, HIGH), curve, grid, Continuation())
     for i, omega in enumerate(grid):
         expected = duffing.amplitudes(omega)
         order = np.argsort(np.hypot(*unknowns[columns == i].T))

@@ -18,7 +18,7 @@ LOW, HIGH = 0.05, 2.0
 
 def met(problem, curve, grid):
     """Unknowns and stability at every grid value, in order of the first unknown."""
-    columns, unknowns, stable = curve_crossings(problem, curve, np.asarray(grid), Continuation())
+    columns, unknowns, stable, *_ = curve_crossings(problem, curve, np.asarray(grid), Continuation())
     for k in range(len(grid)):
         order = np.argsort(unknowns[columns == k][:, 0])
         yield unknowns[columns == k][order], stable[columns == k][order]
@@ -81,9 +81,9 @@ def test_values_outside_of_the_curve_are_not_met():
     problem = first_order_problem(published(), "omega", LOW, 1.0)
     (curve,) = sweep_row(published(), "omega", [LOW, 1.0]).curves
     grid = np.array([0.01, 0.0499999, 0.05, 0.3, 1.0, 1.0000001, 1.5])
-    columns, _, _ = curve_crossings(problem, curve, grid, Continuation())
+    columns, *_ = curve_crossings(problem, curve, grid, Continuation())
     assert list(columns) == [2, 3, 4]
-    columns, unknowns, stable = curve_crossings(problem, curve, np.array([]), Continuation())
+    columns, unknowns, stable, *_ = curve_crossings(problem, curve, np.array([]), Continuation())
     assert len(columns) == len(unknowns) == len(stable) == 0
 
 
@@ -91,7 +91,7 @@ def test_room_grows_with_the_number_of_crossings():
     """Five solutions at every value, where the first guess has room for four and sixteen more in all."""
     (curve,) = sweep_row(antiphase(), "omega", [LOW, HIGH]).curves
     grid = np.linspace(1.2932, 1.29358, 200)
-    columns, _, _ = curve_crossings(first_order_problem(antiphase(), "omega", LOW, HIGH), curve, grid, Continuation())
+    columns, *_ = curve_crossings(first_order_problem(antiphase(), "omega", LOW, HIGH), curve, grid, Continuation())
     np.testing.assert_array_equal(np.bincount(columns), 5)
 
 
@@ -101,7 +101,7 @@ def test_values_are_met_in_the_order_in_which_the_curve_passes_them():
     grid = np.linspace(0.3, 1.9, 800)
     for curve in sweep_row(model, "omega", np.linspace(0.3, 1.9, 20)).curves:
         problem = first_order_problem(model, "omega", 0.3, 1.9)
-        columns, _, _ = curve_crossings(problem, curve, grid, Continuation())
+        columns, *_ = curve_crossings(problem, curve, grid, Continuation())
         # At a fold the last value met is the first one again.
         senses = np.sign(np.diff(columns)[np.diff(columns) != 0])
         assert np.sum(senses[1:] != senses[:-1]) == np.sum(curve.event == Event.FOLD)

@@ -44,14 +44,14 @@ def swept(system, order, low, high, heading=1, continuation=None):
 def check(problem, curve):
     """What holds along every curve, however stiff its contacts are."""
     n, p = problem.unknowns, curve.points[:, -1]
-    values, gradient = np.empty(problem.monitors), np.empty((problem.monitors, n + 1))
+    values, gradient = np.empty(problem.test_count), np.empty((problem.test_count, n + 1))
     at_grazing = {kind: np.flatnonzero(curve.event == kind) for kind in GRAZINGS}
     margins = np.empty((len(p), 4))
     for i, y in enumerate(curve.points):
         residual, jacobian = problem.evaluated(y)
         size = np.abs(jacobian) @ problem.scale
         assert np.max(np.abs(residual) / size) < 1e-8, i
-        problem.monitor(problem.theta, problem.direction, y, values, gradient)
+        problem.test_functions(problem.parameters, problem.parameter_slope, y, values, gradient)
         margins[i] = values[1:]
     # A grazing is where its margin vanishes; it changes sign there and nowhere else.
     for column, kind in enumerate(GRAZINGS):
@@ -109,7 +109,7 @@ def test_the_motions_are_those_of_integration(stiffness, order):
     problem, curve = swept(system, order, 0.8 * NATURAL, 1.3 * NATURAL)
     shown = 0
     for omega in (0.96 * NATURAL, 1.0 * NATURAL, 1.03 * NATURAL):
-        _, motions, _ = curve_crossings(problem, curve, np.array([omega]), Continuation())
+        _, motions, *_ = curve_crossings(problem, curve, np.array([omega]), Continuation())
         for motion in motions:
             orbit = shoot(system, omega, orbit_state(system, omega, motion), order=2)
             assert orbit.status is ShootingStatus.CONVERGED
@@ -126,7 +126,7 @@ def test_values_next_to_a_corner_are_met(stiffness):
     (begin, *_) = curve.points[curve.event == Event.MAX_AT_DRIVE, -1]
     apart = 10.0 ** np.arange(-13, -2)
     grid = np.sort(np.concatenate([begin - apart, begin + apart]))
-    columns, motions, _ = curve_crossings(problem, curve, grid, Continuation())
+    columns, motions, *_ = curve_crossings(problem, curve, grid, Continuation())
     np.testing.assert_array_equal(np.sort(columns), np.arange(grid.size))
     for column, motion in zip(columns, motions, strict=True):
         residual, jacobian = problem.evaluated(np.append(motion, grid[column]))

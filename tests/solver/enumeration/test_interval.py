@@ -12,7 +12,7 @@ from solver.enumeration import interval
 from solver.enumeration.coefficients import enclosed_coefficients
 from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes
 from solver.harmonic.describing_function import coefficients
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 from tests.conftest import MODELS
 
 NUMBERS = st.floats(min_value=-1e30, max_value=1e30, allow_nan=False)

@@ -15,7 +15,7 @@ from solver.enumeration.reduction import (
     slope_over,
 )
 from solver.harmonic.describing_function import coefficients, evaluate
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 from tests.conftest import MODELS
 from tests.solver.enumeration.test_solutions import random_model
 

@@ -20,7 +20,7 @@ from solver import (
 from solver.continuation.on_curve import curve_crossings
 from solver.enumeration.solutions import Solutions
 from solver.harmonic.describing_function import evaluate, linear_solution
-from solver.model.condensation import axis_vectors
+from solver.model.packing import axis_vectors
 from tests.conftest import MODELS, antiphase, consistent, published, slow_but
 from tests.solver.dense_search import dense_search
 
@@ -164,7 +164,7 @@ def test_contains_what_continuation_finds(name, seed):
     while lacking:
         (k, i), start = next(iter(lacking.items()))
         curve = continuation.trace_both_ways(problem, np.append(start, grid[k]), grid[0], grid[-1])
-        column, points, stable = curve_crossings(problem, curve, grid, continuation)
+        column, points, stable, *_ = curve_crossings(problem, curve, grid, continuation)
         before = len(lacking)
         for at, point, state in zip(column, points, stable, strict=True):
             assert np.min(_distances(point[None], swept[at])) > 1e-7

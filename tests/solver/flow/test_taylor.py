@@ -1,52 +1,84 @@
-"""The recurrence of blocks against the integrator's series of one motion, for all zones."""
+"""The recurrence against the equations of motion themselves, and its two widths against each other."""
 
 import numpy as np
 import pytest
+from numpy.polynomial import polynomial
 
-from solver.flow.switched_system import SWITCHED_SYSTEM, SwitchedSystem
-from solver.flow.taylor import BLOCKS, new_series, series_at, state_at, step_length
+from solver.flow.switched_system import SWITCHED_SYSTEM, SwitchedSystem, loaded_system
+from solver.flow.taylor import (
+    BLOCKS,
+    MOTION_ORDER,
+    carry_deviations,
+    column_at,
+    column_sizes,
+    motion_series,
+    new_block_series,
+    new_series,
+    reach,
+)
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, kernel
+from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.contact_system import gear_system
-from solver.timedomain import taylor
 from tests.conftest import antiphase
 
+_F, _I = types.float64, types.int64
 
-@kernel(types.float64(SWITCHED_SYSTEM, types.int64, types.float64, types.boolean, BLOCKS, ARRAY, BLOCKS))
-def advanced(system, zone, time, forced, states, motion, ends):
-    """Series and states at the end of half the step that may be taken; the step."""
-    series = new_series(system.vectors.shape[1], 4 * states.shape[0])
-    series_at(system, zone, time, forced, states, series)
-    step = 0.5 * step_length(system, forced, 1e-12, states, series)
-    state_at(series, step, ends)
-    for j in range(motion.shape[0]):
-        motion[j] = series.contact[0, j, 0]
+
+@kernel(_F(SWITCHED_SYSTEM, _I, _F, ARRAY, MATRIX, ARRAY))
+def advanced(system, zone, time, state, y, end):
+    """Series, and state at the end, of a step; its length."""
+    series = new_series(system.vectors.shape[1])
+    motion_series(system, zone, time, state, series)
+    size, last, previous = column_sizes(state, series)
+    step = reach(1e-13 * size, last, previous, MOTION_ORDER)
+    column_at(series, step, end)
+    y[:, :] = series.y
     return step
 
 
-@kernel(types.void(taylor.PACKED, types.int64, types.float64, ARRAY, ARRAY, types.float64, ARRAY))
-def plain(packed, zone, time, state, motion, step, end):
-    """The integrator's own series of one motion."""
-    work = taylor.new_work(packed.vectors.shape[1])
-    taylor.series(packed, zone, time, state, work)
-    taylor.land(work, step, end)
-    for j in range(motion.shape[0]):
-        motion[j] = work.contact[j]
+@kernel(types.boolean(SWITCHED_SYSTEM, _I, _F, _F, BLOCKS))
+def carried(system, zone, begin, end, states):
+    """Deviations carried from one time to another."""
+    series = new_block_series(system.vectors.shape[1], 4 * states.shape[0])
+    return carry_deviations(system, zone, begin, end, states, series)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    model = antiphase(alpha_harmonics=[[0.1, 0.7]], f_e_harmonics=[[0.05, 0.2]], kappa=[0.4, 0.6])
+    return gear_system(model)
 
 
 @pytest.mark.parametrize("zone", [-1, 0, 1])
-def test_a_motion_and_its_deviations(zone):
-    model = antiphase(alpha_harmonics=[[0.1, 0.7]], f_e_harmonics=[[0.05, 0.2]], kappa=[0.4, 0.6])
-    omega, time = 0.83, 1.7
-    packed = taylor.pack(gear_system(model), omega)
-    numbers = np.array([*packed.numbers[:5]])
-    vectors = packed.vectors.copy()
-    system = SwitchedSystem(numbers, packed.matrices, vectors, packed.variation, packed.load)
-    random = np.random.default_rng(zone + 5)
-    states = random.normal(size=(2, 4, 4))
-    motion, ends = np.empty(20), np.empty_like(states)
-    step = advanced(system, zone, time, True, states, motion, ends)
+def test_a_motion_obeys_the_equations(pair, zone):
+    """M y'' + C y' + K y + [h + h_v s] (lambda - offset) = load, at times within the step."""
+    omega, begin, n = 0.83, 1.7, pair.degrees
+    state, y, end = np.random.default_rng(zone + 5).normal(size=2 * n), np.empty((MOTION_ORDER + 1, n)), np.empty(2 * n)
+    step = advanced(loaded_system(pair, omega), zone, begin, state, y, end)
     assert 0.1 < step < 10.0
-    expected, end = np.empty(20), np.empty(4)
-    plain(packed, zone, time, states[0, :, 0].copy(), expected, 0.2, end)
-    np.testing.assert_allclose(motion, expected, rtol=1e-11, atol=1e-14)
+    offset = zone * pair.front_gap
+    for time in np.linspace(0.0, step, 5):
+        u, v, a = (polynomial.polyval(time, polynomial.polyder(y, m)) for m in range(3))
+        s = sum(
+            size * np.cos(l * omega * (begin + time) + p) for l, (size, p) in enumerate(pair.stiffness_harmonics, 1)
+        )
+        loads = pair.load_harmonics(omega, len(pair.inertial_load) - 1)
+        load = sum(np.real(f * np.exp(1j * l * omega * (begin + time))) for l, f in enumerate(loads))
+        contact = (pair.force + pair.varying_force * s) * (pair.contact @ u - offset) * abs(zone)
+        residual = pair.mass @ a + pair.damping @ v + pair.stiffness @ u + contact - load
+        np.testing.assert_allclose(residual, 0.0, atol=1e-9)
+    np.testing.assert_allclose(end, [*u, *v], rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("zone", [-1, 0, 1])
+def test_deviations_in_blocks_are_motions_without_load(pair, zone):
+    loaded, begin, n = loaded_system(pair, 0.83), 1.7, pair.degrees
+    # No load and no gaps: the motion obeys the equation of its deviations.
+    free = SwitchedSystem(loaded.numbers * [1, 0, 0, 1, 1], *loaded[1:4], np.zeros((2, n)))
+    states = np.random.default_rng(zone + 5).normal(size=(2, 2 * n, 4))
+    end = np.empty(2 * n)
+    for block, column in np.ndindex(2, 4):
+        step = advanced(free, zone, begin, states[block, :, column].copy(), np.empty((MOTION_ORDER + 1, n)), end)
+        ends = states.copy()
+        assert carried(loaded, zone, begin, begin + step, ends)
+        np.testing.assert_allclose(ends[block, :, column], end, rtol=1e-10, atol=1e-11)

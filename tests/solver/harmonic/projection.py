@@ -13,7 +13,9 @@ def evaluated(problem: Problem, y) -> tuple[np.ndarray, np.ndarray]:
     """Residual (n,) and Jacobian (n, n + 1) of a problem."""
     n = problem.unknowns
     residual, jacobian = np.empty(n), np.empty((n, n + 1))
-    problem.balance(problem.theta, problem.direction, np.array(y, dtype=float), residual, jacobian)
+    problem.residual_and_jacobian(
+        problem.parameters, problem.parameter_slope, np.array(y, dtype=float), residual, jacobian
+    )
     return residual, jacobian
 
 

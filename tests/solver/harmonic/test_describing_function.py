@@ -5,8 +5,9 @@ import pytest
 from hypothesis import assume, given, settings
 
 from solver import first_order_problem
-from solver.harmonic.describing_function import balance, coefficients, evaluate, linear_solution, monitor
-from solver.model.condensation import AXES, axis_vectors
+from solver.harmonic import describing_function
+from solver.harmonic.describing_function import coefficients, evaluate, linear_solution
+from solver.model.packing import AXES, axis_vectors
 from tests.conftest import published
 from tests.solver.independent import difference, linear_response, projected_balance
 from tests.solver.strategies import frequencies, models, motions, value_on
@@ -14,13 +15,13 @@ from tests.solver.strategies import frequencies, models, motions, value_on
 
 def residual_and_jacobian(theta, direction, y):
     residual, jacobian = np.empty(3), np.empty((3, 4))
-    balance(theta, direction, np.array(y, dtype=float), residual, jacobian)
+    describing_function.residual_and_jacobian(theta, direction, np.array(y, dtype=float), residual, jacobian)
     return residual, jacobian
 
 
 def observed(theta, direction, y):
     values, gradient = np.empty(5), np.empty((5, 4))
-    monitor(theta, direction, np.array(y, dtype=float), values, gradient)
+    describing_function.test_functions(theta, direction, np.array(y, dtype=float), values, gradient)
     return values, gradient
 
 
@@ -176,7 +177,7 @@ def test_scales_are_positive_and_homogeneous(model):
         assert larger.motion_size == pytest.approx(3.0 * size, rel=1e-14)
     problem = first_order_problem(model, "omega", 0.2, 1.2)
     np.testing.assert_allclose(problem.scale, [size, size, size, 0.1], rtol=1e-14)
-    assert problem.unknowns == 3 and problem.monitors == 5
+    assert problem.unknowns == 3 and problem.test_count == 5
 
 
 def test_a_pair_without_load_and_gap_has_a_scale():

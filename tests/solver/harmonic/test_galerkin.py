@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from solver import Continuation, DescribingFunction, ParameterError, gear_system
 from solver.harmonic.galerkin import Galerkin
-from solver.harmonic.layout import SYSTEM_AXES
-from solver.model.condensation import AXES
+from solver.model.packing import AXES, SYSTEM_AXES
 from tests.conftest import antiphase, consistent, published
 from tests.solver.harmonic.projection import evaluated, projected
 from tests.solver.independent import difference
@@ -86,7 +85,7 @@ def test_margins_and_their_gradients(model, omega, balance, seed):
 
     def observed(y):
         values, gradient = np.empty(5), np.empty((5, y.size))
-        problem.monitor(problem.theta, problem.direction, y, values, gradient)
+        problem.test_functions(problem.parameters, problem.parameter_slope, y, values, gradient)
         return values, gradient
 
     y = np.append(u, 0.7)

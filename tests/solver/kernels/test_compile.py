@@ -12,7 +12,7 @@ import pytest
 
 import solver
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, BALANCE, MATRIX, kernel
+from solver.kernels.compile import ARRAY, MATRIX, RESIDUAL_AND_JACOBIAN, kernel
 from solver.kernels.linear import dot, eliminate_rows
 
 ROOT = Path(__file__).parents[3]
@@ -125,7 +125,7 @@ def _squares(theta, direction, y, residual, jacobian):
         residual[i] = theta[0] * y[i] * y[i]
 
 
-@kernel(types.void(BALANCE, ARRAY, ARRAY, MATRIX))
+@kernel(types.void(RESIDUAL_AND_JACOBIAN, ARRAY, ARRAY, MATRIX))
 def _by_pointer(balance, y, residual, jacobian):
     balance(y, y, y, residual, jacobian)
 

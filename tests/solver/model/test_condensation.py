@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import GEOMETRIC, ParameterError
-from solver.model.condensation import AXES, axis_vectors, mesh_receptance, parameter_vector, rotation_coupling
+from solver.model.condensation import mesh_receptance, rotation_coupling
+from solver.model.packing import AXES, axis_vectors, parameter_vector
 from tests.conftest import consistent, published
 from tests.solver.independent import difference
 from tests.solver.strategies import frequencies, models, value_on

@@ -48,8 +48,8 @@ def differences(problem, y, columns):
     )
     for j in columns:
         step = np.eye(y.size)[j] * 1e-6
-        problem.balance(problem.theta, problem.direction, y + step, residual, scratch)
-        problem.balance(problem.theta, problem.direction, y - step, other, scratch)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y + step, residual, scratch)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y - step, other, scratch)
         yield j, (residual - other) / 2e-6
 
 
@@ -61,7 +61,7 @@ def test_the_balance_over_a_path_is_that_of_its_models():
         (zones,) = plane.zones(Event.FOLD, point)
         problem, y = plane.problem(Event.FOLD, zones), plane.lift(Event.FOLD, zones, point)
         residual, jacobian = np.empty(6), np.empty((6, 7))
-        problem.balance(problem.theta, problem.direction, y, residual, jacobian)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y, residual, jacobian)
         force, square = evaluate(place_on(TURNING, point[4], BASE)[0], point[3], point[:3])
         np.testing.assert_allclose(residual, [*force, 0.0, 0.0, np.linalg.det(square)], rtol=1e-11, atol=1e-12)
         for j, slope in differences(problem, y, (5, 6)):
@@ -93,9 +93,10 @@ def test_boundaries_of_any_order_feel_a_path(balance, kind):
         problem, other = over_path.problem(kind, contact), plain.problem(kind, contact)
         residual, jacobian = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
         expected, scratch = np.empty(problem.unknowns), np.empty((problem.unknowns, y.size))
-        problem.balance(problem.theta, problem.direction, y, residual, jacobian)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y, residual, jacobian)
         # How far a flank is away is measured with the size of lambda in the middle of each plane.
-        other.balance(other.theta, other.direction, np.append(lifted(plain)[:-1], 0.5), expected, scratch)
+        there = np.append(lifted(plain)[:-1], 0.5)
+        other.residual_and_jacobian(other.parameters, other.parameter_slope, there, expected, scratch)
         np.testing.assert_allclose(residual, expected, rtol=0, atol=1e-11)
         size = 1.0 + np.max(np.abs(jacobian), axis=1)
         for j, slope in differences(problem, y, (y.size - 2, y.size - 1)):

@@ -24,7 +24,7 @@ def test_every_solution_solves_the_balance_and_the_signs_add_up(name):
     for column, place in zip(*np.nonzero(row.stable >= 0), strict=True):
         y = np.append(row.motions[column, place], row.grid[column])
         residual, jacobian = np.empty(11), np.empty((11, 12))
-        problem.balance(problem.theta, problem.direction, y, residual, jacobian)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y, residual, jacobian)
         assert np.max(np.abs(residual)) < 1e-11
         assert (np.linalg.det(jacobian[:, :-1]) > 0.0) == (row.stable[column, place] == 1)
     assert not np.any(row.open)

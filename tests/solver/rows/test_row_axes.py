@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import impact_state, sweep_row
-from solver.model.condensation import AXES
+from solver.model.packing import AXES
 from tests.conftest import MODELS, published, slow_but
 from tests.solver.curves import HIGH, LOW
 from tests.solver.exhaustive import all_solutions

@@ -18,7 +18,7 @@ def solved(problem, guess, p: float) -> np.ndarray:
     n = problem.unknowns
     y, residual, jacobian = np.append(guess, p), np.empty(n), np.empty((n, n + 1))
     for _ in range(40):
-        problem.balance(problem.theta, problem.direction, y, residual, jacobian)
+        problem.residual_and_jacobian(problem.parameters, problem.parameter_slope, y, residual, jacobian)
         y[:n] -= np.linalg.solve(jacobian[:, :n], residual)
         if np.max(np.abs(residual)) < 1e-13:
             return y[:n]

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from solver import Continuation, EndReason, Event, Model, ProvenSeeds, sweep_row
-from solver.harmonic import layout
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
-from solver.harmonic.layout import packed
-from solver.model.condensation import F_PM
+from solver.model.packing import packed
+from solver.model.parameters import F_PM, kind_start
 from solver.stability import Instability, motion_multipliers
 from solver.stability.bifurcations import locate_bifurcations, with_bifurcations
 from tests.conftest import antiphase, consistent, published
@@ -247,9 +246,9 @@ def test_what_cannot_be_located_is_a_note():
     problem, curve = branch(published(), balance)
     parameters = packed(published(), "omega", None, 1, 1)
     assert np.any(locate_bifurcations(parameters, problem, curve, Continuation())[0].event >= Event.PERIOD_DOUBLING)
-    theta = problem.theta.copy()
-    theta[layout.PAIRS + 2 * int(theta[layout.STIFFNESSES]) + F_PM] = np.nan
-    spoiled = dataclasses.replace(problem, theta=theta)
+    theta = problem.parameters.copy()
+    theta[kind_start(theta) + F_PM] = np.nan
+    spoiled = dataclasses.replace(problem, parameters=theta)
     found, notes = locate_bifurcations(parameters, spoiled, curve, Continuation())
     assert not np.any(found.event >= Event.PERIOD_DOUBLING)
     assert len(notes) == 1 and "cannot be located" in notes[0]

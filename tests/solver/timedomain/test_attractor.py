@@ -5,7 +5,7 @@ import pytest
 
 from solver import ImpactState, ParameterError
 from solver.model.contact_system import ContactSystem, gear_system
-from solver.timedomain import AttractorKind, Settling, contact_impact, settle
+from solver.timedomain import AttractorKind, Settling, contact_impact, settle, shoot
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import first_order_state, flying_mass, mathieu, oscillator
 
@@ -49,6 +49,28 @@ def test_consistent_pair_settles_on_twice_the_period():
         assert attractor.half_order_amplitude == pytest.approx(0.7888, abs=1e-4)
         assert attractor.amplitude == pytest.approx(0.106, abs=5e-4)
         assert attractor.largest_multiplier < 1.0 and attractor.lyapunov < 0.0
+
+
+def test_a_coordinate_that_nothing_drives_is_no_part_of_the_motion():
+    """It would swing on for ever and drive lambda, which sees it."""
+    small = gear_system(published())
+    n = small.degrees
+    mass, stiffness, damping = np.eye(n + 1), np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))
+    mass[:n, :n], stiffness[:n, :n], damping[:n, :n] = small.mass, small.stiffness, small.damping
+    mass[n - 1, n], stiffness[n, n] = -1.0, 0.7
+    vectors = (np.append(vector, 0.0) for vector in (small.contact, small.force))
+    loads = (np.pad(load, ((0, 0), (0, 1))) for load in (small.load, small.inertial_load))
+    varying = np.append(small.varying_force, 0.0)
+    large = ContactSystem(mass, damping, stiffness, *vectors, 1.0, 1.0, varying, small.stiffness_harmonics, *loads)
+    starts = np.random.default_rng(3).uniform(-3.0, 3.0, (3, 2 * n + 2))
+    kept = [*range(n), *range(n + 1, 2 * n + 1)]
+    for one, other in zip(settle(large, 1.0, starts), settle(small, 1.0, starts[:, kept]), strict=True):
+        assert one.kind is other.kind is AttractorKind.PERIOD_1
+        np.testing.assert_allclose(one.state[kept], other.state, rtol=0, atol=1e-9)
+        assert one.state[n] == one.state[-1] == 0.0 and one.points.shape == (1, 2 * n + 2)
+        assert one.lyapunov == pytest.approx(other.lyapunov) and one.lyapunov < 0.0
+        orbit = shoot(large, 1.0, one.state)
+        assert orbit.multipliers.size == 2 * n and orbit.state.size == 2 * n + 2 and orbit.stable
 
 
 def test_torus_beyond_the_neimark_sacker_point():
