@@ -23,7 +23,8 @@ _MOST_DEEP = 20
 _MOST_RUNS = 1000
 
 _OVERRIDE = re.compile(r"[+~]{0,2}[A-Za-z]")
-_CHOICE = re.compile(r"[A-Za-z0-9_][\w.+=/-]*")
+#: A plain name, or one in a folder of the group; none leads out of it.
+_CHOICE = re.compile(r"[A-Za-z0-9_][\w+=-]*(?:[./][\w+=-]+)*")
 _OPENING, _CLOSING = "([{", ")]}"
 
 

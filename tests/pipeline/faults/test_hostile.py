@@ -150,7 +150,8 @@ def test_a_stored_configuration_is_text(copy, tmp_path, capsys, monkeypatch):
     stored = "a: ${oc.env:SECRET_OF_THE_READER}\nb: {_target_: os.mkdir, path: went-off}\n"
     retold(copy, configuration=stored, title="${oc.env:HOME}")
     monkeypatch.chdir(tmp_path)
-    code, out, err = run(tmp_path, capsys, "stages=[figures]", "figures.formats=[svg]")
+    code = main(["stages=[figures]", "figures.formats=[svg]", "store.name=plane", "cluster=none"])
+    out, err = capsys.readouterr()
     assert (code, err) == (0, "") and not (tmp_path / "went-off").exists()
     drawn = "".join(file.read_text() for file in (tmp_path / "outputs/figures").rglob("*.svg"))
     assert "swordfish" not in drawn + out
