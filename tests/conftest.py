@@ -10,6 +10,8 @@ import pytest
 import yaml
 from hypothesis import settings
 
+from tests.made_once import share
+
 # The same examples in every run: a test that fails once fails again, and no folder of examples is left behind.
 settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)
 settings.load_profile("bevelmap")
@@ -61,6 +63,16 @@ MODELS = {"published": published, "consistent": consistent, "antiphase": antipha
 def slow_but(ordinary, cases):
     """Cases for `parametrize`, of which only some are in the ordinary suite."""
     return [case if case in ordinary else pytest.param(*case, marks=pytest.mark.slow) for case in cases]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _shared(tmp_path_factory):
+    """Where `made_once` keeps what it makes."""
+    base = tmp_path_factory.getbasetemp()
+    # Below pytest-xdist every process has a folder of its own in a common one.
+    folder = (base.parent if base.name.startswith("popen-") else base) / "shared"
+    folder.mkdir(exist_ok=True)
+    share(folder)
 
 
 @pytest.fixture(params=sorted(MODELS))

@@ -10,12 +10,11 @@ import types
 import pytest
 
 from pipeline.__main__ import main
-from pipeline.analysis import boundaries
 from pipeline.config.compose import compose, expand
 from pipeline.plan.planning import plan
 from tests.docs.examples import PAGES, commands_of, is_command, lines_of, name_of, page_of
 from tests.docs.page import ROOT
-from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.planes import small_plan, small_store, traced_store
 
 READ = {name_of(path): page_of(path) for path in PAGES}
 WITH_PYTHON = [name for name, page in READ.items() if page.of("python")]
@@ -42,9 +41,8 @@ def stores(tmp_path_factory):
     (folder / "outputs/store").mkdir(parents=True)
     for name, (overrides, columns, rows) in STORES.items():
         planned = small_plan(*overrides, columns=columns, rows=rows)
-        path = small_store(folder / f"outputs/store/{name}.zarr", planned)
-        if name == "omega_fe":
-            boundaries.trace(path, planned)
+        make = traced_store if name == "omega_fe" else small_store
+        make(folder / f"outputs/store/{name}.zarr", planned)
     return folder
 
 

@@ -1,20 +1,32 @@
 """Small planes for tests: composed like a user's, computed in this process."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import zarr
 
 from pipeline import store
+from pipeline.analysis import boundaries
 from pipeline.config.compose import compose
 from pipeline.config.schema import Cluster, Security
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from pipeline.run.rows import sweep_block
 from pipeline.store.seal import sealed
+from tests.made_once import made_once
 
-__all__ = ["assert_same_contents", "assert_same_values", "cluster", "contents", "retold", "small_plan", "small_store"]
+__all__ = [
+    "assert_same_contents",
+    "assert_same_values",
+    "cluster",
+    "contents",
+    "retold",
+    "small_plan",
+    "small_store",
+    "traced_store",
+]
 
 
 def cluster(kind: str, **changes) -> Cluster:
@@ -40,11 +52,26 @@ def small_plan(*overrides: str, columns: int = 41, rows: int = 5) -> Plan:
 
 
 def small_store(path: Path, plan: Plan, blocks=None) -> Path:
-    """A store with the template and the given blocks (all of them unless told)."""
+    """A store with the template and the given blocks; unless told, a copy of one with all, swept once in a session."""
+    if blocks is None:
+        whole = made_once(
+            f"{path.stem}-{plan.digest}", lambda folder: small_store(folder / path.name, plan, plan.blocks)
+        )
+        return shutil.copytree(whole / path.name, path)
     store.create(path, plan, path.stem, "configuration: test\n")
-    for block in plan.blocks if blocks is None else blocks:
+    for block in blocks:
         sweep_block(str(path), plan, block)
     return path
+
+
+def traced_store(path: Path, plan: Plan) -> Path:
+    """A copy of a whole store with its boundaries, traced once in a session."""
+
+    def trace(folder: Path) -> None:
+        boundaries.trace(small_store(folder / path.name, plan), plan)
+
+    whole = made_once(f"traced-{path.stem}-{plan.digest}", trace)
+    return shutil.copytree(whole / path.name, path)
 
 
 def retold(path: Path, **changes) -> None:

@@ -6,19 +6,17 @@ import xarray as xr
 
 import pipeline
 from pipeline import store
-from pipeline.analysis import boundaries
 from pipeline.errors import StoreError
 from pipeline.plane.labels import jumping
 from solver import ParameterError
-from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.planes import small_plan, small_store, traced_store
 
 
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory):
     path = tmp_path_factory.mktemp("opened") / "omega_fe.zarr"
     planned = small_plan("plane=omega_fe", columns=40, rows=5)
-    boundaries.trace(small_store(path, planned), planned)
-    return pipeline.open_plane(path)
+    return pipeline.open_plane(traced_store(path, planned))
 
 
 def grid(plane):

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis import boundaries
 from pipeline.errors import ConfigurationError
 from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
-from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.planes import small_plan, traced_store
 from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, array, assert_wrong_calls_are_refused, optional, public
 
 PUBLIC = public(("pipeline", "pipeline.api"))
@@ -34,8 +33,7 @@ SIZES = ("plane.sweep.num=20", "plane.parameter.num=3")
 def plane(tmp_path_factory):
     path = tmp_path_factory.mktemp("asked") / "omega_fe.zarr"
     planned = small_plan(*SIZES, "plane=omega_fe")
-    boundaries.trace(small_store(path, planned), planned)
-    return pipeline.open_plane(path)
+    return pipeline.open_plane(traced_store(path, planned))
 
 
 def place():

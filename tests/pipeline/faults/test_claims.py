@@ -1,5 +1,6 @@
 """Sizes that a store claims: bounded and compared with what is there before anything is built or decompressed."""
 
+import itertools
 import json
 import shutil
 import tracemalloc
@@ -24,6 +25,7 @@ from pipeline.store.arrays import layouts_of, row_layouts, status_layout
 from pipeline.store.chunk_files import ChunkError, claim_of, decoded
 from pipeline.store.damage import damaged
 from pipeline.store.listing import listing
+from tests.conftest import slow_but
 from tests.pipeline.faults.test_damage import run
 from tests.pipeline.planes import retold, small_plan, small_store
 
@@ -74,19 +76,19 @@ class Traced:
         tracemalloc.stop()
 
 
-@pytest.mark.parametrize(
-    ("file", "entry"),
-    [
-        ("mean/c/1/0/0", 0),
-        ("status/c/2", 0),
-        ("status/c/2", 1),
-        ("message/c/0", 0),
-        ("branches/cos/c/3/0", 0),
-        ("omega/c/0", 0),
-        ("boundaries/values/c/0", 0),
-    ],
-)
-def test_a_chunk_that_stands_for_more_than_it_may_is_not_decompressed(copy, tmp_path, capsys, file, entry):
+_BOMBS = [
+    ("mean/c/1/0/0", 0),
+    ("status/c/2", 0),
+    ("status/c/2", 1),
+    ("message/c/0", 0),
+    ("branches/cos/c/3/0", 0),
+    ("omega/c/0", 0),
+    ("boundaries/values/c/0", 0),
+]
+
+
+@pytest.mark.parametrize(("file", "entry"), _BOMBS)
+def test_a_chunk_that_stands_for_more_than_it_may_is_not_decompressed(copy, file, entry):
     # Not a trace of its imports.
     open_plane = pipeline.open_plane
     for size in (2 * 10**9, 3 * 10**7):
@@ -99,6 +101,11 @@ def test_a_chunk_that_stands_for_more_than_it_may_is_not_decompressed(copy, tmp_
         assert [item.file for item in store.find_damage(copy)] == [file]
         (entry,) = listing(copy.parent).entries
     assert traced.peak < _LITTLE and "damaged" in entry.status
+
+
+@pytest.mark.parametrize(("file", "entry"), slow_but([_BOMBS[0], _BOMBS[2]], _BOMBS))
+def test_no_stage_decompresses_such_a_chunk(copy, tmp_path, capsys, file, entry):
+    (copy / file).write_bytes(bomb(3 * 10**7, entry))
     with Traced() as traced:
         for stage in ("sweep", "figures", "boundaries", "check", "list"):
             code, out, err = run(tmp_path, capsys, f"stages=[{stage}]", *_SIZES)
@@ -163,27 +170,40 @@ def _claims(path: Path, **changes) -> None:
     retold(path, numbers=json.dumps(numbers))
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"parameter": {"num": 3 * 10**8}},
-        {"parameter": {"num": 10**6}, "max_points": 10**7},
-        {"sweep": {"num": 3 * 10**8}},
-        {"sweep": {"num": 10**6}, "parameter": {"num": 10**6}},
-        {"parameter": {"num": 10**15}},
-    ],
-)
-@pytest.mark.parametrize("plane", ["plane=omega_fe", "plane=omega_temperature"])
-def test_a_plane_of_too_many_rows_costs_nothing(tmp_path, capsys, plane, changes):
-    words = [plane, *(["gear=miter"] if "temperature" in plane else [])]
-    path = small_store(tmp_path / "outputs/store/plane.zarr", small_plan(*words, columns=9, rows=4), blocks=[])
+_TOO_MANY = [
+    {"parameter": {"num": 3 * 10**8}},
+    {"parameter": {"num": 10**6}, "max_points": 10**7},
+    {"sweep": {"num": 3 * 10**8}},
+    {"sweep": {"num": 10**6}, "parameter": {"num": 10**6}},
+    {"parameter": {"num": 10**15}},
+]
+_ON = [("plane=omega_fe",), ("plane=omega_temperature", "gear=miter")]
+
+
+def _too_large(path: Path, words: tuple[str, ...], changes: dict) -> Path:
+    path = small_store(path, small_plan(*words, columns=9, rows=4), blocks=[])
     _claims(path, **changes)
+    return path
+
+
+@pytest.mark.parametrize("changes", _TOO_MANY)
+@pytest.mark.parametrize("words", _ON)
+def test_a_plane_of_too_many_rows_costs_nothing(tmp_path, words, changes):
+    path = _too_large(tmp_path / "plane.zarr", words, changes)
     with Traced() as traced:
         for look in (store.read_plan, store.find_damage, pipeline.open_plane):
             with pytest.raises(StoreError, match="makes no sense"):
                 look(path)
         (entry,) = listing(path.parent).entries
     assert traced.peak < _LITTLE and entry.status == "damaged metadata"
+
+
+_CASES = list(itertools.product(_ON, _TOO_MANY))
+
+
+@pytest.mark.parametrize(("words", "changes"), slow_but([_CASES[1], _CASES[5]], _CASES))
+def test_a_plane_of_too_many_rows_costs_no_stage_much(tmp_path, capsys, words, changes):
+    _too_large(tmp_path / "outputs/store/plane.zarr", words, changes)
     with Traced() as traced:
         for stage in ("figures", "boundaries", "check", "list"):
             code, _, err = run(tmp_path, capsys, f"stages=[{stage}]", *words)

@@ -1,5 +1,6 @@
 """Chunks that go missing while a store is written: what is kept is verified, and nothing is made up in its place."""
 
+import itertools
 import shutil
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from pipeline.run import sweep
 from pipeline.run.recompute import drawn_rows
 from pipeline.run.rows import sweep_block
 from pipeline.store.arrays import arrays_of
+from tests.conftest import slow_but
 from tests.pipeline.faults.runs import same
 from tests.pipeline.faults.test_damage import harm, run
 from tests.pipeline.planes import small_plan, small_store
@@ -38,8 +40,12 @@ def _file(path: Path, name: str, number: int) -> Path:
     return file
 
 
-@pytest.mark.parametrize("kind", _KINDS)
-@pytest.mark.parametrize("name", ["amplitude", "status", "message", "branches/n_folds", "branches/cos"])
+_LOST = list(itertools.product(["amplitude", "status", "message", "branches/n_folds", "branches/cos"], _KINDS))
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), slow_but([case for case in _LOST if "amplitude" in case or "missing" in case], _LOST)
+)
 def test_a_chunk_lost_before_its_block_is_written_again_is_never_made_up(
     copy, undisturbed, tmp_path, capsys, monkeypatch, name, kind
 ):
@@ -109,8 +115,14 @@ def test_every_array_of_a_block_is_verified_before_its_rows_are_kept(small, tmp_
             np.testing.assert_array_equal(values[name], zarr.open_group(whole, mode="r")[name][row])
 
 
-@pytest.mark.parametrize("kind", _KINDS)
-@pytest.mark.parametrize(("name", "number"), [("mean", 3), ("message", 8), ("status", 8), ("branches/event", 8)])
+_HARMED = [
+    (*place, kind) for place in (("mean", 3), ("message", 8), ("status", 8), ("branches/event", 8)) for kind in _KINDS
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "kind"), slow_but([case for case in _HARMED if "mean" in case or "missing" in case], _HARMED)
+)
 def test_a_block_that_cannot_be_verified_is_computed_again(small, tmp_path, name, number, kind):
     plan, whole = small
     path = Path(shutil.copytree(whole, tmp_path / "plane.zarr"))

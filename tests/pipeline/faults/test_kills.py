@@ -7,10 +7,13 @@ import signal
 import pytest
 
 from pipeline import store
+from tests.conftest import slow_but
 from tests.pipeline.faults.runs import INJECTED, KEPT, ROWS, complete, continued, same, start, until, workers_of
 from tests.pipeline.schedulers import Scheduler
 
 _FEW = [("client", 1), ("worker", 2), ("workers", 3), ("client", 4), ("scheduler", 5), ("client", 6)]
+#: Every victim once.
+_ONCE = [_FEW[1], _FEW[2], _FEW[4], _FEW[5]]
 _VICTIMS = ["client", "worker", "workers", "client", "scheduler"]
 _MANY = [(_VICTIMS[seed % len(_VICTIMS)], seed) for seed in range(100, 150)]
 
@@ -68,7 +71,7 @@ def _harm(victim, folder, seed, undisturbed, capsys):
     assert not [left for left in path.parent.iterdir() if left != path]
 
 
-@pytest.mark.parametrize(("victim", "seed"), _FEW)
+@pytest.mark.parametrize(("victim", "seed"), slow_but(_ONCE, _FEW))
 def test_killed_and_continued(victim, seed, tmp_path, undisturbed, capsys):
     _harm(victim, tmp_path, seed, undisturbed, capsys)
 

@@ -1,6 +1,7 @@
 """Whatever a store says its parts are called: nothing outside it is opened, and inside only its own is removed."""
 
 import contextlib
+import itertools
 import json
 import os
 import shutil
@@ -90,13 +91,23 @@ _OUTSIDE = ("../sister.zarr", "..", "../sister.zarr/mean", "boundaries/../../sis
 _ODD = ("", ".", "/", "mean/c", "a/b/c", ".hidden", "x\x1b[2Jy", "\ud800", "mine", "boundaries/..", "n" * 5000)
 
 
-@pytest.mark.parametrize("document", [_GROUP, _ARRAY], ids=["group", "array"])
-@pytest.mark.parametrize("name", [*_OUTSIDE, *_ODD])
-def test_listed_names_lead_nowhere(copy, made, tmp_path, capsys, name, document):
+_LISTED = list(itertools.product([*_OUTSIDE, *_ODD], [_GROUP, _ARRAY]))
+_READERS = [stage for stage in _STAGES if stage != "list"]
+
+
+@pytest.mark.parametrize(
+    ("name", "document", "stages"),
+    [
+        # Every name for one stage and every stage for some names; all for all of them are slow.
+        *((*listed, [_READERS[i % len(_READERS)]]) for i, listed in enumerate(_LISTED)),
+        *(pytest.param(*listed, _READERS, marks=pytest.mark.slow) for listed in _LISTED),
+    ],
+)
+def test_listed_names_lead_nowhere(copy, made, tmp_path, capsys, name, document, stages):
     sister = copy.with_name("sister.zarr")
     _lists(copy, name, document)
     with untouched(sister):
-        for stage in (stage for stage in _STAGES if stage != "list"):
+        for stage in stages:
             code, _, err = run(tmp_path, capsys, f"stages=[{stage}]", *_SIZES, "debug.row=null")
             assert code in (1, 2) and len(err.splitlines()) == 1 and "Traceback" not in err, err
         with pytest.raises(StoreError, match="which is no name of this program"):

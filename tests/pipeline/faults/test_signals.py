@@ -1,5 +1,6 @@
 """What ends a run from outside, and who does not read what it says: one line at most, the lock let go, nothing lost."""
 
+import itertools
 import os
 import signal
 import subprocess
@@ -9,11 +10,13 @@ import pytest
 
 from pipeline import store
 from pipeline.__main__ import main
+from tests.conftest import slow_but
 from tests.pipeline.faults.runs import COMMAND, INJECTED, KEPT, ROOT, ROWS, complete, continued, same, start, until
 
+_ENDED = list(itertools.product([signal.SIGTERM, signal.SIGHUP], ["local", "none"]))
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP], ids=lambda number: number.name)
-@pytest.mark.parametrize("cluster", ["local", "none"])
+
+@pytest.mark.parametrize(("number", "cluster"), slow_but([_ENDED[0], _ENDED[3]], _ENDED))
 def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undisturbed, capsys):
     run = start(tmp_path, f"cluster={cluster}")
     until(run, 3)
@@ -26,9 +29,10 @@ def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undistu
     same(run.path, undisturbed)
 
 
-@pytest.mark.parametrize(
-    ("number", "cluster"), [(signal.SIGINT, "none"), (signal.SIGTERM, "none"), (signal.SIGINT, "local")]
-)
+_SPUN = [(signal.SIGINT, "local"), (signal.SIGTERM, "none"), (signal.SIGINT, "none")]
+
+
+@pytest.mark.parametrize(("number", "cluster"), slow_but(_SPUN[:2], _SPUN))
 def test_a_compiled_loop_without_end_is_interrupted(number, cluster, tmp_path, undisturbed, capsys):
     """Python itself does not see a signal until the loop is over."""
     environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "spin"}
@@ -54,7 +58,10 @@ def test_a_hangup_that_is_ignored_stays_ignored(tmp_path):
     assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
 
 
-@pytest.mark.parametrize("closed", ["| head -1", "| true", ">&-", "2>&-", ">&- 2>&-"])
+_CLOSED = [("| head -1",), ("| true",), (">&-",), ("2>&-",), (">&- 2>&-",)]
+
+
+@pytest.mark.parametrize(("closed",), slow_but([_CLOSED[0], _CLOSED[-1]], _CLOSED))
 def test_a_run_that_nobody_reads_completes(closed, tmp_path, undisturbed):
     words = " ".join([sys.executable, "-W", "error", "-m", "pipeline", *COMMAND, "cluster.workers=1"])
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from solver.kernels.store import KernelStore, why_distrusted
+from tests.made_once import made_once
 
 NOBODY = 65534
 ROOT = Path(__file__).parents[3]
@@ -73,6 +74,10 @@ class Cheap:
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout), done.stderr.splitlines()
 
+    def fill(self) -> None:
+        """Put into the cache what a first run leaves there."""
+        shutil.copytree(made_once("cheap-kernels", _first_run) / "home", self.home)
+
     @property
     def entries(self) -> list[Path]:
         found = sorted((self.home / "bevelmap").iterdir())
@@ -80,9 +85,20 @@ class Cheap:
         return found
 
 
+def _first_run(folder: Path) -> None:
+    assert Cheap(folder).run() == (BOTH, [])
+
+
 @pytest.fixture
 def cheap(tmp_path):
     return Cheap(tmp_path)
+
+
+@pytest.fixture
+def filled(cheap):
+    """With the entries of a first run."""
+    cheap.fill()
+    return cheap
 
 
 def test_entries_are_found_again_and_nobody_else_can_read_them(cheap):
@@ -92,9 +108,9 @@ def test_entries_are_found_again_and_nobody_else_can_read_them(cheap):
     assert stat.S_IMODE((cheap.home / "bevelmap").stat().st_mode) == 0o700
 
 
-def test_every_damaged_bit_is_noticed(cheap):
+@pytest.mark.parametrize("count", [30, pytest.param(150, marks=pytest.mark.slow)])
+def test_every_damaged_bit_is_noticed(count, filled):
     """Random single bits of real entries; the checksum is compared before anything is unpickled."""
-    cheap.run()
     flips = """
 import pickle, random
 store, random = kernel_store(), random.Random(1)
@@ -102,7 +118,7 @@ entries = {path.name: path.read_bytes() for path in store.folder.iterdir()}
 unpickled, loads = [], pickle.loads
 pickle.loads = lambda data: unpickled.append(1) or loads(data)
 outcomes = []
-for _ in range(150):
+for _ in range(count):
     name = random.choice(sorted(entries))
     damaged = bytearray(entries[name])
     # Anywhere, in the head, or at the end.
@@ -116,38 +132,39 @@ for _ in range(150):
     assert store.read(name) is not None
 print(json.dumps(outcomes))
 """
-    outcomes, said = cheap.run(flips)
-    assert len(outcomes) == 150 and said == []
+    outcomes, said = filled.run(f"count = {count}\n{flips}")
+    assert len(outcomes) == count and said == []
     for compiled, name, unpickled, complete in outcomes:
         # The damaged one is compiled again and kept again; only the other one is read.
         assert compiled == [name] and unpickled == 1 and complete
-    assert cheap.run() == ([], [])
+    assert filled.run() == ([], [])
 
 
-def test_an_entry_of_another_length_is_made_again(cheap):
-    cheap.run()
-    pristine = cheap.entries
-    for harm in (lambda data: b"", lambda data: data[:30], lambda data: data[:-1], lambda data: data * 2):
-        for entry in pristine:
-            entry.write_bytes(harm(entry.read_bytes()))
-        assert cheap.run() == (BOTH, []) and cheap.entries == pristine
-    assert cheap.run() == ([], [])
+def test_an_entry_of_another_length_is_made_again(filled):
+    pristine = filled.entries
+    harms = """
+entries, outcomes = sorted(kernel_store().folder.iterdir()), []
+for harm in (lambda data: b"", lambda data: data[:30], lambda data: data[:-1], lambda data: data * 2):
+    for entry in entries:
+        entry.write_bytes(harm(entry.read_bytes()))
+    outcomes.append(made())
+print(json.dumps([*outcomes, made()]))
+"""
+    assert filled.run(harms) == ([BOTH] * 4 + [[]], []) and filled.entries == pristine
 
 
-def test_an_entry_under_another_name_is_not_believed(cheap):
+def test_an_entry_under_another_name_is_not_believed(filled):
     """A sound file in the place of another one would be the wrong machine code."""
-    cheap.run()
-    first, second = cheap.entries
+    first, second = filled.entries
     shutil.copy(first, second)
-    assert cheap.run()[0] in (["cube"], ["hypotenuse"])
+    assert filled.run()[0] in (["cube"], ["hypotenuse"])
 
 
-def test_a_folder_in_the_place_of_an_entry(cheap):
-    cheap.run()
-    first = cheap.entries[0]
+def test_a_folder_in_the_place_of_an_entry(filled):
+    first = filled.entries[0]
     first.unlink()
     first.mkdir()
-    compiled, said = cheap.run()
+    compiled, said = filled.run()
     assert len(compiled) == 1 and len(said) == 1 and "run only" in said[0]
 
 
@@ -165,25 +182,23 @@ def _planted(entry: Path, content: bytes) -> None:
     entry.write_bytes(KernelStore._head(KernelStore, entry.name, content) + content)
 
 
-def test_what_is_planted_as_intended_here_would_run(cheap):
+def test_what_is_planted_as_intended_here_would_run(filled):
     """The other tests plant entries that are believed when they are this user's own: the trace shows it."""
-    cheap.run()
-    trace = cheap.folder / "trace"
-    for entry in cheap.entries:
+    trace = filled.folder / "trace"
+    for entry in filled.entries:
         _planted(entry, pickle.dumps(Evil(trace)))
-    cheap.run()
+    filled.run()
     assert trace.exists()
 
 
 @BY_ROOT
-def test_another_users_entry_does_not_run(cheap):
-    cheap.run()
-    trace = cheap.folder / "trace"
-    for entry in cheap.entries:
+def test_another_users_entry_does_not_run(filled):
+    trace = filled.folder / "trace"
+    for entry in filled.entries:
         _planted(entry, pickle.dumps(Evil(trace)))
         os.chown(entry, NOBODY, NOBODY)
-    assert cheap.run() == (BOTH, []) and not trace.exists()
-    assert all(entry.stat().st_uid == 0 for entry in cheap.entries) and cheap.run() == ([], [])
+    assert filled.run() == (BOTH, []) and not trace.exists()
+    assert all(entry.stat().st_uid == 0 for entry in filled.entries) and filled.run() == ([], [])
 
 
 def _given(path):
@@ -195,12 +210,11 @@ def _linked(path):
     path.symlink_to(path.parent / "elsewhere")
 
 
-def test_a_private_folder_serves_one_run_and_its_processes(cheap):
-    cheap.run()
-    trace = cheap.folder / "trace"
-    for entry in cheap.entries:
+def test_a_private_folder_serves_one_run_and_its_processes(filled):
+    trace = filled.folder / "trace"
+    for entry in filled.entries:
         _planted(entry, pickle.dumps(Evil(trace)))
-    cheap.home.chmod(0o777)
+    filled.home.chmod(0o777)
     body = """
 import subprocess
 first = made()
@@ -209,12 +223,12 @@ child = subprocess.run([sys.executable, "-c", "import json; from cheap import *;
 folder = kernel_store().folder
 print(json.dumps([first, json.loads(child.stdout), child.stderr, str(folder), oct(folder.stat().st_mode), made()]))
 """
-    (first, child, child_said, folder, mode, again), said = cheap.run(body)
+    (first, child, child_said, folder, mode, again), said = filled.run(body)
     assert not trace.exists()
     assert first == BOTH and child == again == [] and child_said == ""
-    assert len(said) == 1 and "run only" in said[0] and str(cheap.home) in said[0]
-    assert Path(folder).is_relative_to(cheap.temporary) and mode == "0o40700"
-    assert list(cheap.temporary.iterdir()) == []
+    assert len(said) == 1 and "run only" in said[0] and str(filled.home) in said[0]
+    assert Path(folder).is_relative_to(filled.temporary) and mode == "0o40700"
+    assert list(filled.temporary.iterdir()) == []
 
 
 @pytest.mark.parametrize(

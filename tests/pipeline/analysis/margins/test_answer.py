@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.__main__ import main
-from pipeline.analysis import boundaries
 from pipeline.analysis.margins import Design, answer, design_of
 from pipeline.analysis.margins.distances import further_axis
 from pipeline.analysis.margins.options import nominal_value
@@ -18,22 +17,20 @@ from pipeline.config.compose import compose
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan.numerics import model_at
 from solver import Event, domain_code, domain_label, enumerate_row, impact_state
-from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.planes import small_plan, small_store, traced_store
 
 PLANES = ("omega_fe", "omega_b")
 
 
-def traced_store(path, *overrides, columns=80, rows=12):
+def traced(path, *overrides, columns=80, rows=12):
     plan = small_plan(*overrides, columns=columns, rows=rows)
-    small_store(path, plan)
-    boundaries.trace(path, plan)
-    return path, plan
+    return traced_store(path, plan), plan
 
 
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory):
     folder = tmp_path_factory.mktemp("margins")
-    return {name: traced_store(folder / f"{name}.zarr", f"plane={name}") for name in PLANES}
+    return {name: traced(folder / f"{name}.zarr", f"plane={name}") for name in PLANES}
 
 
 def enumerated(plan, axis, values, x, p, **changes):
@@ -251,7 +248,7 @@ def test_labels_within_tolerances(stores, name, where, tolerance, further):
 
 @pytest.mark.slow
 def test_answers_do_not_depend_on_the_raster(stores, tmp_path):
-    fine = traced_store(tmp_path / "fine.zarr", "plane=omega_b", columns=160, rows=9)
+    fine = traced(tmp_path / "fine.zarr", "plane=omega_b", columns=160, rows=9)
     design = (0.85, 0.6, 0.8, 0.95, 0.1, {"alpha": 0.05})
     for one, other in zip(
         *(csv.reader(tidy(ask(made, *design)).splitlines()) for made in (stores["omega_b"], fine)), strict=True
@@ -361,7 +358,7 @@ def test_other_orders_give_distances_without_labels(tmp_path):
     """From the stored curves, which an order-3 balance has too; against its own row through the point."""
     from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 
-    made = traced_store(
+    made = traced(
         tmp_path / "hb.zarr",
         "solver=hb",
         "solver.order=3",

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from pipeline.__main__ import main
-from pipeline.analysis import boundaries
 from pipeline.analysis.margins import Design, answer, design_of
 from pipeline.analysis.margins.options import nominal_value, replaced
 from pipeline.analysis.margins.sheets import lines, markdown, tidy
@@ -16,7 +15,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import model_at, point_of
 from pipeline.plan.scales import scales_of
 from solver import all_solutions, domain_code, domain_label, impact_state
-from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.planes import small_plan, traced_store
 
 WINDOW = ("gear=miter", "plane.sweep.min=0.9", "plane.sweep.max=1.2")
 PLANES = {
@@ -30,9 +29,7 @@ def stores(tmp_path_factory):
     folder, made = tmp_path_factory.mktemp("paths"), {}
     for name, ends in PLANES.items():
         plan = small_plan(f"plane={name}", *WINDOW, *ends, columns=40, rows=9)
-        path = small_store(folder / f"{name}.zarr", plan)
-        boundaries.trace(path, plan)
-        made[name] = path, plan
+        made[name] = traced_store(folder / f"{name}.zarr", plan), plan
     return made
 
 

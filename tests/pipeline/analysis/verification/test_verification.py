@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline.analysis import boundaries, verification
+from pipeline.analysis import verification
 from pipeline.analysis.verification import Credibility, Verdict
 from pipeline.analysis.verification.credibility import Samples, credibility
 from pipeline.analysis.verification.sampling import allot, choose_cells
@@ -16,15 +16,14 @@ from pipeline.plan.numerics import point_of
 from solver import ImpactState, domain_code, domain_label, domain_parts, gear_system
 from solver.timedomain import AttractorKind, orbit_state, settle, wilson_interval
 from tests.pipeline.analysis.verification.verified import RUN, settings, silent
-from tests.pipeline.planes import small_plan, small_store
+from tests.pipeline.planes import small_plan, traced_store
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """A small plane around the lower resonance, verified."""
     plan = small_plan("plane.sweep.min=0.4", "plane.sweep.max=0.9", columns=26, rows=5)
-    path = small_store(tmp_path_factory.mktemp("verification") / "plane.zarr", plan)
-    boundaries.trace(path, plan)
+    path = traced_store(tmp_path_factory.mktemp("verification") / "plane.zarr", plan)
     return plan, path, verification.verify(path, plan, settings(), RUN, silent)
 
 
