@@ -19,6 +19,7 @@ from pipeline.errors import ComputationError, StoreError
 from pipeline.figures.plots import Plots
 from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
+from pipeline.plane.boundaries import read_boundaries
 from pipeline.plane.labels import TRAITS
 from pipeline.run.libraries import check_zarr
 from pipeline.run.preparation import prepare, run_plane_stages
@@ -375,7 +376,6 @@ class OpenPlane:
         solver.ParameterError
             As `label_near`.
         """
-        from pipeline.analysis.boundaries import read_boundaries
         from pipeline.analysis.margins.answer import line_through
         from pipeline.analysis.margins.curves import P, X, boundaries_of
         from pipeline.analysis.margins.distances import margins_of_axis

@@ -91,7 +91,7 @@ def draw_design(
         from pipeline.figures.drawing import own_style
         from pipeline.figures.margins import draw_margins
         from pipeline.figures.output import write_figure
-        from pipeline.figures.stored import read_stored
+        from pipeline.plane.stored import read_stored
 
         plane = read_stored(store_path, physical=units == "physical")
         with own_style():
@@ -120,7 +120,7 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability, units, on
     from pipeline.figures.drawing import own_style
     from pipeline.figures.map import draw_map, draw_window
     from pipeline.figures.output import write_figure
-    from pipeline.figures.stored import read_stored
+    from pipeline.plane.stored import read_stored
 
     plane = read_stored(store_path, stability == "dynamic", units == "physical")
     drawers = {"map": lambda: draw_map(plane)}

@@ -41,8 +41,8 @@ from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import label_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
 from pipeline.figures.physical_axes import lift, show_units, spare, titled
-from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
+from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 
 __all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel"]

@@ -9,7 +9,7 @@ from matplotlib.patheffects import withStroke
 
 from pipeline.figures.naming import STATE_NAMES
 from pipeline.figures.palette import hex_colour, label_colour
-from pipeline.figures.stored import StoredPlane
+from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 from solver import ImpactState
 from solver.boundaries import SpecialPoint

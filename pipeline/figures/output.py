@@ -4,7 +4,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from pipeline.figures.stored import StoredPlane
+from pipeline.plane.stored import StoredPlane
 
 __all__ = ["write_figure"]
 

@@ -9,14 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.path import Path as Outline
 
-from pipeline.analysis.boundaries import special_places
 from pipeline.analysis.boundaries.events import MARGINS
-from pipeline.analysis.boundaries.group import StoredBoundaries
 from pipeline.figures.edges import curves_along, label_edges
 from pipeline.figures.regions import region_codes
-from pipeline.figures.stored import StoredPlane
 from pipeline.plan.axes import Axis
+from pipeline.plane.boundaries import StoredBoundaries, special_places
 from pipeline.plane.segments import labels_at
+from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE
 from solver import Event
 from solver.boundaries import SpecialPoint

@@ -10,9 +10,9 @@ the amplitude ceiling, a boundary that could not be followed) the nearer row is 
 import numpy as np
 
 from pipeline.analysis.boundaries.events import MARGINS, half_backlash
-from pipeline.analysis.boundaries.group import StoredBoundaries, StoredCurve
-from pipeline.figures.stored import StoredPlane
 from pipeline.plan.plan import Plan
+from pipeline.plane.boundaries import StoredBoundaries, StoredCurve
+from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE
 from solver import Event, domain_code, impact_state
 from solver.boundaries import FOLDS_AND_GRAZINGS

@@ -11,7 +11,7 @@ from pipeline.figures.map import fill, modes_within
 from pipeline.figures.map_legend import draw_legend, legend_entries, legend_height
 from pipeline.figures.naming import axis_label, fixed_parameters, value_text
 from pipeline.figures.panels import panel_of
-from pipeline.figures.stored import StoredPlane, read_stored
+from pipeline.plane.stored import StoredPlane, read_stored
 from pipeline.store import read_plan
 
 __all__ = ["draw_volume", "read_layers"]

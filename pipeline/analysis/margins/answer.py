@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.analysis.boundaries import read_boundaries
 from pipeline.analysis.margins.box import Box, largest_box
 from pipeline.analysis.margins.curves import Boundaries, P, X, boundaries_of
 from pipeline.analysis.margins.distances import Margin, margins_of_axis, margins_of_further, nearest_over_range
@@ -15,6 +14,7 @@ from pipeline.analysis.margins.options import Design
 from pipeline.analysis.margins.worst import Corner, corners
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Plan
+from pipeline.plane.boundaries import read_boundaries
 from pipeline.plane.regions import stored_curves
 from solver import domain_label
 

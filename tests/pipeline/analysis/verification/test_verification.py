@@ -283,8 +283,8 @@ def test_figure(made, tmp_path):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     from pipeline.figures.output import write_figure
-    from pipeline.figures.stored import read_stored
     from pipeline.figures.verification import draw_verification
+    from pipeline.plane.stored import read_stored
 
     plan, path, _ = made
     plane, found = read_stored(path), verification.read_verification(path)

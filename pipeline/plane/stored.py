@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from pipeline import store
-from pipeline.analysis.boundaries import StoredBoundaries, read_boundaries
 from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import scales_of
+from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
 from pipeline.plane.segments import Piece, pieces_of_row
 from solver import Scales, domain_code
 from solver.stability import Instability
