@@ -134,7 +134,7 @@ def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entr
     lines = {kind for panel in panels for kind in panel.lines}
     marks = {kind for panel in panels for kind in panel.marks}
     modes = np.any([modes_within(plane, panel) for panel in panels], axis=0)
-    return legend_entries(plane, [int(code) for code in shown if code], lines, marks, modes, shares)
+    return legend_entries([plane], [int(code) for code in shown if code], lines, marks, modes, shares)
 
 
 def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:

@@ -1,6 +1,5 @@
 """A volume as small multiples: the maps of some of its layers side by side, with one legend."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -71,13 +70,7 @@ def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Drawing:
 
 def _entries(planes, panels) -> list:
     """What any of the panels shows."""
-    every = replace(
-        planes[0],
-        **{
-            name: np.concatenate([getattr(plane, name) for plane in planes])
-            for name in ("domain", "open", "unstable", "contradictory", "status")
-        },
-    )
+    codes = np.unique(np.concatenate([np.unique(plane.domain) for plane in planes]))
     lines = {kind for panel in panels for kind in panel.lines}
     modes = np.any([modes_within(plane, panel) for plane, panel in zip(planes, panels, strict=True)], axis=0)
-    return legend_entries(every, [int(code) for code in np.unique(every.domain) if code], lines, (), modes, False)
+    return legend_entries(planes, [int(code) for code in codes if code], lines, (), modes, False)

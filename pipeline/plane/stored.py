@@ -1,18 +1,19 @@
-"""A stored plane as figures need it: plain arrays, read once."""
+"""A stored plane as plain arrays: the one way in which what is stored of rows is read."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
+import zarr
 
-from pipeline import store
 from pipeline.plan.numerics import model_at
-from pipeline.plan.plan import Plan
+from pipeline.plan.plan import Block, Plan
 from pipeline.plan.scales import scales_of
 from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
 from pipeline.plane.segments import Piece, pieces_of_row
+from pipeline.store import COMPLETE, read_plan
 from solver import Scales, domain_code
 from solver.stability import Instability
 
@@ -21,60 +22,149 @@ __all__ = ["StoredPlane", "read_stored"]
 _POINT_ARRAYS = ("mean", "amplitude", "stable", "impact", "branch", "event")
 
 
-@dataclass(frozen=True)
+def _stored(name: str) -> cached_property:
+    """An array of the store, read when it is first asked for."""
+    return cached_property(lambda plane: plane.array(name))
+
+
+@dataclass(frozen=True, eq=False)
 class StoredPlane:
-    """One plane.
+    """A plane, a volume or one layer of it, or some rows of a plane; P rows, X columns, S solutions.
+
+    Every array is read when it is first asked for, and once. Where a plane may be larger than memory, its `parts` are
+    read one after the other.
 
     Parameters
     ----------
+    path : Path
     plan : Plan
-    title : str
-        Of the store.
-    digest : str
-        Digest of the configuration that made it.
-    attributes : dict
-        Axis name -> its attributes (`long_name`, `units`).
-    labels : dict
-        Code -> n/I label.
-    domain, n_stable, open : (P, X) arrays
+        Of the plane; of the layer, where it is one.
+    layer : int or None
+        Number of the layer in a volume.
+    block : Block or None
+        The rows that are meant, by number within the plane; all unless given.
     dynamic : bool
         Whether `domain` and `n_stable` count the dynamically stable motions, instead of the statically stable ones.
-    unstable, contradictory : (P, X) bool arrays
-        Where a statically stable motion is dynamically unstable (period doubling, Neimark-Sacker), and where static and
-        dynamic stability of one contradict each other.
+    physical : bool
+        Whether it is shown in physical units.
+
+    Attributes
+    ----------
     status : (P,) array
-    points : dict
-        Name -> (P, point) array of the branches; "position" is where on the sweep axis a point is.
+    open : (P, X) array
+    mean, amplitude, phase, stable, impact, instability : (P, X, S) arrays
+    motion : (P, X, S, n) array
+        All harmonics, where the plane is of a higher order.
     n_points : (P,) array
+        Points of a row's branches.
     end_reason : (P, branch, 2) array
-    boundaries : StoredBoundaries or None
-        None where they have not been traced.
-    scales : Scales or None
-        To show the plane in physical units; None shows it dimensionless.
     """
 
+    path: Path
     plan: Plan
-    title: str
-    digest: str
-    attributes: dict[str, dict]
-    labels: dict[int, str]
-    domain: np.ndarray
-    n_stable: np.ndarray
-    open: np.ndarray
-    dynamic: bool
-    unstable: np.ndarray
-    contradictory: np.ndarray
-    status: np.ndarray
-    points: dict[str, np.ndarray]
-    n_points: np.ndarray
-    end_reason: np.ndarray
-    boundaries: StoredBoundaries | None
-    scales: Scales | None = None
+    layer: int | None = None
+    block: Block | None = None
+    dynamic: bool = False
+    physical: bool = False
+
+    status = _stored("status")
+    open = _stored("open")
+    mean = _stored("mean")
+    amplitude = _stored("amplitude")
+    phase = _stored("phase")
+    stable = _stored("stable")
+    impact = _stored("impact")
+    instability = _stored("instability")
+    motion = _stored("motion")
+    n_points = _stored("branches/n_points")
+    end_reason = _stored("branches/end_reason")
+
+    def array(self, name: str, *within: slice) -> np.ndarray:
+        """An array that has rows, read anew; `within` cuts it along its further dimensions."""
+        place = (self._within, *within)
+        return self._root[name][place if self.layer is None else (self.layer, *place)]
 
     @property
+    def parts(self) -> Iterator["StoredPlane"]:
+        """The plane in blocks of rows, each a chunk of the store."""
+        for block in self.plan.blocks:
+            part = replace(self, block=block)
+            # To open the store takes longer than to read a block of it.
+            vars(part)["_root"] = self._root
+            yield part
+
+    @cached_property
     def rows(self) -> np.ndarray:
-        """Values of the row parameter."""
-        return self.plan.parameter.values
+        """Values of the row parameter, (P,)."""
+        return self.plan.parameter.values[self._within]
+
+    @cached_property
+    def complete(self) -> np.ndarray:
+        """Whether a row is complete, (P,) bool."""
+        return self.status == COMPLETE
+
+    @cached_property
+    def about(self) -> dict:
+        """What the store says of itself: title, configuration, versions, time of creation."""
+        return dict(self._root.attrs)
+
+    @cached_property
+    def attributes(self) -> dict[str, dict]:
+        """Axis name -> its attributes (`long_name`, `units`)."""
+        return {axis.name: dict(self._root[axis.name].attrs) for axis in (self.plan.parameter, self.plan.sweep)}
+
+    @cached_property
+    def labels(self) -> dict[int, str]:
+        """Code -> n/I label, as in `domain`."""
+        flags = self._root["domain"].attrs
+        return dict(zip(map(int, flags["flag_values"]), flags["labels"], strict=True))
+
+    @cached_property
+    def domain(self) -> np.ndarray:
+        """Codes of the n/I labels, (P, X); 0 in rows that are not complete."""
+        stored = np.where(self.complete[..., None], self.array("domain"), 0)
+        if not self.dynamic:
+            return stored
+        states = np.where(self._kept, 1 << self.impact.astype(np.int64).clip(0), 0)
+        labelled = domain_code(np.sum(self._kept, axis=-1), np.bitwise_or.reduce(states, axis=-1))
+        return np.where(stored != 0, labelled, stored)
+
+    @cached_property
+    def n_stable(self) -> np.ndarray:
+        """Number of stable motions, (P, X)."""
+        stored = self.array("n_stable")
+        return np.where(self.domain != 0, np.sum(self._kept, axis=-1), stored) if self.dynamic else stored
+
+    @property
+    def usable(self) -> np.ndarray:
+        """Where there are stable motions to start from, (P, X) bool."""
+        return (self.domain != 0) & (self.n_stable > 0)
+
+    @cached_property
+    def unstable(self) -> np.ndarray:
+        """Where a statically stable motion is dynamically unstable (period doubling, Neimark-Sacker), (P, X) bool."""
+        kind = self.instability
+        return np.any((self.stable == 1) & (kind > Instability.NONE) & (kind < Instability.CONTRADICTORY), axis=-1)
+
+    @cached_property
+    def contradictory(self) -> np.ndarray:
+        """Where static and dynamic stability of a motion contradict each other, (P, X) bool."""
+        return np.any((self.stable == 1) & (self.instability == Instability.CONTRADICTORY), axis=-1)
+
+    @cached_property
+    def points(self) -> dict[str, np.ndarray]:
+        """Name -> (P, point) array of the branches; "position" is where on the sweep axis a point is."""
+        return {**{name: self.along(name) for name in _POINT_ARRAYS}, "position": self.along(self.plan.sweep.name)}
+
+    @cached_property
+    def boundaries(self) -> StoredBoundaries | None:
+        """The plane's boundaries; None where they have not been traced."""
+        return read_boundaries(self.path, self.plan)
+
+    @cached_property
+    def scales(self) -> Scales | None:
+        """To show the plane in physical units; None shows it dimensionless."""
+        return scales_of(self.plan) if self.physical else None
 
     @property
     def over_frequency(self) -> bool:
@@ -88,21 +178,26 @@ class StoredPlane:
             return np.zeros(2, dtype=bool)
         return np.any((self.modes >= self.plan.sweep.low) & (self.modes <= self.plan.sweep.high), axis=0)
 
-    def row_points(self, row: int) -> dict[str, np.ndarray]:
-        """The branch points of one row, without the unused room behind them."""
-        return {name: array[row, : self.n_points[row]] for name, array in self.points.items()}
-
-    @cached_property
-    def pieces(self) -> list[list[Piece]]:
-        """Per row, its branches cut at folds and grazings."""
-        return [self._row_pieces(row) for row in range(self.plan.parameter.num)]
-
     @cached_property
     def modes(self) -> np.ndarray:
         """Linear natural frequencies of the pair for every row, lower and upper, (P, 2)."""
         return np.array([model_at(self.plan, value, self.plan.sweep.low).mesh_modes() for value in self.rows])
 
-    def _row_pieces(self, row: int) -> list[Piece]:
+    @cached_property
+    def pieces(self) -> list[list[Piece]]:
+        """Per row, its branches cut at folds and grazings."""
+        return [self.row_pieces(row) for row in range(self.rows.size)]
+
+    def along(self, name: str) -> np.ndarray:
+        """An array of the branches, (P, point, ...), as far as any row uses the room for points; read anew."""
+        return self.array(f"branches/{name}", slice(int(self.n_points.max(initial=0))))
+
+    def row_points(self, row: int) -> dict[str, np.ndarray]:
+        """The branch points of one row, without the unused room behind them."""
+        return {name: array[row, : self.n_points[row]] for name, array in self.points.items()}
+
+    def row_pieces(self, row: int) -> list[Piece]:
+        """The branches of one row cut at folds and grazings."""
         points = self.row_points(row)
         if self.plan.sweep.name == "b":
             backlash = points["position"]
@@ -110,50 +205,33 @@ class StoredPlane:
             backlash = np.full(self.n_points[row], model_at(self.plan, self.rows[row], self.plan.sweep.low).b)
         return pieces_of_row(points, backlash)
 
+    @property
+    def _within(self) -> slice:
+        return slice(None) if self.block is None else slice(self.block.start, self.block.stop)
+
+    @cached_property
+    def _root(self) -> zarr.Group:
+        return zarr.open_group(self.path, mode="r")
+
+    @cached_property
+    def _kept(self) -> np.ndarray:
+        """The motions that are dynamically stable."""
+        return (self.stable == 1) & (self.instability == Instability.NONE)
+
 
 def read_stored(path: Path, dynamic: bool = False, physical: bool = False, layer: int | None = None) -> StoredPlane:
-    """Read a store, or of a volume one layer, labels by static or by dynamic stability, with scales if it is to be
-    shown in physical units.
+    """Look a store over, and give its plane, or of a volume one layer.
 
-    Raises StoreError as `pipeline.store.read_plan` does.
+    Parameters
+    ----------
+    path : Path
+    dynamic, physical, layer
+        As for `StoredPlane`.
+
+    Raises
+    ------
+    StoreError
+        As `pipeline.store.read_plan`.
     """
-    plan = store.read_plan(path)
-    # Plain arrays are wanted at once: dask would only cost time.
-    plane = xr.open_zarr(path, chunks=None)
-    branches = xr.open_zarr(path, group="branches", chunks=None)
-    if layer is not None:
-        plane, branches = (part.isel({plan.parameter2.name: layer}) for part in (plane, branches))
-        plan = plan.layer(layer)
-    n_points = branches["n_points"].values
-    used = slice(int(n_points.max(initial=0)))
-    points = {name: branches[name][:, used].values for name in _POINT_ARRAYS}
-    points["position"] = branches[plan.sweep.name][:, used].values
-    flags = plane["domain"].attrs
-    static, kind = plane["stable"].values == 1, plane["instability"].values
-    domain, n_stable = plane["domain"].values, plane["n_stable"].values
-    if dynamic:
-        kept = static & (kind == Instability.NONE)
-        counts = np.sum(kept, axis=2)
-        states = np.where(kept, 1 << plane["impact"].values.astype(np.int64).clip(0), 0)
-        computed = domain != 0
-        domain = np.where(computed, domain_code(counts, np.bitwise_or.reduce(states, axis=2)), domain)
-        n_stable = np.where(computed, counts, n_stable)
-    return StoredPlane(
-        plan=plan,
-        title=plane.attrs["title"],
-        digest=plane.attrs["configuration_hash"],
-        attributes={axis.name: plane[axis.name].attrs for axis in (plan.parameter, plan.sweep)},
-        labels=dict(zip(map(int, flags["flag_values"]), flags["labels"], strict=True)),
-        domain=domain,
-        n_stable=n_stable,
-        open=plane["open"].values,
-        dynamic=dynamic,
-        unstable=np.any(static & (kind > Instability.NONE) & (kind < Instability.CONTRADICTORY), axis=2),
-        contradictory=np.any(static & (kind == Instability.CONTRADICTORY), axis=2),
-        status=plane["status"].values,
-        points=points,
-        n_points=n_points,
-        end_reason=branches["end_reason"].values,
-        boundaries=read_boundaries(path, plan),
-        scales=scales_of(plan) if physical else None,
-    )
+    plan = read_plan(path)
+    return StoredPlane(path, plan if layer is None else plan.layer(layer), layer, dynamic=dynamic, physical=physical)

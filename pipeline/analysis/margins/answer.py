@@ -16,6 +16,7 @@ from pipeline.errors import StoreError
 from pipeline.plan.plan import Plan
 from pipeline.plane.boundaries import read_boundaries
 from pipeline.plane.regions import stored_curves
+from pipeline.plane.stored import StoredPlane
 from solver import domain_label
 
 __all__ = ["SAFE", "Answer", "answer", "line_through"]
@@ -93,7 +94,7 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     if first_order:
         for name in design.further:
             margins += margins_of_further(plan, design, name)
-        found = corners(plan, design, stored_curves(path, plan))
+        found = corners(plan, design, stored_curves(StoredPlane(path, plan)))
         if len(found) > 1:
             notes.append(
                 "Further parameters are looked at with all of them at the ends of their tolerances; between "

@@ -15,7 +15,7 @@ from pipeline.analysis.boundaries.events import MARGINS, half_backlash, read_eve
 from pipeline.errors import ConfigurationError
 from pipeline.figures.regions import region_codes
 from pipeline.plan.numerics import model_at
-from pipeline.plane.boundaries import read_boundaries
+from pipeline.plane.boundaries import read_boundaries, special_places
 from pipeline.plane.stored import read_stored
 from pipeline.run.rows import sweep_block
 from pipeline.store import groups
@@ -261,7 +261,7 @@ def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
     (x, p), *_ = [
         curve.points[place, 3:]
         for curve in read_boundaries(path, plan).curves
-        for place in boundaries.special_places(curve)
+        for place in special_places(curve)
         if 0.2 < curve.points[place, 4] < 0.3
     ]
     window = [x - 1e-3, x + 1e-3, p - 2.5e-4, p + 2.5e-4]
