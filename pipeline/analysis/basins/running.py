@@ -146,6 +146,8 @@ def places_of(plane: StoredPlane, options: Basins) -> dict[str, np.ndarray]:
 
 
 def _write(path: Path, plan: Plan, found: StoredBasins, options: Basins) -> None:
+    import xarray as xr
+
     x, p = plan.sweep.name, plan.parameter.name
     described = {
         "row": {"long_name": "index of the row; -1: a point that was given"},
@@ -164,24 +166,18 @@ def _write(path: Path, plan: Plan, found: StoredBasins, options: Basins) -> None
         "lyapunov": {"long_name": "largest Lyapunov exponent per unit of time", "units": "1"},
     }
     # Places are coordinates, and carry other names than the plane's axes, which are coordinates of other dimensions.
-    stored = {"x": f"cell_{x}", "p": f"cell_{p}"}
     variables = {
-        stored.get(name, name): groups.Variable("cell", kind, found.places[name], described[name])
-        for name, kind in _PLACES.items()
+        name: ("cell", np.asarray(found.places[name], kind), described[name]) for name, kind in _PLACES.items()
     }
     variables |= {
-        name: groups.Variable(("cell", "attractor"), kind, found.found[name], described[name])
+        name: (("cell", "attractor"), np.asarray(found.found[name], kind), described[name])
         for name, kind in _FOUND.items()
     }
-    variables["message"] = groups.Variable("cell", "str", found.messages, {"long_name": "why it failed, else empty"})
+    variables["message"] = ("cell", found.messages, {"long_name": "why it failed, else empty"})
+    places = {f"cell_{x}": variables.pop("x"), f"cell_{p}": variables.pop("p")}
     settings = {key: value for key, value in dataclasses.asdict(options).items() if value is not None}
-    attributes = {
-        "coordinates": f"cell_{x} cell_{p}",
-        "configuration_hash": plan.digest,
-        "made_from": found.made_from,
-        **settings,
-    }
-    groups.write_group(path, GROUP, attributes, variables)
+    attributes = {"configuration_hash": plan.digest, "made_from": found.made_from, **settings}
+    groups.write_group(path, GROUP, xr.Dataset(variables, places, attributes))
 
 
 def read_basins(path: Path, plan: Plan) -> StoredBasins | None:

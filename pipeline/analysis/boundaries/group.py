@@ -77,6 +77,8 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
 
 def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> None:
     """Put the boundaries of a plane into its store, in place of what was there."""
+    import xarray as xr
+
     curves, names = boundaries.curves, (*COMPONENTS, plan.sweep.name, plan.parameter.name)
     points = np.concatenate([np.empty((0, 5)), *(curve.points for curve in curves)])
     slopes = np.concatenate([np.empty((0, 5)), *(curve.slopes for curve in curves)])
@@ -94,14 +96,11 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> No
         **{f"{name}_slope": column for name, column in zip(names, slopes.T, strict=True)},
         **{name: along(name) for name in ("amplitude", "arclength", "stable", "special")},
     }
-    # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
-    attributes = {
-        "coordinates": f"{plan.sweep.name} {plan.parameter.name}",
-        "configuration_hash": plan.digest,
-        "events_hash": boundaries.digest,
-    }
     variables = {
-        name: groups.Variable(dims, kind, values[name], described)
+        name: (dims, np.asarray(values[name], kind), described)
         for name, (dims, kind, described) in _arrays(plan).items()
     }
-    groups.write_group(path, GROUP, attributes, variables)
+    # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
+    places = {name: variables.pop(name) for name in (plan.sweep.name, plan.parameter.name)}
+    attributes = {"configuration_hash": plan.digest, "events_hash": boundaries.digest}
+    groups.write_group(path, GROUP, xr.Dataset(variables, places, attributes))

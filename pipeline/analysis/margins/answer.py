@@ -14,7 +14,6 @@ from pipeline.analysis.margins.options import Design
 from pipeline.analysis.margins.worst import Corner, corners
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Plan
-from pipeline.plane.boundaries import read_boundaries
 from pipeline.plane.regions import stored_curves
 from pipeline.plane.stored import StoredPlane
 from solver import domain_label
@@ -79,10 +78,10 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     ArithmeticError, ValueError
         If boundaries of planes that are traced on the spot cannot be followed.
     """
-    stored = read_boundaries(path, plan)
-    if stored is None:
+    plane = StoredPlane(path, plan)
+    if plane.boundaries is None:
         raise StoreError(f"{path} has no boundaries: run stages=[boundaries] first")
-    boundaries = boundaries_of(stored.curves)
+    boundaries = boundaries_of(plane.boundaries.curves)
     first_order = plan.solver["balance"] == "describing_function"
     row = line_through(boundaries, plan, design, P, first_order)
     column = line_through(boundaries, plan, design, X, first_order)
@@ -94,7 +93,7 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     if first_order:
         for name in design.further:
             margins += margins_of_further(plan, design, name)
-        found = corners(plan, design, stored_curves(StoredPlane(path, plan)))
+        found = corners(plan, design, stored_curves(plane))
         if len(found) > 1:
             notes.append(
                 "Further parameters are looked at with all of them at the ends of their tolerances; between "
