@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.config.allowed import sentence_of
+from pipeline.config.schema import Figures
 from pipeline.errors import ConfigurationError
 from pipeline.figures.options import check_options
 from pipeline.plan.plan import Plan
@@ -125,6 +127,11 @@ class Plots:
             return draw_backbone(plane)
 
     def _check(self, curves, window, stability: str, units: str) -> None:
+        for name, value in (("stability", stability), ("units", units)):
+            if not isinstance(value, str):
+                raise ConfigurationError(
+                    f"figures.{name} = {value!r} is not allowed: it must be {sentence_of(Figures, name)}"
+                )
         check_options(self.plan, curves, ["png"], 100, window, stability, units)
 
     def _read(self, stability: str, units: str):

@@ -35,7 +35,9 @@ def here(folder: Path, *arguments: str) -> int:
 def planes(tmp_path_factory):
     """All four planes by one command, tables included."""
     folder = tmp_path_factory.mktemp("planes")
-    result = run(folder, "-m", f"plane={','.join(PLANES)}", "stages=[sweep,boundaries,tables]", *SMALL)
+    result = run(
+        folder, "-m", f"plane={','.join(PLANES)}", "stages=[sweep,boundaries,tables]", "cluster.workers=2", *SMALL
+    )
     assert result.returncode == 0, result.stderr
     return folder, result
 

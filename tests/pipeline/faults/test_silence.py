@@ -100,6 +100,6 @@ def test_a_plane_is_not_opened_where_zarr_would_wait_for_ever(concurrency, undis
 def test_a_malformed_configuration_file_of_a_library_is_one_line(library, tmp_path):
     file = tmp_path / "malformed.yaml"
     file.write_text("a: [1")
-    run = finished(tmp_path, environment={f"{library.upper()}_CONFIG": str(file)})
+    run = finished(tmp_path, "cluster.workers=2", environment={f"{library.upper()}_CONFIG": str(file)})
     assert run.code == 2 and run.err.count("\n") == 1 and library in run.err and str(file) in run.err, run.err
     assert not (tmp_path / "outputs").exists()

@@ -195,6 +195,7 @@ def test_the_figure_follows_the_units(stores, tmp_path, capsys):
         f"store.root={path.parent}",
         "store.name=omega_xi",
         "plane=omega_xi",
+        *PLANES["omega_xi"],
         *WINDOW,
         "stages=[margins]",
         "margins.point=[1.1,0.07]",

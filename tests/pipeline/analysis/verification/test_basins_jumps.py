@@ -141,6 +141,7 @@ def test_what_fails_is_recorded(made, monkeypatch):
 
 
 SMALL = [
+    "store.name=omega_fe",
     "plane.sweep.min=0.5",
     "plane.sweep.max=0.66",
     "plane.sweep.num=5",

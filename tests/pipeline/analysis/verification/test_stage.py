@@ -11,6 +11,7 @@ from tests.pipeline.planes import contents
 
 SMALL = [
     "plane=omega_fe",
+    "store.name=omega_fe",
     "plane.sweep.min=0.5",
     "plane.sweep.max=0.9",
     "plane.sweep.num=9",

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline import figures
 from pipeline.analysis import boundaries, verification
 from pipeline.analysis.verification import Credibility, Verdict
 from pipeline.analysis.verification.credibility import Samples, credibility
@@ -280,16 +279,16 @@ def test_shares_per_region(made, group, tmp_path):
 
 
 def test_figure(made, tmp_path):
-    from matplotlib import style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+    from pipeline.figures.drawing import own_style
     from pipeline.figures.output import write_figure
     from pipeline.figures.verification import draw_verification
 
     plan, path, _ = made
     plane, found = read_stored(path), verification.read_verification(path)
     made_twice = []
-    with style.context(figures._STYLE, after_reset=True):
+    with own_style():
         for folder in ("one", "two"):
             (tmp_path / folder).mkdir()
             figure = draw_verification(plane, found)
