@@ -16,7 +16,6 @@ from pipeline.plan.axes import Axis
 from pipeline.plane.boundaries import StoredBoundaries, special_places
 from pipeline.plane.segments import labels_at
 from pipeline.plane.stored import StoredPlane
-from pipeline.store import COMPLETE
 from solver import Event
 from solver.boundaries import SpecialPoint
 
@@ -75,7 +74,7 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
         # Folds and grazings of the rows are located exactly, so that columns may be as fine as one likes.
         columns = np.linspace(*x, _COLUMNS + 1)
         code, n = labels_at(plane.pieces, 0.5 * (columns[1:] + columns[:-1]))
-        code[plane.status != COMPLETE] = 0
+        code[~plane.complete] = 0
     if y is not None:
         inside = slice(np.searchsorted(rows, y[0], side="right") - 1, np.searchsorted(rows, y[1], side="left"))
         code, n, rows = code[inside], n[inside], rows[inside.start : inside.stop + 1]

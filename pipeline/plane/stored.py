@@ -88,10 +88,17 @@ class StoredPlane:
     def parts(self) -> Iterator["StoredPlane"]:
         """The plane in blocks of rows, each a chunk of the store."""
         for block in self.plan.blocks:
-            part = replace(self, block=block)
-            # To open the store takes longer than to read a block of it.
-            vars(part)["_root"] = self._root
-            yield part
+            yield self._as(block=block)
+
+    def layer_at(self, index: int) -> "StoredPlane":
+        """One layer of a volume."""
+        return self._as(plan=self.plan.layer(index), layer=index)
+
+    def _as(self, **changes) -> "StoredPlane":
+        """Another part of the same store, which is not opened again: that takes longer than to read a block of it."""
+        part = replace(self, **changes)
+        vars(part)["_root"] = self._root
+        return part
 
     @cached_property
     def rows(self) -> np.ndarray:
@@ -219,13 +226,13 @@ class StoredPlane:
         return (self.stable == 1) & (self.instability == Instability.NONE)
 
 
-def read_stored(path: Path, dynamic: bool = False, physical: bool = False, layer: int | None = None) -> StoredPlane:
-    """Look a store over, and give its plane, or of a volume one layer.
+def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:
+    """Look a store over, and give its plane or volume.
 
     Parameters
     ----------
     path : Path
-    dynamic, physical, layer
+    dynamic, physical
         As for `StoredPlane`.
 
     Raises
@@ -233,5 +240,4 @@ def read_stored(path: Path, dynamic: bool = False, physical: bool = False, layer
     StoreError
         As `pipeline.store.read_plan`.
     """
-    plan = read_plan(path)
-    return StoredPlane(path, plan if layer is None else plan.layer(layer), layer, dynamic=dynamic, physical=physical)
+    return StoredPlane(path, read_plan(path), dynamic=dynamic, physical=physical)

@@ -50,7 +50,7 @@ def test_a_plane(plane):
 @pytest.mark.parametrize("layer", [0, 2])
 def test_a_layer_of_a_volume(volume, layer):
     root, branches = (xr.open_zarr(volume, group=group).isel(f_e=layer) for group in (None, "branches"))
-    stored = read_stored(volume, layer=layer)
+    stored = read_stored(volume).layer_at(layer)
     assert_as_xarray_reads(stored, root, branches)
     assert stored.plan == store.read_plan(volume).layer(layer) and stored.boundaries is None
 
@@ -61,7 +61,7 @@ def test_a_whole_volume(volume):
 
 @pytest.mark.parametrize("layer", [None, 1])
 def test_parts_make_up_the_whole(plane, volume, layer):
-    whole = read_stored(plane if layer is None else volume, layer=layer, dynamic=True)
+    whole = read_stored(plane, True) if layer is None else read_stored(volume, True).layer_at(layer)
     parts = list(whole.parts)
     assert len(parts) > 1 and all(part.dynamic and part.layer == layer for part in parts)
     for name in (*_CELLS, *_MOTIONS, "status", "rows", "unstable", "contradictory", "end_reason"):
