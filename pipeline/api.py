@@ -7,7 +7,6 @@ tree does not carry, and an accessor would be looked up by a name that no editor
 import html
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +19,12 @@ from pipeline.figures.plots import Plots
 from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.labels import TRAITS
+from pipeline.plane.stored import StoredPlane, read_stored
 from pipeline.run.libraries import check_zarr
 from pipeline.run.preparation import prepare, run_plane_stages
 from pipeline.run.progress import SilentReporter
 from pipeline.run.workforce import Workforce
-from pipeline.store import COMPLETE, read_plan, statuses, store_path
-from pipeline.store.identity import root_attributes
+from pipeline.store import store_path
 from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
 from solver.enumeration.solutions import Proof
 from solver.model.checks import finite_number, instance_of, instances_of
@@ -117,10 +116,10 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPla
     path, folder = store_path("name", name), store_path("root", root)
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = folder / f"{name}.zarr"
-    plan = read_plan(path)
-    if plan.parameter2 is not None:
+    stored = read_stored(path)
+    if stored.plan.parameter2 is not None:
         raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which can be opened")
-    return OpenPlane(path, plan, xr.open_datatree(path, engine="zarr"))
+    return OpenPlane(stored, xr.open_datatree(path, engine="zarr"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,11 +131,10 @@ class OpenPlane:
 
     Parameters
     ----------
-    path : Path
-    plan : Plan
-        What was computed.
+    stored : StoredPlane
+        The arrays of rows, read when they are used.
     tree : xarray.DataTree
-        Everything that is stored, read when it is used.
+        Everything that is stored, as xarray shows it; read when it is used.
 
     Examples
     --------
@@ -175,9 +173,18 @@ class OpenPlane:
     >>> folder.cleanup()
     """
 
-    path: Path
-    plan: Plan
+    stored: StoredPlane
     tree: xr.DataTree
+
+    @property
+    def path(self) -> Path:
+        """The store."""
+        return self.stored.path
+
+    @property
+    def plan(self) -> Plan:
+        """What was computed."""
+        return self.stored.plan
 
     def __repr__(self) -> str:
         sizes = " x ".join(f"{axis.name} {axis.num}" for axis in self.plan.axes)
@@ -188,10 +195,10 @@ class OpenPlane:
 
     def describe(self) -> str:
         """What the plane is, and what is stored of it: a few lines."""
-        solver, cells = self.plan.solver, self.tree["domain"]
+        solver = self.plan.solver
         order = "first order" if solver["balance"] == "describing_function" else f"{solver['order']} harmonics"
-        complete = int(np.sum(statuses(self.path) == COMPLETE))
-        shown = [self.label_of(int(code)) for code in np.unique(cells) if code]
+        complete = int(np.sum(self.stored.complete))
+        shown = [self.label_of(int(code)) for code in np.unique(self.stored.domain) if code]
         axes = [f"{axis.name} from {axis.low:g} to {axis.high:g} ({axis.num} values)" for axis in self.plan.axes]
         lines = {
             "plane": " over ".join(axes),
@@ -221,13 +228,12 @@ class OpenPlane:
     @property
     def attributes(self) -> dict:
         """Of the store: title, configuration, versions, time of creation."""
-        return root_attributes(self.path)
+        return self.stored.about
 
-    @cached_property
+    @property
     def labels(self) -> dict[int, str]:
         """Code -> n/I label, as in `domain`."""
-        flags = self.tree["domain"].attrs
-        return dict(zip(map(int, flags["flag_values"]), flags["labels"], strict=True))
+        return self.stored.labels
 
     def label_of(self, code: int) -> str:
         """The n/I label of a code; empty for 0, a label that is not known.
@@ -247,7 +253,7 @@ class OpenPlane:
         solver.ParameterError
             If the place is not given by the names of both axes, or lies outside of the plane.
         """
-        return self.labels[int(self._cell("domain", place))]
+        return self.labels[int(self.stored.domain[self._cell(place)])]
 
     def label_at(self, **place: float) -> str:
         """The label at a point, every solution there enumerated with proof.
@@ -302,12 +308,14 @@ class OpenPlane:
         solver.ParameterError
             If the value is not given by the name of the row parameter, or lies outside of the plane.
         """
-        row = self._row(value)
-        if statuses(self.path)[row] != COMPLETE:
+        row = _nearest(self.plan.parameter, self._value(self.plan.parameter, value))
+        if not self.stored.complete[row]:
             raise StoreError(f"row {row} of {self.path} is not complete: stages=[sweep] computes it")
-        with xr.open_zarr(self.path, group="branches", chunks=None) as branches:
-            here = branches.isel({self.plan.parameter.name: row}, drop=False)
-            return here[list(_BRANCH)].isel(point=slice(int(here.n_points))).load()
+        name = self.plan.parameter.name
+        # Of what it inherits only the rows' values: its points have other values of the swept parameter.
+        branches = self.tree["branches"].to_dataset(inherit=False).assign_coords({name: self.tree[name]})
+        here = branches.isel({name: row})
+        return here[list(_BRANCH)].isel(point=slice(int(here.n_points))).load()
 
     def curve_at(self, **value: float) -> xr.Dataset:
         """The branches at one value of the row parameter, computed anew; as `curve_near` gives them.
@@ -333,7 +341,9 @@ class OpenPlane:
         solver.ParameterError
             As `label_near`.
         """
-        here = xr.Dataset({name: self._cell(name, place) for name in (*_MOTION, "instability", "multiplier")}).load()
+        row, column = self._cell(place)
+        cell = {self.plan.parameter.name: row, self.plan.sweep.name: column}
+        here = xr.Dataset({name: self.tree[name].isel(cell) for name in (*_MOTION, "instability", "multiplier")}).load()
         return here.isel(solution=np.flatnonzero(here.stable.values >= 0))
 
     def motions_at(self, **place: float) -> xr.Dataset:
@@ -375,17 +385,15 @@ class OpenPlane:
         solver.ParameterError
             As `label_near`.
         """
-        from pipeline.analysis.boundaries import read_boundaries
         from pipeline.analysis.margins.answer import line_through
         from pipeline.analysis.margins.curves import P, X, boundaries_of
         from pipeline.analysis.margins.distances import margins_of_axis
         from pipeline.analysis.margins.options import Design
 
         x, p = self._place(place)
-        stored = read_boundaries(self.path, self.plan)
-        if stored is None:
+        if self.stored.boundaries is None:
             raise StoreError(f"{self.path} has no boundaries: run stages=[boundaries] first")
-        arcs, design = boundaries_of(stored.curves), Design(x, p, x, x)
+        arcs, design = boundaries_of(self.stored.boundaries.curves), Design(x, p, x, x)
         labelled = self.plan.solver["balance"] == "describing_function"
         row, column = (line_through(arcs, self.plan, design, axis, labelled) for axis in (P, X))
         found = [margin for margin in margins_of_axis(row, column, self.plan, design) if margin.place is not None]
@@ -398,12 +406,10 @@ class OpenPlane:
 
         return thresholds(self.path, label, window)
 
-    def _cell(self, name: str, place: dict) -> xr.DataArray:
+    def _cell(self, place: dict) -> tuple[int, int]:
+        """Row and column of the nearest cell."""
         x, p = self._place(place)
-        return self.tree[name].sel({self.plan.sweep.name: x, self.plan.parameter.name: p}, method="nearest")
-
-    def _row(self, value: dict) -> int:
-        return int(np.argmin(np.abs(self.plan.parameter.values - self._value(self.plan.parameter, value))))
+        return _nearest(self.plan.parameter, p), _nearest(self.plan.sweep, x)
 
     def _place(self, place: dict) -> tuple[float, float]:
         """Column value and row value of a place given by names."""
@@ -419,6 +425,10 @@ class OpenPlane:
     def _check_names(given: dict, names: set[str]) -> None:
         if set(given) != names:
             raise ParameterError("place", given, f"given by {' and '.join(sorted(names))}, each with a value")
+
+
+def _nearest(axis, value: float) -> int:
+    return int(np.argmin(np.abs(axis.values - value)))
 
 
 def _within(axis, value) -> float:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pipeline.figures.options import check_options
-from pipeline.store import read_plan
+from pipeline.plane.stored import read_stored
 
 __all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_named"]
 
@@ -61,13 +61,13 @@ def draw(
     ConfigurationError
         If the options are not allowed for this plane, or there is no store of ours.
     """
-    plan = read_plan(store_path)
-    check_options(plan, curves, formats, dpi, window, stability, units)
+    plane = read_stored(store_path, stability == "dynamic", units == "physical")
+    check_options(plane.plan, curves, formats, dpi, window, stability, units)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
-        if plan.parameter2 is not None:
-            return _draw_layers(store_path, folder, formats, dpi, stability == "dynamic")
-        return _draw(store_path, folder, curves, formats, dpi, window, stability, units, only)
+        if plane.plan.parameter2 is not None:
+            return _draw_layers(plane, folder, formats, dpi)
+        return _draw(plane, folder, curves, formats, dpi, window, only)
 
 
 def draw_named(store_path: Path, folder: Path, options: dict, name: str) -> list[Path]:
@@ -91,7 +91,6 @@ def draw_design(
         from pipeline.figures.drawing import own_style
         from pipeline.figures.margins import draw_margins
         from pipeline.figures.output import write_figure
-        from pipeline.figures.stored import read_stored
 
         plane = read_stored(store_path, physical=units == "physical")
         with own_style():
@@ -113,25 +112,23 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(store_path, folder, curves, formats, dpi, window, stability, units, only) -> list[Path]:
+def _draw(plane, folder, curves, formats, dpi, window, only) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from pipeline.figures.backbone import draw_backbone, has_backbone
     from pipeline.figures.curves import draw_curves
     from pipeline.figures.drawing import own_style
     from pipeline.figures.map import draw_map, draw_window
     from pipeline.figures.output import write_figure
-    from pipeline.figures.stored import read_stored
 
-    plane = read_stored(store_path, stability == "dynamic", units == "physical")
     drawers = {"map": lambda: draw_map(plane)}
     if window is not None:
         drawers["map-window"] = lambda: draw_window(plane, window)
     drawers["curves"] = lambda: draw_curves(plane, curves)
-    if (store_path / "verification").exists():
+    if (plane.path / "verification").exists():
         # What it needs of the solver are many kernels, and most planes have not been verified.
         from pipeline.figures.verification import draw_verification, verification_of
 
-        verified = verification_of(store_path)
+        verified = verification_of(plane.path)
         if verified is not None:
             drawers["verification"] = lambda: draw_verification(plane, verified)
     if has_backbone(plane):
@@ -144,12 +141,10 @@ def _draw(store_path, folder, curves, formats, dpi, window, stability, units, on
     return paths
 
 
-def _draw_layers(store_path, folder, formats, dpi, dynamic) -> list[Path]:
+def _draw_layers(volume, folder, formats, dpi) -> list[Path]:
     from pipeline.figures.drawing import own_style
     from pipeline.figures.output import write_figure
-    from pipeline.figures.volume import draw_volume, read_layers
+    from pipeline.figures.volume import draw_volume
 
-    layers = read_layers(store_path, dynamic)
-    (first, *_) = layers.values()
     with own_style():
-        return write_figure(draw_volume(store_path, layers), first, folder, "layers", formats, dpi)
+        return write_figure(draw_volume(volume), volume, folder, "layers", formats, dpi)

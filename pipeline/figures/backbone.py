@@ -11,8 +11,8 @@ from pipeline.figures.drawing import Drawing
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units, titled
-from pipeline.figures.stored import StoredPlane
 from pipeline.plan.numerics import model_at
+from pipeline.plane.stored import StoredPlane
 from solver import Backbone, Model, backbone
 
 __all__ = ["draw_backbone", "has_backbone"]

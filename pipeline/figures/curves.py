@@ -9,8 +9,8 @@ from pipeline.figures.drawing import Drawing
 from pipeline.figures.naming import STATE_NAMES, axis_label, fixed_parameters, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
-from pipeline.figures.stored import StoredPlane
 from pipeline.plan.numerics import model_at
+from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, backbone
 

@@ -41,8 +41,8 @@ from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import label_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
 from pipeline.figures.physical_axes import lift, show_units, spare, titled
-from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
+from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 
 __all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel"]
@@ -134,7 +134,7 @@ def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entr
     lines = {kind for panel in panels for kind in panel.lines}
     marks = {kind for panel in panels for kind in panel.marks}
     modes = np.any([modes_within(plane, panel) for panel in panels], axis=0)
-    return legend_entries(plane, [int(code) for code in shown if code], lines, marks, modes, shares)
+    return legend_entries([plane], [int(code) for code in shown if code], lines, marks, modes, shares)
 
 
 def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:

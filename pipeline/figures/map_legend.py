@@ -1,7 +1,9 @@
 """Legend of the map, and the line and hatch styles that it explains."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
@@ -9,7 +11,7 @@ from matplotlib.patheffects import withStroke
 
 from pipeline.figures.naming import STATE_NAMES
 from pipeline.figures.palette import hex_colour, label_colour
-from pipeline.figures.stored import StoredPlane
+from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 from solver import ImpactState
 from solver.boundaries import SpecialPoint
@@ -86,12 +88,15 @@ class Entry:
     mark: dict | None = None
 
 
-def legend_entries(plane: StoredPlane, codes: list[int], lines, marks, modes, shares: bool = True) -> list[Entry]:
+def legend_entries(
+    planes: Sequence[StoredPlane], codes: list[int], lines, marks, modes, shares: bool = True
+) -> list[Entry]:
     """Everything that the map shows, and nothing else.
 
     Parameters
     ----------
-    plane : StoredPlane
+    planes : sequence of StoredPlane
+        One, or layers of a volume.
     codes : list of int
         Codes of the labels that the panels show.
     lines : collection of str
@@ -103,15 +108,15 @@ def legend_entries(plane: StoredPlane, codes: list[int], lines, marks, modes, sh
     shares : bool
         Whether each label's share of the plane is told.
     """
-    entries = []
+    entries, labels, dynamic = [], planes[0].labels, planes[0].dynamic
     if codes:
-        computed = plane.domain[plane.domain != 0]
-        symbols = {part for code in codes for part in plane.labels[code].split("/")[1].split("-")}
+        computed = np.concatenate([plane.domain[plane.domain != 0] for plane in planes])
+        symbols = {part for code in codes for part in labels[code].split("/")[1].split("-")}
         entries = [
             Entry("$n/I$", "share" if shares else ""),
-            *(_label_entry(plane.labels[c], float((computed == c).mean()) if shares else None) for c in sorted(codes)),
+            *(_label_entry(labels[c], float((computed == c).mean()) if shares else None) for c in sorted(codes)),
             Entry(),
-            Entry("$n$  dynamically stable" if plane.dynamic else "$n$  stable motions"),
+            Entry("$n$  dynamically stable" if dynamic else "$n$  stable motions"),
             *(Entry(f"$I$ = {s.symbol}  {STATE_NAMES[s]}") for s in ImpactState if s.symbol in symbols),
             Entry(),
         ]
@@ -120,13 +125,13 @@ def legend_entries(plane: StoredPlane, codes: list[int], lines, marks, modes, sh
     for name, kind, present in zip(("mesh", "shaft"), MODES, modes, strict=True):
         if present:
             entries.append(Entry(f"natural frequency, {name}", line=kind))
-    if plane.unstable.any() and not plane.dynamic:
+    if not dynamic and any(plane.unstable.any() for plane in planes):
         entries.append(Entry("one dynamically unstable", area=UNSTABLE_CELLS))
-    if plane.contradictory.any():
+    if any(plane.contradictory.any() for plane in planes):
         entries.append(Entry("contradictory at this order", area=CONTRADICTORY_CELLS))
-    if (plane.open == 1).any():
+    if any((plane.open == 1).any() for plane in planes):
         entries += [Entry("not excluded: motions", area=OPEN_CELLS), Entry("above the ceiling of $λ_a$")]
-    if (plane.status == FAILED).any():
+    if any((plane.status == FAILED).any() for plane in planes):
         entries.append(Entry("row failed", area=FAILED_ROWS))
     return entries
 

@@ -10,7 +10,7 @@ from pipeline.figures.map import fill, with_main_panel
 from pipeline.figures.map_legend import Entry
 from pipeline.figures.panels import panel_of
 from pipeline.figures.physical_axes import lift, show_units, spare, titled
-from pipeline.figures.stored import StoredPlane
+from pipeline.plane.stored import StoredPlane
 
 __all__ = ["draw_margins"]
 

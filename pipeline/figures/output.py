@@ -4,7 +4,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from pipeline.figures.stored import StoredPlane
+from pipeline.plane.stored import StoredPlane
 
 __all__ = ["write_figure"]
 
@@ -13,8 +13,8 @@ def write_figure(
     figure: Figure, plane: StoredPlane, folder: Path, name: str, formats: list[str], dpi: int
 ) -> list[Path]:
     """Write a figure in every format; the paths in that order."""
-    title = f"{name}: {plane.title}"
-    source = f"bevelmap configuration {plane.digest}"
+    title = f"{name}: {plane.about['title']}"
+    source = f"bevelmap configuration {plane.about['configuration_hash']}"
     # Dates and the library's version, which are there unless taken out, would make equal figures differ.
     metadata = {
         "png": {"Software": None, "Title": title, "Source": source},

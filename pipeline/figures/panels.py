@@ -9,15 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.path import Path as Outline
 
-from pipeline.analysis.boundaries import special_places
 from pipeline.analysis.boundaries.events import MARGINS
-from pipeline.analysis.boundaries.group import StoredBoundaries
 from pipeline.figures.edges import curves_along, label_edges
 from pipeline.figures.regions import region_codes
-from pipeline.figures.stored import StoredPlane
 from pipeline.plan.axes import Axis
+from pipeline.plane.boundaries import StoredBoundaries, special_places
 from pipeline.plane.segments import labels_at
-from pipeline.store import COMPLETE
+from pipeline.plane.stored import StoredPlane
 from solver import Event
 from solver.boundaries import SpecialPoint
 
@@ -76,7 +74,7 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
         # Folds and grazings of the rows are located exactly, so that columns may be as fine as one likes.
         columns = np.linspace(*x, _COLUMNS + 1)
         code, n = labels_at(plane.pieces, 0.5 * (columns[1:] + columns[:-1]))
-        code[plane.status != COMPLETE] = 0
+        code[~plane.complete] = 0
     if y is not None:
         inside = slice(np.searchsorted(rows, y[0], side="right") - 1, np.searchsorted(rows, y[1], side="left"))
         code, n, rows = code[inside], n[inside], rows[inside.start : inside.stop + 1]

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from pipeline.figures.stored import StoredPlane
 from pipeline.plane.peaks import resonance_peak
 from pipeline.plane.resonances import resonances_of
+from pipeline.plane.stored import StoredPlane
 
 __all__ = ["resonance_peaks"]
 

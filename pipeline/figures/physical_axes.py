@@ -3,7 +3,7 @@
 from matplotlib.axes import Axes
 
 from pipeline.figures.naming import symbol
-from pipeline.figures.stored import StoredPlane
+from pipeline.plane.stored import StoredPlane
 
 __all__ = ["LIFT", "lift", "show_bar_units", "show_units", "spare", "titled"]
 

@@ -135,6 +135,6 @@ class Plots:
         check_options(self.plan, curves, ["png"], 100, window, stability, units)
 
     def _read(self, stability: str, units: str):
-        from pipeline.figures.stored import read_stored
+        from pipeline.plane.stored import read_stored
 
         return read_stored(self.path, stability == "dynamic", units == "physical")

@@ -10,10 +10,9 @@ the amplitude ceiling, a boundary that could not be followed) the nearer row is 
 import numpy as np
 
 from pipeline.analysis.boundaries.events import MARGINS, half_backlash
-from pipeline.analysis.boundaries.group import StoredBoundaries, StoredCurve
-from pipeline.figures.stored import StoredPlane
 from pipeline.plan.plan import Plan
-from pipeline.store import COMPLETE
+from pipeline.plane.boundaries import StoredBoundaries, StoredCurve
+from pipeline.plane.stored import StoredPlane
 from solver import Event, domain_code, impact_state
 from solver.boundaries import FOLDS_AND_GRAZINGS
 
@@ -41,7 +40,7 @@ def region_codes(plane: StoredPlane, x: np.ndarray, p: np.ndarray) -> tuple[np.n
     bridged : (p, x) bool array
         Whether the label was reached without contradiction; the nearest row's label elsewhere.
     """
-    complete = np.flatnonzero(plane.status == COMPLETE)
+    complete = np.flatnonzero(plane.complete)
     if complete.size == 0:
         return np.zeros((p.size, x.size), np.uint16), np.zeros((p.size, x.size), bool)
     first = max(np.searchsorted(plane.rows[complete], p[0], side="right") - 1, 0)
@@ -61,7 +60,7 @@ def region_codes(plane: StoredPlane, x: np.ndarray, p: np.ndarray) -> tuple[np.n
     code, possible = _codes(sets)
     if not np.all(possible):
         code, bridged = np.where(possible, code, _codes(stored[nearest])[0]), bridged & possible
-    absent = plane.status[np.abs(plane.rows[:, None] - p).argmin(axis=0)] != COMPLETE
+    absent = ~plane.complete[np.abs(plane.rows[:, None] - p).argmin(axis=0)]
     code[absent] = 0
     return code, bridged & ~absent[:, None]
 

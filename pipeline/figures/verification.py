@@ -30,8 +30,8 @@ from pipeline.figures.map_legend import LINES, Entry, draw_legend, legend_height
 from pipeline.figures.naming import axis_label, fixed_parameters
 from pipeline.figures.palette import hex_colour
 from pipeline.figures.panels import cell_borders, lines_of
-from pipeline.figures.stored import StoredPlane
 from pipeline.figures.windows import coexistence_windows
+from pipeline.plane.stored import StoredPlane
 
 __all__ = ["draw_verification", "verification_of"]
 

@@ -1,8 +1,5 @@
 """A volume as small multiples: the maps of some of its layers side by side, with one legend."""
 
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
 
 from pipeline.figures.drawing import Drawing
@@ -11,38 +8,36 @@ from pipeline.figures.map import fill, modes_within
 from pipeline.figures.map_legend import draw_legend, legend_entries, legend_height
 from pipeline.figures.naming import axis_label, fixed_parameters, value_text
 from pipeline.figures.panels import panel_of
-from pipeline.figures.stored import StoredPlane, read_stored
-from pipeline.store import read_plan
+from pipeline.plane.stored import StoredPlane
 
-__all__ = ["draw_volume", "read_layers"]
+__all__ = ["draw_volume", "shown_layers"]
 
 _MOST, _COLUMNS = 9, 3
 #: Inches: between panels, height of one, room for its title, room above all.
 _GAP, _TALL, _TITLE, _ABOVE = 0.14, 1.42, 0.24, 0.06
 
 
-def read_layers(path: Path, dynamic: bool = False) -> dict[float, StoredPlane]:
+def shown_layers(volume: StoredPlane) -> dict[float, StoredPlane]:
     """Up to nine evenly spaced layers of a stored volume by their value of parameter2, first and last included."""
-    axis = read_plan(path).parameter2
+    axis = volume.plan.parameter2
     chosen = np.unique(np.linspace(0, axis.num - 1, min(axis.num, _MOST)).round().astype(int)).tolist()
-    return {float(axis.values[index]): read_stored(path, dynamic, layer=index) for index in chosen}
+    return {float(axis.values[index]): volume.layer_at(index) for index in chosen}
 
 
-def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Drawing:
-    """Draw the maps of layers.
+def draw_volume(stored: StoredPlane) -> Drawing:
+    """Draw the maps of some layers of a volume.
 
     Parameters
     ----------
-    path : Path
+    stored : StoredPlane
         The volume.
-    layers : dict
-        Value of parameter2 -> the layer, ascending.
 
     Returns
     -------
     Drawing
     """
-    volume, planes = read_plan(path), list(layers.values())
+    volume, layers = stored.plan, shown_layers(stored)
+    planes = list(layers.values())
     panels = [panel_of(plane) for plane in planes]
     entries = _entries(planes, panels)
     rows = -(-len(planes) // _COLUMNS)
@@ -71,13 +66,7 @@ def draw_volume(path: Path, layers: dict[float, StoredPlane]) -> Drawing:
 
 def _entries(planes, panels) -> list:
     """What any of the panels shows."""
-    every = replace(
-        planes[0],
-        **{
-            name: np.concatenate([getattr(plane, name) for plane in planes])
-            for name in ("domain", "open", "unstable", "contradictory", "status")
-        },
-    )
+    codes = np.unique(np.concatenate([np.unique(plane.domain) for plane in planes]))
     lines = {kind for panel in panels for kind in panel.lines}
     modes = np.any([modes_within(plane, panel) for plane, panel in zip(planes, panels, strict=True)], axis=0)
-    return legend_entries(every, [int(code) for code in np.unique(every.domain) if code], lines, (), modes, False)
+    return legend_entries(planes, [int(code) for code in codes if code], lines, (), modes, False)

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import zarr
 
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import continuation_of, frame_of
-from pipeline.plan.plan import Plan
-from pipeline.store import COMPLETE, read_plan, store_path
+from pipeline.plane.stored import StoredPlane, read_stored
+from pipeline.store import store_path
 from solver import Event, ParameterError, label_parts
 from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve, boundary_curves
 from solver.model.checks import value_range
@@ -106,24 +105,28 @@ def stored_regions(path: Path) -> Regions:
     RegionError
         If the boundaries do not divide the plane.
     """
-    plan = read_plan(path)
+    plane = read_stored(path)
+    plan = plane.plan
     if plan.parameter2 is not None:
         raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which has regions")
     return regions(
-        *frame_of(plan), stored_curves(path, plan), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
+        *frame_of(plan), stored_curves(plane), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
     )
 
 
-def stored_curves(path: Path, plan: Plan) -> tuple[BoundaryCurve, ...]:
+def stored_curves(plane: StoredPlane) -> tuple[BoundaryCurve, ...]:
     """All boundaries on which the events of the stored branches lie."""
-    root = zarr.open_group(path, mode="r")
-    complete = root["status"][:] == COMPLETE
-    if not np.any(complete):
-        raise StoreError(f"{path} has no complete row: run stages=[sweep] first")
-    events = root["branches/event"][:]
-    rows, points = np.nonzero(np.isin(events, FOLDS_AND_GRAZINGS) & complete[:, None])
-    columns = [root[f"branches/{name}"][:][rows, points] for name in ("mean", "cos", "sin", plan.sweep.name)]
-    starts = zip(
-        map(Event, events[rows, points].tolist()), np.column_stack([*columns, plan.parameter.values[rows]]), strict=True
-    )
+    plan = plane.plan
+    if not np.any(plane.complete):
+        raise StoreError(f"{plane.path} has no complete row: run stages=[sweep] first")
+    starts = [start for part in plane.parts for start in _starts(part)]
     return boundary_curves(*frame_of(plan), starts, omega=plan.omega, continuation=continuation_of(plan.solver))
+
+
+def _starts(part: StoredPlane) -> list[tuple[Event, np.ndarray]]:
+    """The folds and grazings of some rows: kind, and lambda_m, lambda_c, lambda_s, x, p."""
+    events = part.along("event")
+    rows, points = np.nonzero(np.isin(events, FOLDS_AND_GRAZINGS) & part.complete[:, None])
+    columns = [part.along(name)[rows, points] for name in ("mean", "cos", "sin", part.plan.sweep.name)]
+    places = np.column_stack([*columns, part.rows[rows]])
+    return list(zip(map(Event, events[rows, points].tolist()), places, strict=True))

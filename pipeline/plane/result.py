@@ -1,11 +1,9 @@
 """What a map tells, in one sentence."""
 
-from pathlib import Path
-
 import numpy as np
-import zarr
 
 from pipeline.plane.labels import contact_lost, double_sided, jumping
+from pipeline.plane.stored import StoredPlane
 from solver import domain_label
 
 __all__ = ["result_line"]
@@ -18,26 +16,25 @@ _SAID = (
 )
 
 
-def result_line(path: Path) -> str:
+def result_line(plane: StoredPlane) -> str:
     """Number of domains of a stored plane or volume, and the shares of its computed cells in which something happens.
 
     Parameters
     ----------
-    path : Path
-        A store.
+    plane : StoredPlane
+        Or a volume.
 
     Returns
     -------
     str
         Empty where nothing has been computed.
     """
-    root = zarr.open_group(path, mode="r")
-    codes, cells = np.unique(root["domain"][...], return_counts=True)
+    codes, cells = np.unique(plane.domain, return_counts=True)
     computed = codes != 0
     if not np.any(computed):
         return ""
     labels, shares = [domain_label(int(code)) for code in codes[computed]], cells[computed] / cells[computed].sum()
-    whole = "volume" if root["domain"].ndim == 3 else "plane"
+    whole = "volume" if plane.domain.ndim == 3 else "plane"
     whole = f"the {whole}" if np.all(computed) else f"what is computed of the {whole}"
     words = []
     for text, happens in _SAID:

@@ -14,6 +14,7 @@ from pipeline.plan.layers import layer_of, of_layer
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from pipeline.plane.result import result_line
+from pipeline.plane.stored import StoredPlane
 from pipeline.run.cluster_settings import check_cluster
 from pipeline.run.job import Job, command, other_numbers
 from pipeline.run.progress import Reporter
@@ -177,7 +178,7 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 def _run_with_result(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run stages, and where they were about the map say at the end what it tells."""
     status = _run(stages, job, workforce, reporter)
-    if any(stage.tells_map for stage in stages) and (text := result_line(job.store_path)):
+    if any(stage.tells_map for stage in stages) and (text := result_line(StoredPlane(job.store_path, job.plan))):
         reporter.line(f"{job.settings.store_name}: {text}")
     return status
 

@@ -4,9 +4,8 @@ A group is written beside the store and moved into it whole, and counts only onc
 a run killed at any moment leaves either the group or nothing. A sweep that computes rows takes all of them away first.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import zarr
@@ -20,24 +19,25 @@ from pipeline.store.names import ADDED, GROUP_FILE
 from pipeline.store.removal import refuse_unknown, remove_known
 from pipeline.store.template import consolidate
 
-__all__ = ["Variable", "open_group", "remove_added", "remove_group", "take_away", "write_group"]
+if TYPE_CHECKING:
+    # It takes a third of a second to load, which who only reads need not wait for.
+    import xarray
+
+__all__ = ["open_group", "remove_added", "remove_group", "take_away", "write_group"]
 
 #: Arrays of two and more dimensions are cut into chunks of at most this many entries along each.
 _CHUNK = 1024
 
 
-@dataclass(frozen=True)
-class Variable:
-    """One array of a group: dimension or dimensions, type ("str" for text), attributes and values."""
-
-    dims: str | tuple[str, ...]
-    dtype: str
-    data: object
-    attributes: dict = field(default_factory=dict)
-
-
-def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str, Variable]) -> None:
+def write_group(path: Path, name: str, dataset: "xarray.Dataset") -> None:
     """Put a group into the store at `path`, in place of what was there.
+
+    Parameters
+    ----------
+    path : Path
+    name : str
+    dataset : xarray.Dataset
+        Texts are objects. Its coordinates are named in the attribute `coordinates` of the group, as CF has it.
 
     Raises
     ------
@@ -49,21 +49,23 @@ def write_group(path: Path, name: str, attributes: dict, variables: Mapping[str,
     read_layout(path)
     draft = _beside(path, name, "draft")
     remove_known(draft, GROUP_FILE)
-    group = zarr.create_group(draft, zarr_format=3, attributes=attributes)
-    for key, variable in variables.items():
-        text = variable.dtype == "str"
-        values = [str(one)[:MOST_TEXT] for one in variable.data] if text else variable.data
-        data = np.array(values, dtype=object if text else variable.dtype, order="C")
+    places = [str(key) for key in dataset.coords if key not in dataset.dims]
+    named = {"coordinates": " ".join(places)} if places else {}
+    group = zarr.create_group(draft, zarr_format=3, attributes={**named, **dataset.attrs})
+    for key, variable in dataset.variables.items():
+        data = variable.values
+        if data.dtype == object:
+            data = np.array([str(one)[:MOST_TEXT] for one in data], dtype=object)
         most = max(data.size, 1) if data.ndim == 1 else _CHUNK
         with every_chunk():
             group.create_array(
                 key,
                 shape=data.shape,
                 chunks=tuple(min(max(size, 1), most) for size in data.shape),
-                dtype=variable.dtype,
-                dimension_names=[variable.dims] if isinstance(variable.dims, str) else list(variable.dims),
+                dtype="str" if data.dtype == object else data.dtype,
+                dimension_names=variable.dims,
                 compressors=COMPRESSORS,
-                attributes=variable.attributes,
+                attributes=variable.attrs,
             )[...] = data
     remove_group(path, name)
     move_whole(draft, path / name)

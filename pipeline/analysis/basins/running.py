@@ -16,11 +16,11 @@ import numpy as np
 from pipeline import store
 from pipeline.analysis.attractor_flags import attractor_code, attractor_flags, attractor_label
 from pipeline.analysis.verification.sampling import strata_sample
-from pipeline.analysis.verification.starts import read_labels
 from pipeline.analysis.verification.verdicts import settling_of
 from pipeline.config.schema import Basins
 from pipeline.plan.numerics import point_of
 from pipeline.plan.plan import Plan
+from pipeline.plane.stored import StoredPlane
 from pipeline.run.sheets import csv_text, write_files
 from pipeline.store import groups
 from solver import domain_parts, gear_system
@@ -101,13 +101,13 @@ def measure(
     bool
         Whether they were there.
     """
-    domain, usable = read_labels(path)
+    plane = StoredPlane(path, plan)
     text = json.dumps({"numbers": plan.digest, **dataclasses.asdict(options)}, sort_keys=True)
-    made_from = hashlib.sha256(text.encode() + domain.astype("<u2").tobytes()).hexdigest()[:16]
+    made_from = hashlib.sha256(text.encode() + plane.domain.astype("<u2").tobytes()).hexdigest()[:16]
     stored = read_basins(path, plan)
     if stored is not None and stored.made_from == made_from:
         return stored, True
-    places = places_of(plan, domain, usable, options)
+    places = places_of(plane, options)
     spots = list(zip(places["x"].tolist(), places["p"].tolist(), strict=True))
     results: dict[tuple[float, float], list[dict]] = {}
     reasons: dict[tuple[float, float], str] = {}
@@ -133,18 +133,21 @@ def measure(
     return fresh, False
 
 
-def places_of(plan: Plan, domain: np.ndarray, usable: np.ndarray, options: Basins) -> dict[str, np.ndarray]:
+def places_of(plane: StoredPlane, options: Basins) -> dict[str, np.ndarray]:
     """Where basins are measured: row and column (-1 for a given point), x and p."""
     if options.points is not None:
         x, p = np.array(options.points, dtype=float).T
         return {"row": np.full(x.size, -1), "column": np.full(x.size, -1), "x": x, "p": p}
-    several = np.flatnonzero(usable & (domain_parts(domain)[0] >= 2))
+    plan, domain = plane.plan, plane.domain
+    several = np.flatnonzero(plane.usable & (domain_parts(domain)[0] >= 2))
     drawn = several[strata_sample(domain.ravel()[several], options.cells, np.random.default_rng(options.seed))]
     row, column = np.unravel_index(drawn, domain.shape)
     return {"row": row, "column": column, "x": plan.sweep.values[column], "p": plan.parameter.values[row]}
 
 
 def _write(path: Path, plan: Plan, found: StoredBasins, options: Basins) -> None:
+    import xarray as xr
+
     x, p = plan.sweep.name, plan.parameter.name
     described = {
         "row": {"long_name": "index of the row; -1: a point that was given"},
@@ -163,24 +166,18 @@ def _write(path: Path, plan: Plan, found: StoredBasins, options: Basins) -> None
         "lyapunov": {"long_name": "largest Lyapunov exponent per unit of time", "units": "1"},
     }
     # Places are coordinates, and carry other names than the plane's axes, which are coordinates of other dimensions.
-    stored = {"x": f"cell_{x}", "p": f"cell_{p}"}
     variables = {
-        stored.get(name, name): groups.Variable("cell", kind, found.places[name], described[name])
-        for name, kind in _PLACES.items()
+        name: ("cell", np.asarray(found.places[name], kind), described[name]) for name, kind in _PLACES.items()
     }
     variables |= {
-        name: groups.Variable(("cell", "attractor"), kind, found.found[name], described[name])
+        name: (("cell", "attractor"), np.asarray(found.found[name], kind), described[name])
         for name, kind in _FOUND.items()
     }
-    variables["message"] = groups.Variable("cell", "str", found.messages, {"long_name": "why it failed, else empty"})
+    variables["message"] = ("cell", found.messages, {"long_name": "why it failed, else empty"})
+    places = {f"cell_{x}": variables.pop("x"), f"cell_{p}": variables.pop("p")}
     settings = {key: value for key, value in dataclasses.asdict(options).items() if value is not None}
-    attributes = {
-        "coordinates": f"cell_{x} cell_{p}",
-        "configuration_hash": plan.digest,
-        "made_from": found.made_from,
-        **settings,
-    }
-    groups.write_group(path, GROUP, attributes, variables)
+    attributes = {"configuration_hash": plan.digest, "made_from": found.made_from, **settings}
+    groups.write_group(path, GROUP, xr.Dataset(variables, places, attributes))
 
 
 def read_basins(path: Path, plan: Plan) -> StoredBasins | None:

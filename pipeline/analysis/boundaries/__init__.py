@@ -1,22 +1,6 @@
 """Boundaries of a stored plane as curves: traced from the events of its rows, stored beside them, exported as CSV."""
 
-from pipeline.analysis.boundaries.group import (
-    StoredBoundaries,
-    StoredCurve,
-    read_boundaries,
-    remove_boundaries,
-    special_places,
-)
 from pipeline.analysis.boundaries.sheets import write_sheets
 from pipeline.analysis.boundaries.tracing import Summary, trace
 
-__all__ = [
-    "StoredBoundaries",
-    "StoredCurve",
-    "Summary",
-    "read_boundaries",
-    "remove_boundaries",
-    "special_places",
-    "trace",
-    "write_sheets",
-]
+__all__ = ["Summary", "trace", "write_sheets"]

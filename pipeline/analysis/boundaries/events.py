@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import zarr
 
 from pipeline.plan.numerics import balance_of, frame_of
 from pipeline.plan.plan import Plan
-from pipeline.store import COMPLETE
+from pipeline.plane.stored import StoredPlane
 from solver import Event
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS
 from solver.model.parameter_path import place_on
@@ -77,28 +76,26 @@ def half_backlash(plan: Plan, x, p) -> np.ndarray:
 
 def read_events(path: Path, plan: Plan) -> RowEvents:
     """Read the events of the complete rows of a store."""
-    root = zarr.open_group(path, mode="r")
     # Block by block, so that memory does not depend on the number of rows.
-    parts = [_block_events(root, plan, slice(block.start, block.stop)) for block in plan.blocks]
+    parts = [_events_of(part) for part in StoredPlane(path, plan).parts]
     return RowEvents(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("kind", "points", "motions", "ahead")),
         sum(part.rows for part in parts),
     )
 
 
-def _block_events(root: zarr.Group, plan: Plan, rows: slice) -> RowEvents:
+def _events_of(part: StoredPlane) -> RowEvents:
     """The events of some rows."""
-    complete, values = root["status"][rows] == COMPLETE, plan.parameter.values[rows]
-    used = slice(int(root["branches/n_points"][rows].max(initial=0)))
+    plan, complete, values = part.plan, part.complete, part.rows
     names = ("mean", "cos", "sin", plan.sweep.name, "stable", "branch", "event")
-    table = {name: root[f"branches/{name}"][rows, used] for name in names}
+    table = {name: part.along(name) for name in names}
     row, point = np.nonzero(np.isin(table["event"], (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)) & complete[:, None])
     kind = table["event"][row, point].astype(np.int64)
     columns = [table[name][row, point] for name in names[:4]]
     points = np.column_stack([*columns, values[row]]).reshape(-1, 5)
     balance = balance_of(plan.solver)
     if plan.motion_size:
-        motions = root["branches/motion"][rows, used]
+        motions = part.along("motion")
     else:
         motions = np.stack([table[name] for name in ("mean", "cos", "sin")], axis=2)
     lowest, highest = balance.extremes(motions)

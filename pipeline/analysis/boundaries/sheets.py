@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from pipeline.analysis.boundaries.group import StoredBoundaries, special_places
 from pipeline.plan.plan import Plan
+from pipeline.plane.boundaries import StoredBoundaries, special_places
 from pipeline.run.sheets import csv_text, write_files
 from solver.boundaries import SpecialPoint
 

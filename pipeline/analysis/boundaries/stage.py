@@ -5,6 +5,7 @@ from time import perf_counter
 import numpy as np
 
 from pipeline import store
+from pipeline.plane.boundaries import read_boundaries
 from pipeline.run.job import Job, note_unfinished
 from pipeline.run.made import made_from, still_made, write_record
 from pipeline.run.progress import Reporter
@@ -32,7 +33,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     name = job.settings.store_name
     record, origin = folder / f".{name}.json", made_from(path)
     if (names := still_made(record, origin)) is None:
-        names = boundaries.write_sheets(boundaries.read_boundaries(path, plan), plan, folder, name)
+        names = boundaries.write_sheets(read_boundaries(path, plan), plan, folder, name)
         write_record(record, origin, names)
     seconds = perf_counter() - begin
     counts = [f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in summary.curves.items()] or ["no boundaries"]

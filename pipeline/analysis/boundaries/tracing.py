@@ -9,15 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.analysis.boundaries.events import RowEvents, read_events
-from pipeline.analysis.boundaries.group import (
-    StoredBoundaries,
-    StoredCurve,
-    read_boundaries,
-    special_places,
-    write_boundaries,
-)
+from pipeline.analysis.boundaries.group import write_boundaries
 from pipeline.plan.numerics import balance_of, continuation_of, frame_of
 from pipeline.plan.plan import Plan
+from pipeline.plane.boundaries import StoredBoundaries, StoredCurve, read_boundaries, special_places
 from solver import Continuation, EndReason, Event
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, BoundaryCurve, SpecialPoint, boundary_curves
 from solver.boundaries.problem import SAME

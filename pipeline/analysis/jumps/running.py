@@ -143,6 +143,8 @@ def follow(
 
 
 def _write(path: Path, plan: Plan, found: StoredJumps, options: Jumps) -> None:
+    import xarray as xr
+
     x, p = plan.sweep, plan.parameter
     words = {
         "sweep": "attractor",
@@ -150,49 +152,33 @@ def _write(path: Path, plan: Plan, found: StoredJumps, options: Jumps) -> None:
         "amplitude": "amplitude of the fundamental of the attractor",
     }
     ways = {"up": "upwards", "down": "downwards"}
-    variables = {
-        x.name: groups.Variable(x.name, "float64", x.values, store.axis_attributes(x.name)),
-        "row": groups.Variable("jump_row", "int32", found.rows, {"long_name": "index of the row"}),
-        f"row_{p.name}": groups.Variable("jump_row", "float64", p.values[found.rows], store.axis_attributes(p.name)),
+    rows, cells, of_x = "jump_row", ("jump_row", x.name), store.axis_attributes(x.name)
+    places = {
+        x.name: (x.name, x.values, of_x),
+        f"row_{p.name}": (rows, p.values[found.rows], store.axis_attributes(p.name)),
     }
+    variables = {"row": (rows, np.asarray(found.rows, "int32"), {"long_name": "index of the row"})}
     for name, kind in _FOLLOWED.items():
         for way, said in ways.items():
             attributes = {
                 "long_name": f"{words[name]} on the way {said}",
                 **(attractor_flags() if name == "sweep" else {"units": "1"}),
             }
-            data = found.followed[f"{name}_{way}"]
-            variables[f"{name}_{way}"] = groups.Variable(("jump_row", x.name), kind, data, attributes)
-    variables["hysteresis"] = groups.Variable(
-        ("jump_row", x.name),
-        "int8",
-        found.hysteresis,
-        {
-            "long_name": "1: the two ways ended on different motions",
-            "flag_values": [0, 1],
-            "flag_meanings": "same different",
-        },
+            variables[f"{name}_{way}"] = (cells, np.asarray(found.followed[f"{name}_{way}"], kind), attributes)
+    flagged = {"flag_values": [0, 1], "flag_meanings": "same different"}
+    variables["hysteresis"] = (
+        cells,
+        np.asarray(found.hysteresis, "int8"),
+        {"long_name": "1: the two ways ended on different motions", **flagged},
     )
-    axis = store.axis_attributes(x.name)
-    variables["hysteresis_interval"] = groups.Variable(
-        ("jump_row", "interval", "end"),
-        "float64",
-        found.intervals,
-        {**axis, "long_name": "ends of a stretch of hysteresis"},
-    )
-    variables["hysteresis_width"] = groups.Variable(
-        "jump_row", "float64", found.widths, {**axis, "long_name": "total width of the hysteresis"}
-    )
-    said = {"long_name": "why it failed, else empty"}
-    variables["message"] = groups.Variable("jump_row", "str", found.messages, said)
+    ends = {**of_x, "long_name": "ends of a stretch of hysteresis"}
+    variables["hysteresis_interval"] = ((rows, "interval", "end"), found.intervals, ends)
+    width = {**of_x, "long_name": "total width of the hysteresis"}
+    variables["hysteresis_width"] = (rows, found.widths, width)
+    variables["message"] = (rows, found.messages, {"long_name": "why it failed, else empty"})
     settings = {key: value for key, value in dataclasses.asdict(options).items() if value is not None}
-    attributes = {
-        "coordinates": f"row_{p.name}",
-        "configuration_hash": plan.digest,
-        "made_from": found.made_from,
-        **settings,
-    }
-    groups.write_group(path, GROUP, attributes, variables)
+    attributes = {"configuration_hash": plan.digest, "made_from": found.made_from, **settings}
+    groups.write_group(path, GROUP, xr.Dataset(variables, places, attributes))
 
 
 def read_jumps(path: Path) -> StoredJumps | None:

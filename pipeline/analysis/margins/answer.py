@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.analysis.boundaries import read_boundaries
 from pipeline.analysis.margins.box import Box, largest_box
 from pipeline.analysis.margins.curves import Boundaries, P, X, boundaries_of
 from pipeline.analysis.margins.distances import Margin, margins_of_axis, margins_of_further, nearest_over_range
@@ -16,6 +15,7 @@ from pipeline.analysis.margins.worst import Corner, corners
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Plan
 from pipeline.plane.regions import stored_curves
+from pipeline.plane.stored import StoredPlane
 from solver import domain_label
 
 __all__ = ["SAFE", "Answer", "answer", "line_through"]
@@ -78,10 +78,10 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     ArithmeticError, ValueError
         If boundaries of planes that are traced on the spot cannot be followed.
     """
-    stored = read_boundaries(path, plan)
-    if stored is None:
+    plane = StoredPlane(path, plan)
+    if plane.boundaries is None:
         raise StoreError(f"{path} has no boundaries: run stages=[boundaries] first")
-    boundaries = boundaries_of(stored.curves)
+    boundaries = boundaries_of(plane.boundaries.curves)
     first_order = plan.solver["balance"] == "describing_function"
     row = line_through(boundaries, plan, design, P, first_order)
     column = line_through(boundaries, plan, design, X, first_order)
@@ -93,7 +93,7 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     if first_order:
         for name in design.further:
             margins += margins_of_further(plan, design, name)
-        found = corners(plan, design, stored_curves(path, plan))
+        found = corners(plan, design, stored_curves(plane))
         if len(found) > 1:
             notes.append(
                 "Further parameters are looked at with all of them at the ends of their tolerances; between "

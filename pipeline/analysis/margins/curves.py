@@ -6,12 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.analysis.boundaries.arcs import Arcs
 from pipeline.analysis.boundaries.tracing import curves_through, to_store
 from pipeline.analysis.margins.lines import swept
 from pipeline.plan.axes import Axis
 from pipeline.plan.numerics import row_axis
 from pipeline.plan.plan import Plan
+from pipeline.plane.arcs import Arcs
 from solver import Event
 from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve
 

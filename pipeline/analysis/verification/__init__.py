@@ -4,7 +4,6 @@ from pipeline.analysis.verification.credibility import Credibility
 from pipeline.analysis.verification.group import StoredVerification, read_verification
 from pipeline.analysis.verification.running import Summary, tasks_of, verify
 from pipeline.analysis.verification.sheets import region_lines, write_sheets
-from pipeline.analysis.verification.starts import read_labels
 from pipeline.analysis.verification.verdicts import Verdict
 
 __all__ = [
@@ -12,7 +11,6 @@ __all__ = [
     "StoredVerification",
     "Summary",
     "Verdict",
-    "read_labels",
     "read_verification",
     "region_lines",
     "tasks_of",

@@ -113,30 +113,27 @@ def sample_arrays(starts: list[Start], seen: list[Seen], stratified, beside) -> 
 
 def write_verification(path: Path, plan: Plan, found: StoredVerification, settings: Verify) -> None:
     """Put a verification into its store, in place of what was there."""
+    import xarray as xr
+
     described = _attributes(plan, found)
     row, column = plan.parameter, plan.sweep
-    variables = {
-        axis.name: groups.Variable(axis.name, "float64", axis.values, store.axis_attributes(axis.name))
-        for axis in (row, column)
+    variables = {name: ("sample", data, described[name]) for name, data in found.samples.items()}
+    variables |= {
+        name: ((row.name, column.name), np.asarray(found.layers[name], kind), described[name])
+        for name, kind in _LAYERS.items()
     }
-    for name, data in found.samples.items():
-        kind = "str" if name == "message" else _INTEGERS.get(name, "float64")
-        variables[name] = groups.Variable("sample", kind, data, described[name])
-    for axis, index in ((row, "row"), (column, "column")):
+    variables["row_message"] = (row.name, found.row_messages, described["row_message"])
+    places = {axis.name: (axis.name, axis.values, store.axis_attributes(axis.name)) for axis in (row, column)}
+    for axis, index in ((column, "column"), (row, "row")):
         place = axis.values[found.samples[index]]
-        attributes = store.axis_attributes(axis.name)
-        variables[f"sample_{axis.name}"] = groups.Variable("sample", "float64", place, attributes)
-    for name, kind in _LAYERS.items():
-        variables[name] = groups.Variable((row.name, column.name), kind, found.layers[name], described[name])
-    variables["row_message"] = groups.Variable(row.name, "str", found.row_messages, described["row_message"])
+        places[f"sample_{axis.name}"] = ("sample", place, store.axis_attributes(axis.name))
     attributes = {
-        "coordinates": f"sample_{column.name} sample_{row.name}",
         "configuration_hash": plan.digest,
         "made_from": found.made_from,
         "orders": list(found.orders),
         **dataclasses.asdict(settings),
     }
-    groups.write_group(path, GROUP, attributes, variables)
+    groups.write_group(path, GROUP, xr.Dataset(variables, places, attributes))
 
 
 def read_verification(path: Path) -> StoredVerification | None:

@@ -16,11 +16,12 @@ from pipeline.analysis.verification.group import (
     write_verification,
 )
 from pipeline.analysis.verification.sampling import choose_cells
-from pipeline.analysis.verification.starts import Start, read_labels, read_starts
+from pipeline.analysis.verification.starts import Start, read_starts
 from pipeline.analysis.verification.tasks import check_rows, follow_starts
 from pipeline.analysis.verification.verdicts import Seen, Verdict
 from pipeline.config.schema import HIGHEST_ORDER, Verify
 from pipeline.plan.plan import Plan
+from pipeline.plane.stored import StoredPlane
 
 __all__ = ["Summary", "orders_of", "tasks_of", "verify"]
 
@@ -88,12 +89,13 @@ def verify(path: Path, plan: Plan, settings: Verify, run: Callable, advance: Cal
     -------
     Summary
     """
-    domain, usable = read_labels(path)
+    plane = StoredPlane(path, plan)
+    domain = plane.domain
     made_from = digest_of(plan, domain, settings)
     stored = read_verification(path)
     if stored is not None and stored.made_from == made_from:
         return _summary(plan, domain, stored, True)
-    cells = choose_cells(domain, usable, settings.samples, settings.beside, settings.seed)
+    cells = choose_cells(domain, plane.usable, settings.samples, settings.beside, settings.seed)
     starts = read_starts(path, plan, cells.row, cells.column)
     seen = _follow(plan, starts, settings, run, advance)
     layers, messages, orders = _check(path, plan, settings, domain.shape, run, advance)
@@ -111,8 +113,8 @@ def verify(path: Path, plan: Plan, settings: Verify, run: Callable, advance: Cal
 
 def tasks_of(path: Path, plan: Plan, settings: Verify) -> int:
     """How many motions and rows there are to do; for a progress bar."""
-    domain, usable = read_labels(path)
-    cells = choose_cells(domain, usable, settings.samples, settings.beside, settings.seed)
+    plane = StoredPlane(path, plan)
+    cells = choose_cells(plane.domain, plane.usable, settings.samples, settings.beside, settings.seed)
     rows = plan.parameter.num if orders_of(plan, settings.order) else 0
     return len(read_starts(path, plan, cells.row, cells.column)) + rows
 

@@ -12,6 +12,7 @@ __all__ = ["STAGE"]
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline.analysis import verification
+    from pipeline.plane.stored import StoredPlane
 
     path, options = job.store_path, job.settings.config.verify
     note_unfinished(job, reporter, "they are not verified")
@@ -20,7 +21,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     with RowProgress(reporter, total, what="verify", unit="motions and rows") as bar:
         summary = verification.verify(path, job.plan, options, workforce.run, bar.advance)
     folder = job.settings.output_root / "verification"
-    (domain, _), stored = verification.read_labels(path), verification.read_verification(path)
+    domain, stored = StoredPlane(path, job.plan).domain, verification.read_verification(path)
     names = verification.write_sheets(domain, stored, job.plan, options, folder, job.settings.store_name)
     say_failures(summary.failures, reporter)
     whole = verification.region_lines(domain, stored)[-1]

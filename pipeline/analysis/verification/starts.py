@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import zarr
 
 from pipeline.plan.plan import Plan
-from pipeline.store import COMPLETE
+from pipeline.plane.stored import StoredPlane
 
-__all__ = ["Start", "read_labels", "read_starts"]
+__all__ = ["Start", "read_starts"]
 
 
 @dataclass(frozen=True)
@@ -36,29 +35,32 @@ class Start:
     coefficients: tuple[float, ...]
 
 
-def read_labels(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Labels (P, X), 0 in rows that are not complete, and where there are stable solutions to start from."""
-    root = zarr.open_group(path, mode="r")
-    domain = np.where((root["status"][:] == COMPLETE)[:, None], root["domain"][:], 0).astype(np.uint16)
-    return domain, (domain != 0) & (root["n_stable"][:] > 0)
-
-
 def read_starts(path: Path, plan: Plan, row: np.ndarray, column: np.ndarray) -> list[Start]:
-    """All stable solutions at these cells, in the order of the cells and of the store."""
-    root = zarr.open_group(path, mode="r")
-    lifted = plan.solver["balance"] == "galerkin"
-    names = ("mean", "amplitude", "phase", "stable", "impact", *(("motion",) if lifted else ()))
-    rows, place = np.unique(row, return_inverse=True)
-    # Only what is asked for: the whole of a large plane may not fit into memory.
-    values = {name: root[name].oindex[rows][place, column] if rows.size else np.empty((0, 1)) for name in names}
+    """All stable solutions at these cells, in the order of the cells and of the store; rows ascend."""
     starts = []
-    for cell, solution in np.argwhere(values["stable"] == 1).tolist():
-        mean, amplitude, phase = (float(values[name][cell, solution]) for name in names[:3])
-        if lifted:
-            coefficients = tuple(values["motion"][cell, solution].tolist())
-        else:
-            # Lambda_1 = amplitude exp(i phase) = c_1 - i s_1.
-            coefficients = (mean, amplitude * float(np.cos(phase)), -amplitude * float(np.sin(phase)))
-        impact = int(values["impact"][cell, solution])
-        starts.append(Start(int(row[cell]), int(column[cell]), solution, mean, amplitude, impact, coefficients))
+    for part in StoredPlane(path, plan).parts:
+        here = slice(*np.searchsorted(row, (part.block.start, part.block.stop)))
+        if here.start < here.stop:
+            starts += _starts_in(part, row[here], column[here])
     return starts
+
+
+def _starts_in(part: StoredPlane, row: np.ndarray, column: np.ndarray) -> list[Start]:
+    cells = row - part.block.start, column
+    mean, amplitude, phase, impact = (array[cells] for array in (part.mean, part.amplitude, part.phase, part.impact))
+    # Lambda_1 = amplitude exp(i phase) = c_1 - i s_1.
+    motion = np.stack([mean, amplitude * np.cos(phase), -amplitude * np.sin(phase)], axis=-1)
+    if part.plan.motion_size:
+        motion = part.motion[cells]
+    return [
+        Start(
+            int(row[cell]),
+            int(column[cell]),
+            solution,
+            float(mean[cell, solution]),
+            float(amplitude[cell, solution]),
+            int(impact[cell, solution]),
+            tuple(motion[cell, solution].tolist()),
+        )
+        for cell, solution in np.argwhere(part.stable[cells] == 1).tolist()
+    ]

@@ -1,15 +1,15 @@
 """What workers do for a verification: integrate from solutions of the map, and sweep its rows at higher orders."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
-import zarr
 
 from pipeline.analysis.verification.starts import Start
 from pipeline.analysis.verification.verdicts import Seen, Verdict, seen_of, settling_of
 from pipeline.plan.numerics import continuation_of, point_of, row_of
 from pipeline.plan.plan import Block, Plan
-from pipeline.store import COMPLETE
+from pipeline.plane.stored import StoredPlane
 from solver import Row, RowError, gear_system
 from solver.stability import Instability
 
@@ -89,22 +89,20 @@ def check_rows(path: str, plan: Plan, orders: tuple[int, int], columns: int, blo
         Values of the axis at which branches are sought.
     block : Block
     """
-    shape = (block.stop - block.start, plan.sweep.num)
+    plane = StoredPlane(Path(path), plan, block=block)
+    shape = (plane.rows.size, plan.sweep.num)
     low, high, unstable = np.zeros(shape, np.uint16), np.zeros(shape, np.uint16), np.full(shape, -1, np.int8)
     messages = [""] * shape[0]
-    root = zarr.open_group(path, mode="r")
-    here = slice(block.start, block.stop)
-    status, mean, amplitude, stable = (root[name][here] for name in ("status", "mean", "amplitude", "stable"))
-    for i in np.flatnonzero(status == COMPLETE).tolist():
-        value = float(plan.parameter.values[block.start + i])
+    for i in np.flatnonzero(plane.complete).tolist():
+        value = float(plane.rows[i])
         try:
             rows = [_row(plan, value, order, columns) for order in orders]
         except _NUMERICAL as error:
             messages[i] = _reason(error)
             continue
         low[i], high[i] = rows[0].domain, rows[1].domain
-        counted = np.where(stable[i] == 1, 1.0, np.nan)
-        unstable[i] = _counts_unstable(mean[i] * counted, amplitude[i] * counted, rows[1])
+        counted = np.where(plane.stable[i] == 1, 1.0, np.nan)
+        unstable[i] = _counts_unstable(plane.mean[i] * counted, plane.amplitude[i] * counted, rows[1])
     return CheckedRows(block, low, high, unstable, tuple(messages))
 
 

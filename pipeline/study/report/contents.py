@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
-import xarray as xr
-
 from pipeline.errors import StoreError
 from pipeline.plane.regions import stored_regions
+from pipeline.plane.stored import read_stored
 from pipeline.store import read_plan
 from pipeline.study.agreement import AGREES
 from pipeline.study.numerals import percent
@@ -197,7 +196,7 @@ def _trust(study: dict[str, Source]) -> Iterator:
     )
     rows = []
     for plane, source in study.items():
-        shares = dynamic_shares(source.path, read_plan(source.path))
+        shares = dynamic_shares(source.path)
         rows.append(
             (
                 plane,
@@ -230,8 +229,7 @@ def _making(sources: Sequence[Source]) -> Iterator:
     yield Listing("\n".join(commands))
     rows, versions = [], {}
     for source in sources:
-        with xr.open_zarr(source.path, chunks=None) as plane:
-            attributes = plane.attrs
+        attributes = read_stored(source.path).about
         rows.append((source.path.name, attributes["configuration_hash"], str(attributes["bevelmap_schema"])))
         versions.setdefault(tuple(sorted(attributes["versions"].items())), []).append(source.path.stem)
     yield Grid("Stores.", ("Store", "Configuration hash", "Schema"), tuple(rows))

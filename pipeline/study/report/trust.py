@@ -4,18 +4,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
-from pipeline.analysis.verification import read_labels, read_verification, region_lines
+from pipeline.analysis.verification import read_verification, region_lines
 from pipeline.analysis.verification.credibility import Credibility
-from pipeline.plan.plan import Plan
+from pipeline.plane.stored import read_stored
 from pipeline.study.numerals import percent
 from pipeline.study.report.document import Grid
 from solver.stability import Instability
 
 __all__ = ["DynamicShares", "dynamic_shares", "verified_grid"]
-
-_UNSTABLE = (Instability.FOLD, Instability.PERIOD_DOUBLING, Instability.NEIMARK_SACKER)
 
 
 @dataclass(frozen=True)
@@ -28,26 +25,21 @@ class DynamicShares:
     unstable: float
 
 
-def dynamic_shares(path: Path, plan: Plan) -> DynamicShares:
+def dynamic_shares(path: Path) -> DynamicShares:
     """Read a store block by block."""
     counts = np.zeros(4)
-    with xr.open_zarr(path, chunks=None) as plane:
-        for block in plan.blocks:
-            rows = {plan.parameter.name: slice(block.start, block.stop)}
-            counted = plane["stable"].isel(rows).values == 1
-            kind = plane["instability"].isel(rows).values
-            unstable = np.any(counted & np.isin(kind, _UNSTABLE), axis=-1)
-            contradictory = np.any(counted & (kind == Instability.CONTRADICTORY), axis=-1) & ~unstable
-            undecided = np.any(counted & (kind == Instability.UNDECIDED), axis=-1) & ~unstable & ~contradictory
-            known = plane["domain"].isel(rows).values != 0
-            stable = ~unstable & ~contradictory & ~undecided
-            counts += [np.sum(known & cells) for cells in (stable, contradictory, undecided, unstable)]
+    for part in read_stored(path).parts:
+        unstable, contradictory = part.unstable, part.contradictory & ~part.unstable
+        undecided = np.any((part.stable == 1) & (part.instability == Instability.UNDECIDED), axis=-1)
+        undecided &= ~unstable & ~contradictory
+        stable = ~unstable & ~contradictory & ~undecided
+        counts += [np.sum((part.domain != 0) & cells) for cells in (stable, contradictory, undecided, unstable)]
     return DynamicShares(*(counts / max(counts.sum(), 1.0)).tolist())
 
 
 def verified_grid(path: Path) -> Grid:
     """Per label of a verified plane, in how many cells the map is right; the last line for all of it."""
-    (domain, _), found = read_labels(path), read_verification(path)
+    domain, found = read_stored(path).domain, read_verification(path)
     lines = region_lines(domain, found)
     kinds = [kind for kind in Credibility if any(line.classes[kind] for line in lines)]
     rows = []

@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import balance_of
+from pipeline.plane.stored import read_stored
 from pipeline.run.sheets import write_files
-from pipeline.store import PENDING, read_plan, statuses
+from pipeline.store import PENDING
 from pipeline.study.tables.article import ARTICLE_TABLES, ArticleTable
 from pipeline.study.tables.latex import latex
 from pipeline.study.tables.markdown import markdown
@@ -54,16 +53,17 @@ def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
 def _problem(article: ArticleTable, path: Path, command: str) -> str:
     """What keeps a table from being made of a store, with the command that helps; empty if nothing does."""
     try:
-        plan = read_plan(path)
+        plane = read_stored(path)
     except StoreError as error:
         return f"{article.plane}: {error} (run: {command})"
+    plan = plane.plan
     axes = tuple(axis.name for axis in plan.axes)
     if axes != ("omega", article.parameter):
         other = " x ".join(axes)
         return f"{article.plane}: {path} is a plane {other}, not omega x {article.parameter} (run: {command})"
     if not balance_of(plan.solver).truncated:
         return f"{article.plane}: {path} is not balanced at first order, as the tables are (run: {command})"
-    pending = int(np.sum(statuses(path) == PENDING))
+    pending = int((plane.status == PENDING).sum())
     if pending:
         rows = plan.parameter.num
         return f"{article.plane}: {pending} of {rows} rows of {path} are not computed yet (run: {command})"

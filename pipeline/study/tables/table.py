@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import xarray as xr
-
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Plan
 from pipeline.plane.regions import stored_regions
 from pipeline.plane.resonances import Resonance, common_resonances
-from pipeline.store import COMPLETE, read_plan, statuses
+from pipeline.plane.stored import read_stored
 from pipeline.study.tables.article import ArticleTable, Band, band_range, band_rows
 from pipeline.study.tables.bands import BandAtResonance, band_at_resonance
 from pipeline.study.tables.claims import Verdict, judge
@@ -108,7 +106,8 @@ def build_table(article: ArticleTable, path: Path, whole: Regions | None = None)
     StoreError
         If the natural frequencies move with the row parameter: the axis has no one split then.
     """
-    plan = read_plan(path)
+    plane = read_stored(path)
+    plan = plane.plan
     pair = common_resonances(plan)
     if pair is None:
         raise StoreError(f"{path}: the natural frequencies move with {plan.parameter.name}, no one split serves")
@@ -117,7 +116,7 @@ def build_table(article: ArticleTable, path: Path, whole: Regions | None = None)
     lines: list[Line] = []
     before: dict[str, BandAtResonance] = {}
     for band in article.bands:
-        peaks = row_peaks(path, plan, rows[band])
+        peaks = row_peaks(plane, rows[band])
         here, gaps = {}, {}
         for number, resonance in enumerate(pair):
             gaps[resonance.name] = _gap(article, band, plan, resonance) or undivided
@@ -136,11 +135,9 @@ def build_table(article: ArticleTable, path: Path, whole: Regions | None = None)
             )
             lines.append(Line(band, resonance, measured, gaps[resonance.name], classes, verdicts))
         before = here
-    with xr.open_zarr(path, chunks=None) as plane:
-        digest = plane.attrs["configuration_hash"]
-    failed = int((statuses(path) != COMPLETE).sum())
+    failed = int((~plane.complete).sum())
     labels = _labels(whole, [parts.get(one.name) for one in pair]) if whole else ()
-    return Table(article, plan, path.name, digest, tuple(lines), failed, labels, undivided)
+    return Table(article, plan, path.name, plane.about["configuration_hash"], tuple(lines), failed, labels, undivided)
 
 
 def _parts(path: Path, plan: Plan, pair, whole: Regions | None) -> tuple[dict[str, Regions], Regions | None, str]:

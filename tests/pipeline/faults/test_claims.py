@@ -9,6 +9,7 @@ from pathlib import Path
 import google_crc32c
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from numcodecs.zstd import Zstd
@@ -55,7 +56,7 @@ def test_the_bombs_of_these_tests_go_off():
 def made(tmp_path_factory) -> Path:
     """A small complete store with a group; not to be changed."""
     path = small_store(tmp_path_factory.mktemp("made") / "plane.zarr", small_plan(columns=9, rows=4))
-    groups.write_group(path, "boundaries", {}, {"values": groups.Variable("x", "float64", np.arange(50.0))})
+    groups.write_group(path, "boundaries", xr.Dataset({"values": ("x", np.arange(50.0))}))
     return path
 
 
@@ -139,7 +140,7 @@ def test_texts_are_as_many_and_as_long_as_they_may_be(copy, entries, said):
 def test_texts_longer_than_they_may_be_are_cut_when_they_are_written(copy):
     plan = store.read_plan(copy)
     store.write_block(copy, plan, plan.blocks[1], [store.row_values(plan, "ä" * 10**6)])
-    groups.write_group(copy, "boundaries", {}, {"why": groups.Variable("x", "str", ["ä" * 10**6, "b"])})
+    groups.write_group(copy, "boundaries", xr.Dataset({"why": ("x", np.array(["ä" * 10**6, "b"], dtype=object))}))
     assert store.find_damage(copy) == [] and store.failures(copy) == [(1, "ä" * MOST_TEXT)]
 
 

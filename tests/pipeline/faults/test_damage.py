@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -24,8 +25,8 @@ _READING = ["sweep", "boundaries", "verify", "basins", "jumps", "figures"]
 
 
 def _with_group(path: Path) -> None:
-    values = groups.Variable("x", "float64", [float(i) for i in range(20)], {"long_name": "some numbers"})
-    groups.write_group(path, _GROUP, {"configuration_hash": "none of ours"}, {"values": values})
+    values = ("x", [float(i) for i in range(20)], {"long_name": "some numbers"})
+    groups.write_group(path, _GROUP, xr.Dataset({"values": values}, attrs={"configuration_hash": "none of ours"}))
 
 
 def run(folder: Path, capsys, *words: str) -> tuple[int, str, str]:

@@ -8,6 +8,7 @@ import tracemalloc
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from pipeline import store
 from pipeline.__main__ import main
@@ -101,7 +102,7 @@ def test_no_pickle_is_opened(copy, tmp_path, monkeypatch, capsys):
 )
 def test_claims_are_compared_with_the_plan_and_cost_nothing(copy, name, changes):
     if not (copy / name).exists():
-        groups.write_group(copy, "boundaries", {}, {})
+        groups.write_group(copy, "boundaries", xr.Dataset())
         (copy / name).mkdir()
         (copy / name / "zarr.json").write_text("{}")
     _listed(copy, name, **changes)

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline import store
@@ -143,8 +144,7 @@ def test_foreign_arrays_and_groups_are_named_and_kept(copy, tmp_path, capsys, fi
 
 def test_repair_removes_only_what_is_its_own(copy, tmp_path, capsys):
     """The user's files stay: beside a damaged chunk, in a damaged group, where a chunk should be."""
-    values = groups.Variable("x", "float64", [1.0, 2.0], {"long_name": "some numbers"})
-    groups.write_group(copy, "boundaries", {}, {"values": values})
+    groups.write_group(copy, "boundaries", xr.Dataset({"values": ("x", [1.0, 2.0], {"long_name": "some numbers"})}))
     (copy / "mean/c/0/0/notes.txt").write_text("mine")
     (copy / "mean/c/0/0/0").write_bytes(b"")
     code, _, err = run(tmp_path, capsys, "stages=[check]", *_SIZES, "check.repair=true")
@@ -178,7 +178,7 @@ def test_overwriting_removes_no_file_of_the_user(copy, tmp_path, capsys):
 
 
 def test_known_names_are_those_that_zarr_makes(copy):
-    groups.write_group(copy, "boundaries", {}, {"values": groups.Variable("x", "int8", [1, 2])})
+    groups.write_group(copy, "boundaries", xr.Dataset({"values": ("x", [1, 2])}))
     names = [str(file.relative_to(copy)) for file in copy.rglob("*") if file.is_file()]
     assert len(names) > 50 and all(map(STORE_FILE.fullmatch, names))
     inside = [name.removeprefix("boundaries/") for name in names if name.startswith("boundaries/")]

@@ -15,9 +15,9 @@ from pipeline.figures.curves import chosen_rows, draw_curves
 from pipeline.figures.map import draw_map
 from pipeline.figures.map_legend import CONTRADICTORY_CELLS, UNSTABLE_CELLS
 from pipeline.figures.peaks import resonance_peaks
-from pipeline.figures.stored import read_stored
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.segments import labels_at
+from pipeline.plane.stored import read_stored
 from solver import domain_code
 from tests.pipeline.planes import small_plan, small_store
 

@@ -7,7 +7,7 @@ from pipeline.figures.backbone import draw_backbone
 from pipeline.figures.curves import draw_curves
 from pipeline.figures.map import draw_map, draw_window
 from pipeline.figures.naming import value_text
-from pipeline.figures.stored import read_stored
+from pipeline.plane.stored import read_stored
 from tests.pipeline.planes import small_plan, small_store
 
 

@@ -9,6 +9,7 @@ from pipeline.config.compose import compose, conf_folder
 from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import balance_of, continuation_of, model_at, point_of, row_of, seeds_of
 from pipeline.plan.planning import plan, warnings
+from pipeline.plane.boundaries import read_boundaries
 from solver import all_solutions
 from solver.boundaries import FOLDS_AND_GRAZINGS
 from tests.conftest import MODELS
@@ -88,7 +89,7 @@ def test_boundaries_over_mesh_damping(tmp_path):
     planned = small_plan("plane=omega_xi", *window, columns=21, rows=4)
     path = small_store(tmp_path / "plane.zarr", planned)
     assert boundaries.trace(path, planned).cut_short == ()
-    shown, met = boundaries_of(boundaries.read_boundaries(path, planned).curves), 0
+    shown, met = boundaries_of(read_boundaries(path, planned).curves), 0
     for value in (0.041, 0.062):
         gear = (f"gear.xi_mesh={value}", f"gear.xi_translation={0.25 * value}")
         row = row_at(small_plan("plane=omega_b", *gear, *window[:2], rows=2), 1.0)

@@ -20,6 +20,7 @@ from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import plan_of
 from pipeline.plan.planning import plan
 from pipeline.plan.scales import gear_of
+from pipeline.plane.boundaries import read_boundaries
 from solver import Event, GearPair, ImpactState, Model, all_solutions
 from solver.model.contact_system import gear_system
 from tests.pipeline.planes import contents, small_plan, small_store
@@ -157,7 +158,7 @@ def test_boundaries_and_thresholds(stored):
     swept = store.read_plan(stored)
     summary = boundaries.trace(stored, swept)
     assert summary.curves["fold"] == 2 and not summary.cut_short
-    curves = boundaries.read_boundaries(stored, swept).curves
+    curves = read_boundaries(stored, swept).curves
     for curve in curves:
         if curve.kind in (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER):
             continue

@@ -15,6 +15,7 @@ from pipeline.errors import StoreError
 from pipeline.plan.plan import plan_of
 from pipeline.plan.planning import plan
 from pipeline.plane.regions import thresholds
+from pipeline.plane.stored import read_stored
 from pipeline.store.arrays import arrays_of
 from tests.pipeline.planes import assert_same_contents, assert_same_values, contents, small_plan, small_store
 
@@ -142,14 +143,15 @@ def test_failures_name_both_values(tmp_path, capsys):
 
 
 def test_layers_are_drawn(swept, volume):
-    from pipeline.figures.volume import draw_volume, read_layers
+    from pipeline.figures.volume import draw_volume, shown_layers
 
     assert [path.name for path in (swept / "figures/omega_b_fe").glob("[!.]*")] == ["layers.png"]
-    layers = read_layers(volume)
+    stored = read_stored(volume)
+    layers = shown_layers(stored)
     assert list(layers) == [0.0, 0.25, 0.5]
     for index, plane in enumerate(layers.values()):
         np.testing.assert_array_equal(plane.domain, contents(volume)["domain"][index])
-    figure = draw_volume(volume, layers)
+    figure = draw_volume(stored)
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
     assert titles == ["$f_e$ = 0", "$f_e$ = 0.25", "$f_e$ = 0.5"]
     shown = {text.get_text() for axes in figure.axes for text in axes.texts}

@@ -10,6 +10,7 @@ import zarr
 from pipeline import store
 from pipeline.__main__ import main
 from pipeline.plane.result import result_line
+from pipeline.plane.stored import StoredPlane
 from pipeline.run import progress
 from pipeline.run.progress import Reporter, RowProgress
 from solver import label_parts
@@ -59,10 +60,10 @@ def test_nothing_is_said_that_every_run_says(default_run):
 def test_what_is_not_computed_is_left_out(tmp_path):
     plan = small_plan(columns=9, rows=6)
     path = small_store(tmp_path / "plane.zarr", plan, plan.blocks[:2])
-    assert "of what is computed of the plane" in result_line(path)
+    assert "of what is computed of the plane" in result_line(StoredPlane(path, plan))
     empty = tmp_path / "empty.zarr"
     store.create(empty, plan, "empty", "")
-    assert result_line(empty) == ""
+    assert result_line(StoredPlane(empty, plan)) == ""
 
 
 def test_labels_are_counted_once(default_run):

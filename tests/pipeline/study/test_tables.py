@@ -14,6 +14,7 @@ from pipeline.errors import StoreError
 from pipeline.plane.peaks import resonance_peak, solved
 from pipeline.plane.resonances import common_resonances, resonances
 from pipeline.plane.segments import pieces_of_row
+from pipeline.plane.stored import StoredPlane
 from pipeline.study.tables.latex import escape, latex
 from pipeline.study.tables.markdown import markdown
 from pipeline.study.tables.rows import row_peaks
@@ -226,7 +227,7 @@ def test_resonances_follow_the_modes_of_every_row(tmp_path):
         assert mesh.high == shaft.low == pytest.approx(np.sqrt(mesh.natural * shaft.natural), rel=1e-12)
     assert len({mesh.natural for mesh, _ in found}) == 4 and common_resonances(plan) is None
     path = small_store(tmp_path / "kappa.zarr", plan)
-    peaks = row_peaks(path, plan, np.arange(4))
+    peaks = row_peaks(StoredPlane(path, plan), np.arange(4))
     assert [row[1].natural for row in peaks.values()] == [shaft.natural for _, shaft in found]
     with pytest.raises(StoreError, match="natural frequencies move with kappa"):
         build_table(PLANES["omega_b"], path)

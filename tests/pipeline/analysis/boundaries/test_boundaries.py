@@ -14,9 +14,11 @@ from pipeline.analysis import boundaries
 from pipeline.analysis.boundaries.events import MARGINS, half_backlash, read_events
 from pipeline.errors import ConfigurationError
 from pipeline.figures.regions import region_codes
-from pipeline.figures.stored import read_stored
 from pipeline.plan.numerics import model_at
+from pipeline.plane.boundaries import read_boundaries, special_places
+from pipeline.plane.stored import read_stored
 from pipeline.run.rows import sweep_block
+from pipeline.store import groups
 from solver import Event, all_solutions, domain_code, impact_state
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SpecialPoint
 from tests.pipeline.planes import contents, small_plan, small_store
@@ -61,7 +63,7 @@ def test_schema(made):
 def test_stored_curves_are_read_back(made):
     plan, path, _ = made
     group = xr.open_zarr(path, group="boundaries").load()
-    curves = boundaries.read_boundaries(path, plan).curves
+    curves = read_boundaries(path, plan).curves
     np.testing.assert_array_equal(np.concatenate([curve.points[:, 3] for curve in curves]), group.omega)
     np.testing.assert_array_equal(np.concatenate([curve.slopes[:, 4] for curve in curves]), group.f_e_slope)
     for curve in curves:
@@ -74,7 +76,7 @@ def test_stored_curves_are_read_back(made):
 
 def test_every_event_of_the_rows_lies_on_a_stored_curve(made):
     plan, path, _ = made
-    events, curves = read_events(path, plan), boundaries.read_boundaries(path, plan).curves
+    events, curves = read_events(path, plan), read_boundaries(path, plan).curves
     assert events.rows == 16 and len(events.kind) > 50
     for kind, point in zip(events.kind, events.points, strict=True):
         # Along both axes: next to an extremum one of them is ill-conditioned. On the border a line meets only the end.
@@ -108,7 +110,7 @@ def check_raster_against_curves(path, plan):
     states = stable.sum(axis=2)
     count_change, state_change = np.zeros_like(np.diff(count)), np.zeros_like(np.diff(states, axis=1))
     crossings = 0
-    for curve in boundaries.read_boundaries(path, plan).curves:
+    for curve in read_boundaries(path, plan).curves:
         found, interval, sign = along_rows(curve, plan)
         inside = (interval >= 0) & (interval < plan.sweep.num - 1) & curve.arc_shows[found.arc]
         points, place, sign = found.points[inside], (found.line[inside], interval[inside]), sign[inside]
@@ -180,9 +182,9 @@ def test_what_a_killed_run_leaves_behind_is_replaced(made, tmp_path):
         elif state == "taken away, still listed":
             (copy / "boundaries").rename(tmp_path / f".{copy.name}.boundaries.old")
         else:
-            boundaries.remove_boundaries(copy)
+            groups.remove_group(copy, "boundaries")
             (tmp_path / f".{copy.name}.boundaries.draft" / "left over").mkdir(parents=True)
-        assert boundaries.read_boundaries(copy, plan) is None
+        assert read_boundaries(copy, plan) is None
         assert not boundaries.trace(copy, plan).found_done
         for name, values in contents(copy).items():
             assert values.tobytes() == expected[name].tobytes() if values.dtype.kind != "T" else True, name
@@ -208,14 +210,14 @@ def test_a_plane_without_boundaries(tmp_path):
     summary = boundaries.trace(path, plan)
     assert summary.points == 0 and summary.curves == {} and boundaries.trace(path, plan).found_done
     assert xr.open_zarr(path, group="boundaries").load().sizes["curve"] == 0
-    paths = boundaries.write_sheets(boundaries.read_boundaries(path, plan), plan, tmp_path, "plane")
+    paths = boundaries.write_sheets(read_boundaries(path, plan), plan, tmp_path, "plane")
     assert [len(path.read_text().splitlines()) for path in paths] == [1, 1]
     assert all(path.stat().st_size > 0 for path in figures.draw(path, tmp_path / "figures", None, ["png"], 60))
 
 
 def test_csv_equals_the_store(made, tmp_path):
     plan, path, summary = made
-    stored = boundaries.read_boundaries(path, plan)
+    stored = read_boundaries(path, plan)
     paths = boundaries.write_sheets(stored, plan, tmp_path / "one", "plane")
     again = boundaries.write_sheets(stored, plan, tmp_path / "two", "plane")
     assert [path.name for path in paths] == ["plane.csv", "plane-special.csv"]
@@ -258,8 +260,8 @@ def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
     plan, path, _ = made
     (x, p), *_ = [
         curve.points[place, 3:]
-        for curve in boundaries.read_boundaries(path, plan).curves
-        for place in boundaries.special_places(curve)
+        for curve in read_boundaries(path, plan).curves
+        for place in special_places(curve)
         if 0.2 < curve.points[place, 4] < 0.3
     ]
     window = [x - 1e-3, x + 1e-3, p - 2.5e-4, p + 2.5e-4]
@@ -301,7 +303,7 @@ def test_the_stage(tmp_path, monkeypatch, capsys):
     def fails(*arguments, **options):
         raise ArithmeticError("the corrector fails")
 
-    boundaries.remove_boundaries(tmp_path / "outputs/store/omega_fe.zarr")
+    groups.remove_group(tmp_path / "outputs/store/omega_fe.zarr", "boundaries")
     monkeypatch.setattr("pipeline.analysis.boundaries.tracing.boundary_curves", fails)
     shutil.rmtree(tmp_path / "outputs/figures")
     assert main([*SMALL, "figures.window=[0.5,0.7,0.1,0.4]"]) == 1
@@ -324,4 +326,4 @@ def test_incomplete_rows_are_left_out_and_said(tmp_path, monkeypatch, capsys):
     assert read_events(path, stored).rows == 7
     # A sweep that goes on takes the boundaries of the rows as they were away.
     assert main([*SMALL, "stages=[sweep]"]) == 0
-    assert boundaries.read_boundaries(path, stored) is None
+    assert read_boundaries(path, stored) is None

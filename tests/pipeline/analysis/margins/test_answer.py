@@ -336,7 +336,7 @@ def test_the_stage(stores, tmp_path, capsys):
 
 def test_the_figure(stores):
     from pipeline.figures.margins import draw_margins
-    from pipeline.figures.stored import read_stored
+    from pipeline.plane.stored import read_stored
 
     plane = read_stored(stores["omega_fe"][0])
     wide = draw_margins(plane, ask(stores["omega_fe"], 0.9, 0.1, 0.8, 1.0, 0.02))

@@ -9,12 +9,12 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 import pipeline.analysis.margins.worst
-from pipeline.analysis.boundaries.arcs import Arcs
 from pipeline.analysis.margins import Design
 from pipeline.analysis.margins.box import largest_box
 from pipeline.analysis.margins.curves import Boundaries
 from pipeline.analysis.margins.lines import divided
 from pipeline.analysis.margins.worst import severity
+from pipeline.plane.arcs import Arcs
 from solver import Event
 from tests.pipeline.planes import small_plan
 

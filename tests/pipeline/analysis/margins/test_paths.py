@@ -205,7 +205,7 @@ def test_the_figure_follows_the_units(stores, tmp_path, capsys):
     assert main(words) == 0
     assert "rpm)" in capsys.readouterr().out
     from pipeline.figures.margins import draw_margins
-    from pipeline.figures.stored import read_stored
+    from pipeline.plane.stored import read_stored
 
     found = answer(*stores["omega_xi"], Design(1.1, 0.07, 1.09, 1.11))
     figure = draw_margins(read_stored(path, physical=True), found)

@@ -11,10 +11,10 @@ from pipeline.__main__ import main
 from pipeline.analysis.attractor_flags import attractor_code, attractor_flags, attractor_label
 from pipeline.analysis.basins import running as basins
 from pipeline.analysis.jumps import running as jumps
-from pipeline.analysis.verification import read_labels
 from pipeline.analysis.verification.verdicts import settling_of
 from pipeline.config.compose import compose
 from pipeline.plan.numerics import point_of
+from pipeline.plane.stored import StoredPlane
 from pipeline.run.workforce import Workforce
 from solver import domain_parts, gear_system
 from solver.timedomain import AttractorKind, basin_shares, settle, wilson_interval
@@ -55,7 +55,7 @@ def test_basins_of_coexisting_motions(made, tmp_path):
     found, done = basins.measure(path, plan, asked, RUN, silent)
     assert not done and found.messages.tolist() == [""] * 3
     group = xr.open_zarr(path, group="basins").load()
-    domain, _ = read_labels(path)
+    domain = StoredPlane(path, plan).domain
     assert np.all(domain_parts(domain[group.row, group.column])[0] >= 2)
     np.testing.assert_array_equal(group["count"].sum("attractor"), 6)
     for i in range(3):

@@ -13,6 +13,7 @@ from pipeline.analysis.verification.sampling import allot, choose_cells
 from pipeline.analysis.verification.tasks import check_rows
 from pipeline.analysis.verification.verdicts import settling_of
 from pipeline.plan.numerics import point_of
+from pipeline.plane.stored import StoredPlane, read_stored
 from solver import ImpactState, domain_code, domain_label, domain_parts, gear_system
 from solver.timedomain import AttractorKind, orbit_state, settle, wilson_interval
 from tests.pipeline.analysis.verification.verified import RUN, settings, silent
@@ -48,7 +49,7 @@ def test_every_stratum_gets_a_share(sizes, count):
 
 def test_samples_of_a_plane(made):
     plan, path, _ = made
-    domain, usable = verification.read_labels(path)
+    domain, usable = StoredPlane(path, plan).domain, StoredPlane(path, plan).usable
     cells = choose_cells(domain, usable, 30, 4, 0)
     again, other = choose_cells(domain, usable, 30, 4, 0), choose_cells(domain, usable, 30, 4, 1)
     for name in ("row", "column", "stratified", "beside"):
@@ -242,7 +243,7 @@ def test_a_second_time_there_is_nothing_to_do_unless_settings_change(made):
 
 def test_shares_per_region(made, group, tmp_path):
     plan, path, _ = made
-    domain, _ = verification.read_labels(path)
+    domain = StoredPlane(path, plan).domain
     stored = verification.read_verification(path)
     paths = verification.write_sheets(domain, stored, plan, settings(), tmp_path, "plane")
     again = verification.write_sheets(domain, stored, plan, settings(), tmp_path / "again", "plane")
@@ -281,7 +282,6 @@ def test_figure(made, tmp_path):
 
     from pipeline.figures.drawing import own_style
     from pipeline.figures.output import write_figure
-    from pipeline.figures.stored import read_stored
     from pipeline.figures.verification import draw_verification
 
     plan, path, _ = made

@@ -1,0 +1,243 @@
+"""A stored plane as plain arrays: the one way in which what is stored of rows is read."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.plan.numerics import model_at
+from pipeline.plan.plan import Block, Plan
+from pipeline.plan.scales import scales_of
+from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
+from pipeline.plane.segments import Piece, pieces_of_row
+from pipeline.store import COMPLETE, read_plan
+from solver import Scales, domain_code
+from solver.stability import Instability
+
+__all__ = ["StoredPlane", "read_stored"]
+
+_POINT_ARRAYS = ("mean", "amplitude", "stable", "impact", "branch", "event")
+
+
+def _stored(name: str) -> cached_property:
+    """An array of the store, read when it is first asked for."""
+    return cached_property(lambda plane: plane.array(name))
+
+
+@dataclass(frozen=True, eq=False)
+class StoredPlane:
+    """A plane, a volume or one layer of it, or some rows of a plane; P rows, X columns, S solutions.
+
+    Every array is read when it is first asked for, and once. Where a plane may be larger than memory, its `parts` are
+    read one after the other.
+
+    Parameters
+    ----------
+    path : Path
+    plan : Plan
+        Of the plane; of the layer, where it is one.
+    layer : int or None
+        Number of the layer in a volume.
+    block : Block or None
+        The rows that are meant, by number within the plane; all unless given.
+    dynamic : bool
+        Whether `domain` and `n_stable` count the dynamically stable motions, instead of the statically stable ones.
+    physical : bool
+        Whether it is shown in physical units.
+
+    Attributes
+    ----------
+    status : (P,) array
+    open : (P, X) array
+    mean, amplitude, phase, stable, impact, instability : (P, X, S) arrays
+    motion : (P, X, S, n) array
+        All harmonics, where the plane is of a higher order.
+    n_points : (P,) array
+        Points of a row's branches.
+    end_reason : (P, branch, 2) array
+    """
+
+    path: Path
+    plan: Plan
+    layer: int | None = None
+    block: Block | None = None
+    dynamic: bool = False
+    physical: bool = False
+
+    status = _stored("status")
+    open = _stored("open")
+    mean = _stored("mean")
+    amplitude = _stored("amplitude")
+    phase = _stored("phase")
+    stable = _stored("stable")
+    impact = _stored("impact")
+    instability = _stored("instability")
+    motion = _stored("motion")
+    n_points = _stored("branches/n_points")
+    end_reason = _stored("branches/end_reason")
+
+    def array(self, name: str, *within: slice) -> np.ndarray:
+        """An array that has rows, read anew; `within` cuts it along its further dimensions."""
+        place = (self._within, *within)
+        return self._root[name][place if self.layer is None else (self.layer, *place)]
+
+    @property
+    def parts(self) -> Iterator["StoredPlane"]:
+        """The plane in blocks of rows, each a chunk of the store."""
+        for block in self.plan.blocks:
+            yield self._as(block=block)
+
+    def layer_at(self, index: int) -> "StoredPlane":
+        """One layer of a volume."""
+        return self._as(plan=self.plan.layer(index), layer=index)
+
+    def _as(self, **changes) -> "StoredPlane":
+        """Another part of the same store, which is not opened again: that takes longer than to read a block of it."""
+        part = replace(self, **changes)
+        vars(part)["_root"] = self._root
+        return part
+
+    @cached_property
+    def rows(self) -> np.ndarray:
+        """Values of the row parameter, (P,)."""
+        return self.plan.parameter.values[self._within]
+
+    @cached_property
+    def complete(self) -> np.ndarray:
+        """Whether a row is complete, (P,) bool."""
+        return self.status == COMPLETE
+
+    @cached_property
+    def about(self) -> dict:
+        """What the store says of itself: title, configuration, versions, time of creation."""
+        return dict(self._root.attrs)
+
+    @cached_property
+    def attributes(self) -> dict[str, dict]:
+        """Axis name -> its attributes (`long_name`, `units`)."""
+        return {axis.name: dict(self._root[axis.name].attrs) for axis in (self.plan.parameter, self.plan.sweep)}
+
+    @cached_property
+    def labels(self) -> dict[int, str]:
+        """Code -> n/I label, as in `domain`."""
+        flags = self._root["domain"].attrs
+        return dict(zip(map(int, flags["flag_values"]), flags["labels"], strict=True))
+
+    @cached_property
+    def domain(self) -> np.ndarray:
+        """Codes of the n/I labels, (P, X); 0 in rows that are not complete."""
+        stored = np.where(self.complete[..., None], self.array("domain"), 0)
+        if not self.dynamic:
+            return stored
+        states = np.where(self._kept, 1 << self.impact.astype(np.int64).clip(0), 0)
+        labelled = domain_code(np.sum(self._kept, axis=-1), np.bitwise_or.reduce(states, axis=-1))
+        return np.where(stored != 0, labelled, stored)
+
+    @cached_property
+    def n_stable(self) -> np.ndarray:
+        """Number of stable motions, (P, X)."""
+        stored = self.array("n_stable")
+        return np.where(self.domain != 0, np.sum(self._kept, axis=-1), stored) if self.dynamic else stored
+
+    @property
+    def usable(self) -> np.ndarray:
+        """Where there are stable motions to start from, (P, X) bool."""
+        return (self.domain != 0) & (self.n_stable > 0)
+
+    @cached_property
+    def unstable(self) -> np.ndarray:
+        """Where a statically stable motion is dynamically unstable (period doubling, Neimark-Sacker), (P, X) bool."""
+        kind = self.instability
+        return np.any((self.stable == 1) & (kind > Instability.NONE) & (kind < Instability.CONTRADICTORY), axis=-1)
+
+    @cached_property
+    def contradictory(self) -> np.ndarray:
+        """Where static and dynamic stability of a motion contradict each other, (P, X) bool."""
+        return np.any((self.stable == 1) & (self.instability == Instability.CONTRADICTORY), axis=-1)
+
+    @cached_property
+    def points(self) -> dict[str, np.ndarray]:
+        """Name -> (P, point) array of the branches; "position" is where on the sweep axis a point is."""
+        return {**{name: self.along(name) for name in _POINT_ARRAYS}, "position": self.along(self.plan.sweep.name)}
+
+    @cached_property
+    def boundaries(self) -> StoredBoundaries | None:
+        """The plane's boundaries; None where they have not been traced."""
+        return read_boundaries(self.path, self.plan)
+
+    @cached_property
+    def scales(self) -> Scales | None:
+        """To show the plane in physical units; None shows it dimensionless."""
+        return scales_of(self.plan) if self.physical else None
+
+    @property
+    def over_frequency(self) -> bool:
+        """Whether rows run over the mesh frequency, so that natural frequencies can be shown along them."""
+        return self.plan.sweep.name == "omega"
+
+    @property
+    def resonances(self) -> np.ndarray:
+        """Which of the two natural frequencies lie within the sweep axis in some row, (2,) bool."""
+        if not self.over_frequency:
+            return np.zeros(2, dtype=bool)
+        return np.any((self.modes >= self.plan.sweep.low) & (self.modes <= self.plan.sweep.high), axis=0)
+
+    @cached_property
+    def modes(self) -> np.ndarray:
+        """Linear natural frequencies of the pair for every row, lower and upper, (P, 2)."""
+        return np.array([model_at(self.plan, value, self.plan.sweep.low).mesh_modes() for value in self.rows])
+
+    @cached_property
+    def pieces(self) -> list[list[Piece]]:
+        """Per row, its branches cut at folds and grazings."""
+        return [self.row_pieces(row) for row in range(self.rows.size)]
+
+    def along(self, name: str) -> np.ndarray:
+        """An array of the branches, (P, point, ...), as far as any row uses the room for points; read anew."""
+        return self.array(f"branches/{name}", slice(int(self.n_points.max(initial=0))))
+
+    def row_points(self, row: int) -> dict[str, np.ndarray]:
+        """The branch points of one row, without the unused room behind them."""
+        return {name: array[row, : self.n_points[row]] for name, array in self.points.items()}
+
+    def row_pieces(self, row: int) -> list[Piece]:
+        """The branches of one row cut at folds and grazings."""
+        points = self.row_points(row)
+        if self.plan.sweep.name == "b":
+            backlash = points["position"]
+        else:
+            backlash = np.full(self.n_points[row], model_at(self.plan, self.rows[row], self.plan.sweep.low).b)
+        return pieces_of_row(points, backlash)
+
+    @property
+    def _within(self) -> slice:
+        return slice(None) if self.block is None else slice(self.block.start, self.block.stop)
+
+    @cached_property
+    def _root(self) -> zarr.Group:
+        return zarr.open_group(self.path, mode="r")
+
+    @cached_property
+    def _kept(self) -> np.ndarray:
+        """The motions that are dynamically stable."""
+        return (self.stable == 1) & (self.instability == Instability.NONE)
+
+
+def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:
+    """Look a store over, and give its plane or volume.
+
+    Parameters
+    ----------
+    path : Path
+    dynamic, physical
+        As for `StoredPlane`.
+
+    Raises
+    ------
+    StoreError
+        As `pipeline.store.read_plan`.
+    """
+    return StoredPlane(path, read_plan(path), dynamic=dynamic, physical=physical)
