@@ -10,6 +10,7 @@ from pathlib import Path
 from benchmarks.measurement import Baselines, Measurement, Sizes, timed
 from pipeline import figures, store
 from pipeline.analysis import boundaries
+from pipeline.store import groups
 
 __all__ = ["measure_commands", "run"]
 
@@ -65,7 +66,7 @@ def _stored(path: Path, folder: Path, repeats: int, job: dict[str, float]) -> li
     rows, columns = planned.parameter.num, planned.sweep.num
 
     def trace():
-        boundaries.remove_boundaries(path)
+        groups.remove_group(path, "boundaries")
         boundaries.trace(path, planned)
 
     pictures = len(figures.draw(path, folder / "pictures", None, ["png"], 200))
