@@ -1,44 +1,28 @@
-"""A stored plane opened for questions: labels, masks, curves, motions, boundaries, whatever the store's layout.
+"""What Python offers: a plane computed, and a stored plane opened."""
 
-An object around the DataTree, not an accessor on it: the answers need the store's path and its checked plan, which a
-tree does not carry, and an accessor would be looked up by a name that no editor knows.
-"""
-
-import html
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
-from pipeline.analysis.margins.distances import Margin
 from pipeline.config.compose import compose
 from pipeline.errors import ComputationError, StoreError
-from pipeline.figures.plots import Plots
-from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
-from pipeline.plan.plan import Plan
-from pipeline.plane.labels import TRAITS
-from pipeline.plane.stored import StoredPlane, read_stored
+from pipeline.opened_plane import OpenPlane
+from pipeline.plane.stored import read_stored
 from pipeline.run.libraries import check_zarr
 from pipeline.run.preparation import prepare, run_plane_stages
 from pipeline.run.progress import SilentReporter
 from pipeline.run.workforce import Workforce
 from pipeline.store import store_path
-from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
-from solver.enumeration.solutions import Proof
-from solver.model.checks import finite_number, instance_of, instances_of
-from solver.regions.regions import Occurrence
+from solver import ParameterError
+from solver.model.checks import instance_of, instances_of
 
 __all__ = ["OpenPlane", "compute", "open_plane"]
-
-_MOTION = ("mean", "amplitude", "phase", "stable", "impact")
-_BRANCH = ("mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
 
 
 def compute(
     plane: str, overrides: Sequence[str] = (), config_dir: Path | str | None = None, progress: bool | None = None
-) -> "OpenPlane":
+) -> OpenPlane:
     """Compute a plane with its boundaries, as `python -m pipeline plane=NAME` does, and open it.
 
     What its store has already is kept, so that calling it again only opens the plane.
@@ -93,7 +77,7 @@ def compute(
     return open_plane(job.store_path)
 
 
-def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPlane":
+def open_plane(name: Path | str, root: Path | str = "outputs/store") -> OpenPlane:
     """Open a stored plane.
 
     Parameters
@@ -120,339 +104,3 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> "OpenPla
     if stored.plan.parameter2 is not None:
         raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which can be opened")
     return OpenPlane(stored, xr.open_datatree(path, engine="zarr"))
-
-
-@dataclass(frozen=True, eq=False)
-class OpenPlane:
-    """A stored plane.
-
-    Places are given by the axes' own names: `omega=0.6, f_e=0.2`. What ends in `_near` reads the nearest stored cell or
-    row; what ends in `_at` computes anew, exactly there.
-
-    Parameters
-    ----------
-    stored : StoredPlane
-        The arrays of rows, read when they are used.
-    tree : xarray.DataTree
-        Everything that is stored, as xarray shows it; read when it is used.
-
-    Examples
-    --------
-    >>> import tempfile, pipeline
-    >>> from pipeline import store
-    >>> from pipeline.analysis import boundaries
-    >>> from pipeline.config.compose import compose
-    >>> from pipeline.plan.planning import plan
-    >>> from pipeline.run.rows import sweep_block
-    >>> swept = plan(compose(["plane=omega_fe", "plane.sweep.num=79", "plane.parameter.num=9"]))
-    >>> folder = tempfile.TemporaryDirectory()
-    >>> path = Path(folder.name) / "omega_fe.zarr"
-    >>> store.create(path, swept, "omega_fe", "")
-    >>> for block in swept.blocks:
-    ...     _ = sweep_block(str(path), swept, block)
-    >>> _ = boundaries.trace(path, swept)
-
-    >>> plane = pipeline.open_plane("omega_fe", root=folder.name)
-    >>> plane
-    OpenPlane('omega_fe': omega 79 x f_e 9; boundaries, branches)
-    >>> plane.label_near(omega=0.6, f_e=0.2), plane.label_at(omega=0.6, f_e=0.2)
-    ('2/0-1', '2/0-1')
-    >>> mask = plane.mask("jump")
-    >>> mask.dims, bool(mask.sel(omega=0.6, f_e=0.2, method="nearest"))
-    (('f_e', 'omega'), True)
-    >>> plane.motions_at(omega=0.6, f_e=0.2).amplitude.values.round(8).tolist()
-    [0.4004013, 1.29089291, 1.79064815]
-    >>> curve = plane.curve_at(f_e=0.2)
-    >>> curve.omega.values[curve.event.values == 1].round(6).tolist()
-    [0.634641, 0.559374, 1.229708, 1.22381]
-    >>> nearest = plane.nearest_boundaries(omega=0.6, f_e=0.2)[0]
-    >>> nearest.name, nearest.kind.name, round(nearest.place, 6), plane.label_of(nearest.beyond)
-    ('omega', 'MIN_AT_BACK', 0.567178, '2/0-2')
-    >>> [round(found.appears, 4) for found in plane.thresholds("2/0-2")]
-    [0.1976]
-    >>> folder.cleanup()
-    """
-
-    stored: StoredPlane
-    tree: xr.DataTree
-
-    @property
-    def path(self) -> Path:
-        """The store."""
-        return self.stored.path
-
-    @property
-    def plan(self) -> Plan:
-        """What was computed."""
-        return self.stored.plan
-
-    def __repr__(self) -> str:
-        sizes = " x ".join(f"{axis.name} {axis.num}" for axis in self.plan.axes)
-        return f"OpenPlane({self.path.stem!r}: {sizes}; {', '.join(sorted(self.tree.children))})"
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(self.describe())}</pre>"
-
-    def describe(self) -> str:
-        """What the plane is, and what is stored of it: a few lines."""
-        solver = self.plan.solver
-        order = "first order" if solver["balance"] == "describing_function" else f"{solver['order']} harmonics"
-        complete = int(np.sum(self.stored.complete))
-        shown = [self.label_of(int(code)) for code in np.unique(self.stored.domain) if code]
-        axes = [f"{axis.name} from {axis.low:g} to {axis.high:g} ({axis.num} values)" for axis in self.plan.axes]
-        lines = {
-            "plane": " over ".join(axes),
-            "solved at": order,
-            "rows": f"{complete} of {self.plan.parameter.num} complete",
-            "labels": ", ".join(shown) or "none",
-            "groups": ", ".join(sorted(self.tree.children)),
-            "store": str(self.path),
-        }
-        return "\n".join([repr(self), *(f"  {name:9} {text}" for name, text in lines.items())])
-
-    @property
-    def plot(self) -> Plots:
-        """Figures: `plane.plot.map()`, `plane.plot.curves(f_e=0.2)`, `plane.plot.backbone()`."""
-        return Plots(self.path, self.plan)
-
-    def to_xarray(self) -> xr.DataTree:
-        """Everything that is stored, read into memory: the raster at the root, and the groups by name.
-
-        Returns
-        -------
-        xarray.DataTree
-            A copy, which may be changed: the store is not.
-        """
-        return self.tree.copy(deep=False).load()
-
-    @property
-    def attributes(self) -> dict:
-        """Of the store: title, configuration, versions, time of creation."""
-        return self.stored.about
-
-    @property
-    def labels(self) -> dict[int, str]:
-        """Code -> n/I label, as in `domain`."""
-        return self.stored.labels
-
-    def label_of(self, code: int) -> str:
-        """The n/I label of a code; empty for 0, a label that is not known.
-
-        Raises
-        ------
-        solver.ParameterError
-            If it is no code.
-        """
-        return domain_label(code)
-
-    def label_near(self, **place: float) -> str:
-        """The label of the nearest stored cell; empty where its row has not been computed.
-
-        Raises
-        ------
-        solver.ParameterError
-            If the place is not given by the names of both axes, or lies outside of the plane.
-        """
-        return self.labels[int(self.stored.domain[self._cell(place)])]
-
-    def label_at(self, **place: float) -> str:
-        """The label at a point, every solution there enumerated with proof.
-
-        Raises
-        ------
-        StoreError
-            If the plane is of a higher order, of which solutions cannot be enumerated.
-        ArithmeticError
-            If the solutions there are not proven to be all, as on a boundary.
-        solver.ParameterError
-            As `label_near`.
-        """
-        found = self.motions_at(**place)
-        states = found.impact.values[found.stable.values == 1]
-        mask = np.bitwise_or.reduce(1 << states.astype(np.int64), initial=0)
-        return domain_label(int(domain_code(np.array(states.size), mask)))
-
-    def mask(self, what: str) -> xr.DataArray:
-        """Where a label ("2/0-1") or a trait ("jump", "contact loss", "double-sided impact") occurs.
-
-        Returns
-        -------
-        (row, column) bool DataArray
-            False as well where nothing has been computed.
-
-        Raises
-        ------
-        solver.ParameterError
-            If it is neither a label that the plane may have nor a trait.
-        """
-        known = {label: code for code, label in self.labels.items() if label}
-        if not isinstance(what, str) or what not in known and what not in TRAITS:
-            raise ParameterError("what", what, f"a label n/I such as 2/0-1, or one of {', '.join(TRAITS)}")
-        codes = [known[what]] if what in known else [code for label, code in known.items() if TRAITS[what](label)]
-        domain = self.tree["domain"]
-        return domain.isin(codes).rename("mask").assign_attrs(long_name=what)
-
-    def curve_near(self, **value: float) -> xr.Dataset:
-        """The branches of the nearest stored row.
-
-        Returns
-        -------
-        Dataset
-            Along `point`: the swept parameter, `mean`, `cos`, `sin`, `amplitude`, `stable`, `impact`, `branch` (which
-            connected curve), `event`.
-
-        Raises
-        ------
-        StoreError
-            If that row has not been computed.
-        solver.ParameterError
-            If the value is not given by the name of the row parameter, or lies outside of the plane.
-        """
-        row = _nearest(self.plan.parameter, self._value(self.plan.parameter, value))
-        if not self.stored.complete[row]:
-            raise StoreError(f"row {row} of {self.path} is not complete: stages=[sweep] computes it")
-        name = self.plan.parameter.name
-        # Of what it inherits only the rows' values: its points have other values of the swept parameter.
-        branches = self.tree["branches"].to_dataset(inherit=False).assign_coords({name: self.tree[name]})
-        here = branches.isel({name: row})
-        return here[list(_BRANCH)].isel(point=slice(int(here.n_points))).load()
-
-    def curve_at(self, **value: float) -> xr.Dataset:
-        """The branches at one value of the row parameter, computed anew; as `curve_near` gives them.
-
-        Raises
-        ------
-        solver.RowError
-            If a branch cannot be followed.
-        solver.ParameterError
-            As `curve_near`.
-        """
-        p = self._value(self.plan.parameter, value)
-        settings = self.plan.solver
-        row = row_of(self.plan, p, balance_of(settings), continuation_of(settings), seeds_of(settings))
-        return _curves(row, self.plan.sweep.name).assign_coords({self.plan.parameter.name: p})
-
-    def motions_near(self, **place: float) -> xr.Dataset:
-        """The stored solutions of the nearest cell along `solution`, by ascending amplitude: `mean`, `amplitude`,
-        `phase`, `stable`, `impact`, `instability`, `multiplier`.
-
-        Raises
-        ------
-        solver.ParameterError
-            As `label_near`.
-        """
-        row, column = self._cell(place)
-        cell = {self.plan.parameter.name: row, self.plan.sweep.name: column}
-        here = xr.Dataset({name: self.tree[name].isel(cell) for name in (*_MOTION, "instability", "multiplier")}).load()
-        return here.isel(solution=np.flatnonzero(here.stable.values >= 0))
-
-    def motions_at(self, **place: float) -> xr.Dataset:
-        """Every solution at a point along `solution`, proven: `mean`, `amplitude`, `phase`, `stable`, `impact`.
-
-        Raises
-        ------
-        StoreError, ArithmeticError, solver.ParameterError
-            As `label_at`.
-        """
-        if self.plan.solver["balance"] != "describing_function":
-            raise StoreError(
-                f"{self.path} is of order {self.plan.solver['order']}, of which solutions cannot be enumerated: "
-                "what ends in _near reads the stored ones"
-            )
-        x, p = self._place(place)
-        model, omega = point_of(self.plan, p, x)
-        found = all_solutions(model, omega, amplitude_max=float(self.plan.solver["amplitude_max"]))
-        if found.proof is not Proof.PROVEN:
-            raise ArithmeticError(f"{found.proof.sentence} It is asked at {place}.")
-        impact = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, model.b)
-        values = (found.mean, found.amplitude, np.arctan2(-found.sin, found.cos), found.stable, impact)
-        coordinates = {self.plan.sweep.name: x, self.plan.parameter.name: p}
-        return xr.Dataset({name: ("solution", value) for name, value in zip(_MOTION, values, strict=True)}, coordinates)
-
-    def nearest_boundaries(self, **place: float) -> tuple[Margin, ...]:
-        """Changes of label met from a point along either axis and in either direction, the nearest first.
-
-        Returns
-        -------
-        tuple of pipeline.analysis.margins.distances.Margin
-            Up to four, by distance as a share of the axis: `name` of the parameter, `kind` of boundary, `place`,
-            `distance`, and `beyond`, the code of the label on the other side (0 for planes of higher order).
-
-        Raises
-        ------
-        StoreError
-            If boundaries have not been traced.
-        solver.ParameterError
-            As `label_near`.
-        """
-        from pipeline.analysis.margins.answer import line_through
-        from pipeline.analysis.margins.curves import P, X, boundaries_of
-        from pipeline.analysis.margins.distances import margins_of_axis
-        from pipeline.analysis.margins.options import Design
-
-        x, p = self._place(place)
-        if self.stored.boundaries is None:
-            raise StoreError(f"{self.path} has no boundaries: run stages=[boundaries] first")
-        arcs, design = boundaries_of(self.stored.boundaries.curves), Design(x, p, x, x)
-        labelled = self.plan.solver["balance"] == "describing_function"
-        row, column = (line_through(arcs, self.plan, design, axis, labelled) for axis in (P, X))
-        found = [margin for margin in margins_of_axis(row, column, self.plan, design) if margin.place is not None]
-        widths = {axis.name: axis.high - axis.low for axis in (self.plan.sweep, self.plan.parameter)}
-        return tuple(sorted(found, key=lambda margin: margin.distance / widths[margin.name]))
-
-    def thresholds(self, label: str | None = None, window: tuple[float, float] | None = None) -> tuple[Occurrence, ...]:
-        """Where labels appear and disappear in the row parameter; see `pipeline.thresholds`."""
-        from pipeline.plane.regions import thresholds
-
-        return thresholds(self.path, label, window)
-
-    def _cell(self, place: dict) -> tuple[int, int]:
-        """Row and column of the nearest cell."""
-        x, p = self._place(place)
-        return _nearest(self.plan.parameter, p), _nearest(self.plan.sweep, x)
-
-    def _place(self, place: dict) -> tuple[float, float]:
-        """Column value and row value of a place given by names."""
-        axes = (self.plan.sweep, self.plan.parameter)
-        self._check_names(place, {axis.name for axis in axes})
-        return tuple(_within(axis, place[axis.name]) for axis in axes)
-
-    def _value(self, axis, value: dict) -> float:
-        self._check_names(value, {axis.name})
-        return _within(axis, value[axis.name])
-
-    @staticmethod
-    def _check_names(given: dict, names: set[str]) -> None:
-        if set(given) != names:
-            raise ParameterError("place", given, f"given by {' and '.join(sorted(names))}, each with a value")
-
-
-def _nearest(axis, value: float) -> int:
-    return int(np.argmin(np.abs(axis.values - value)))
-
-
-def _within(axis, value) -> float:
-    return finite_number(axis.name, value, at_least=axis.low, at_most=axis.high)
-
-
-def _curves(row: Row, axis: str) -> xr.Dataset:
-    """The branches of a row one after the other, as stores keep them."""
-    parts = {name: [] for name in (axis, *_BRANCH)}
-    for number, curve in enumerate(row.curves):
-        mean, cos, sin = row.branch_motions(curve)
-        values = (
-            curve.points[:, -1],
-            mean,
-            cos,
-            sin,
-            np.hypot(cos, sin),
-            curve.stable,
-            row.branch_impact(curve),
-            np.full(len(mean), number),
-            curve.event,
-        )
-        for name, value in zip(parts, values, strict=True):
-            parts[name].append(value)
-    joined = {name: ("point", np.concatenate(values)) for name, values in parts.items()}
-    place = joined.pop(axis)
-    return xr.Dataset(joined, {axis: place})

@@ -7,7 +7,14 @@ import pytest
 
 
 @pytest.mark.parametrize(
-    "module", ["pipeline.run.workforce", "pipeline.cli.completion", "pipeline.store.listing", "pipeline.api"]
+    "module",
+    [
+        "pipeline.run.workforce",
+        "pipeline.cli.completion",
+        "pipeline.store.listing",
+        "pipeline.api",
+        "pipeline.opened_plane",
+    ],
 )
 def test_doctests_of_the_pipeline(module):
     results = doctest.testmod(importlib.import_module(module))
