@@ -64,23 +64,37 @@ print(json.dumps([status, names(before), names(compiled), names(called | pointed
 """
 
 
+RUNS = [
+    ["solver=first_order", "stages=[sweep,boundaries]"],
+    ["solver=hb", "solver.order=3", "stages=[sweep]", "plane.parameter.num=3"],
+]
+
+
+def ran(folder, options, **environment):
+    """A small run in a process of its own: status, names of kernels as in `RUN`, and what it said."""
+    arguments = ["plane=omega_fe", "plane.sweep.num=60", "plane.parameter.num=12", "cluster=none", *options]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    command = [sys.executable, "-c", RUN, *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=3000)
+    assert done.returncode == 0, done.stderr
+    return *json.loads(done.stdout), done.stderr
+
+
+@pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
+def test_what_a_run_calls_is_listed(tmp_path, options, balance):
+    """With kernels that are kept, so that it is seen without compiling."""
+    status, _, _, used, _ = ran(tmp_path, options)
+    listed = kernels_of(kernels_for(["sweep", "boundaries"], balance))
+    missed = set(used) - {f"{kernel.__module__}.{kernel.__name__}" for kernel in listed}
+    assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["solver=first_order", "stages=[sweep,boundaries]"],
-        ["solver=hb", "solver.order=3", "stages=[sweep]", "plane.parameter.num=3"],
-    ],
-)
+@pytest.mark.parametrize("options", RUNS)
 def test_a_first_run_compiles_what_it_needs_and_nothing_else(tmp_path, options):
     """Before rows are due, and what is not needed not at all."""
-    arguments = ["plane=omega_fe", "plane.sweep.num=60", "plane.parameter.num=12", "cluster=none", *options]
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-c", RUN, *arguments]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=3000)
-    assert done.returncode == 0, done.stderr
-    status, before, compiled, used = json.loads(done.stdout)
-    assert status == 0 and "compiling" in done.stderr
+    status, before, compiled, used, said = ran(tmp_path, options, NUMBA_CACHE_DIR=str(tmp_path / "cache"))
+    assert status == 0 and "compiling" in said
     assert set(used) <= set(before), f"needed, but not compiled ahead: {set(used) - set(before)}"
     assert set(compiled) <= set(before)
     # What the module of a kernel brings with it, such as the other corrector.
