@@ -111,7 +111,7 @@ def test_a_script_needs_no_guard(tmp_path):
             f"""
             import pipeline
             print("once")
-            plane = pipeline.compute("omega_fe", {[*SMALL[:2], *places(tmp_path)]!r})
+            plane = pipeline.compute("omega_fe", {[*SMALL[:2], "cluster.workers=2", *places(tmp_path)]!r})
             print(plane.label_near(omega=0.6, f_e=0.2))
             """
         )
