@@ -191,6 +191,8 @@ def _files_chosen(
         composed = hydra.compose("config", [*overrides, *extra], return_hydra_config=True)
     choices = {key: str(value) for key, value in composed.hydra.runtime.choices.items()}
     plain = OmegaConf.masked_copy(composed, [key for key in composed if key != "hydra"])
+    # No value may be given to a key that is not there, unless + says so.
+    OmegaConf.set_struct(plain, True)
     return pickle.dumps(plain), tuple((key, value) for key, value in choices.items() if not key.startswith("hydra/"))
 
 

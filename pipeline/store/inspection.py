@@ -13,7 +13,7 @@ from pipeline.errors import DamagedError, StoreError
 from pipeline.plan.plan import Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.arrays import axes_in_store, layouts_of, row_layouts
-from pipeline.store.blocks import is_stored
+from pipeline.store.block_states import is_stored
 from pipeline.store.chunk_files import fault_of, read_chunk
 from pipeline.store.damage import Damage, damaged
 from pipeline.store.documents import document

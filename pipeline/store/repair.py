@@ -8,7 +8,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from pipeline.store.arrays import axes_in_store, layouts_of, row_layouts
-from pipeline.store.blocks import write_states
+from pipeline.store.block_states import write_states
 from pipeline.store.damage import Damage
 from pipeline.store.durable import write_whole
 from pipeline.store.groups import take_away
