@@ -23,8 +23,8 @@ from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["Settings", "compose", "conf_folder", "expand"]
 
-#: An override that gives a key its value; what has no dot may choose a file.
-_VALUE = re.compile(r"[+~]{0,2}\w+(?:\.\w+)+(?:=.*)?", re.DOTALL)
+#: An override that gives a key its value; of other keys without a dot any may choose a file.
+_VALUE = re.compile(r"stages=.*|[+~]{0,2}\w+(?:\.\w+)+(?:=.*)?", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -209,14 +209,14 @@ def _name(config: Configuration, choices: dict, overrides: Sequence[str], config
     if all(key in GROUPS or re.split("[./]", key)[0] not in GROUPS for key in keys):
         # Files were chosen, and no value in them was typed.
         return default_name(choices, here, here)
-    return default_name(choices, here, _usual(tuple(sorted(choices.items())), config_dir, _state(config_dir)))
+    chosen = tuple(override for override in overrides if key_of(override) in GROUPS)
+    return default_name(choices, here, _usual(chosen, config_dir, _state(config_dir)))
 
 
 @functools.lru_cache(maxsize=64)
-def _usual(choices: tuple[tuple[str, str], ...], config_dir: str | None, state: tuple) -> dict:
-    """The configuration of some choices where nothing else was typed, as plain data."""
-    config, _ = _composed(tuple(f"{group}={name}" for group, name in choices if group in GROUPS), config_dir)
-    return dataclasses.asdict(config)
+def _usual(chosen: tuple[str, ...], config_dir: str | None, state: tuple) -> dict:
+    """The configuration where nothing but files of groups was chosen, as plain data."""
+    return dataclasses.asdict(_composed(chosen, config_dir)[0])
 
 
 def _keys() -> list[str]:
