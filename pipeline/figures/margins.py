@@ -145,4 +145,5 @@ def _entries(answer) -> list[Entry]:
         entries.append(Entry("nearest boundary", line=_WAY, mark=_HIT))
     if answer.box is not None:
         entries.append(Entry(f"largest box of {answer.label}", area=_BOX))
-    return entries
+    verified = "not verified" if answer.doubts else "and integration"
+    return [*entries, Entry(f"labels: {answer.known[0].source},"), Entry(verified)]

@@ -351,6 +351,7 @@ def test_the_figure(stores):
     wide = draw_margins(plane, ask(stores["omega_fe"], 0.9, 0.1, 0.8, 1.0, 0.02))
     texts = {text.get_text() for axes in wide.axes for text in axes.texts}
     assert {"design point", "range and tolerance", "nearest boundary", "largest box of 1/0"} <= texts
+    assert {"labels: first order,", "not verified"} <= texts
     small = draw_margins(plane, ask(stores["omega_fe"], 0.6, 0.2, 0.57, 0.66))
     assert len(small.axes) == len(wide.axes) + 1
     texts = {text.get_text() for axes in small.axes for text in axes.texts}
