@@ -8,7 +8,6 @@ import numpy as np
 
 from pipeline.plan.plan import Plan
 from pipeline.store import groups
-from solver import ImpactState
 
 __all__ = ["QUANTITIES", "Integrated", "Largest", "cells_in", "integrated"]
 
@@ -39,14 +38,14 @@ class Integrated:
     motions : dict of str to int
         What was found together in a cell, such as "1T/0" or "1T/0 + 2T/1" -> in how many cells, the most frequent
         first. Cells that were not integrated are in none of them.
-    starts : int
-        Random starts of every cell.
+    bound : str
+        What random starts cannot tell, in a sentence.
     largest : tuple of Largest
     """
 
     cells: int
     motions: dict[str, int]
-    starts: int
+    bound: str
     largest: tuple[Largest, ...]
 
     @property
@@ -89,34 +88,18 @@ def integrated(path: Path, plan: Plan, x: tuple[float, float], p: tuple[float, f
         """The cells of the rectangle, (rows, columns, ...)."""
         if not (rows.size and columns.size):
             return group[name][:0, :0]
-        return group[name][rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1][rows - rows[0]][
-            :, columns - columns[0]
-        ]
+        whole = group[name][rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+        return whole[rows - rows[0]][:, columns - columns[0]]
 
-    names = _names(group["kind"].attrs)
-    kind, impact, count = (part(name) for name in ("kind", "impact", "n_attractors"))
-    found: Counter[str] = Counter()
-    for place in np.argwhere(count > 0):
-        cell = tuple(place)
-        found[_said(names, kind[cell][: count[cell]], impact[cell][: count[cell]])] += 1
-    largest = []
+    found = Counter(group["label"].attrs["labels"][code] for code in part("label").ravel().tolist())
+    # Cells of which nothing is known.
+    found.pop("", None)
+    there, largest = part("kind") > 0, []
     for name, words, unit in QUANTITIES:
-        sizes = np.where(np.arange(kind.shape[-1]) < count[..., None], part(name), np.nan)
+        sizes = np.where(there, part(name), np.nan)
         if np.any(np.isfinite(sizes)):
             row, column, _ = np.unravel_index(np.nanargmax(sizes), sizes.shape)
             where = float(values[1][columns[column]]), float(values[0][rows[row]])
             largest.append(Largest(words, unit, float(np.nanmax(sizes)), *where))
     cells = wanted[0].size * wanted[1].size
-    return Integrated(cells, dict(found.most_common()), int(group.attrs["starts"]), tuple(largest))
-
-
-def _names(attributes) -> dict[int, str]:
-    """Code -> kind of attractor."""
-    return dict(zip(map(int, attributes["flag_values"]), attributes["flag_meanings"].split(), strict=True))
-
-
-def _said(names: dict[int, str], kinds, impacts) -> str:
-    """The motions of one cell, in one order: "1T/0 + 2T/1"."""
-    states = [f"/{ImpactState(int(impact)).symbol}" if impact >= 0 else "" for impact in impacts]
-    motions = (names[int(kind)].replace("_", "-") + state for kind, state in zip(kinds, states, strict=True))
-    return " + ".join(sorted(motions))
+    return Integrated(cells, dict(found.most_common()), group.attrs["bound"], tuple(largest))

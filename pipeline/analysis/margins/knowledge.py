@@ -13,23 +13,16 @@ from pipeline.plane.stored import StoredPlane
 from solver import Event, label_parts
 from solver.stability import Instability
 
-__all__ = ["Known", "doubts_of", "missed", "order_words"]
+__all__ = ["Known", "doubts_of", "order_words"]
 
 #: What runs by within this share of both axes is beside a design point.
 _BESIDE = 0.02
-#: The share of random states for which the chance of a miss is given.
-_BASIN = 0.1
 _BIFURCATIONS = {Event.PERIOD_DOUBLING: "a period doubling", Event.NEIMARK_SACKER: "a Neimark-Sacker bifurcation"}
 
 
 def order_words(plan: Plan) -> str:
     """By what a plane's labels are known: "first order" or "order 5"."""
     return "first order" if plan.solver["balance"] == "describing_function" else f"order {plan.solver['order']}"
-
-
-def missed(starts: int) -> float:
-    """Probability that none of so many random states leads to an attractor that one in ten of them reach."""
-    return (1.0 - _BASIN) ** starts
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,10 @@ from solver.timedomain import resting_state, settle
 from tests.pipeline.analysis.margins.spur import SPUR
 from tests.pipeline.planes import small_plan, traced_store
 
-KINDS = [*(f"{n}T" for n in range(1, 9)), "quasi_periodic", "chaotic", "unbounded", "unsettled"]
-QUIET = {"kind": 0, "impact": 0, "force": 1.2, "rms": 0.1, "contact_loss": 0.0}
-LOUD = {"kind": 1, "impact": 1, "force": 2.5, "rms": 0.4, "contact_loss": 0.25}
+KINDS = ["none", *(f"{n}T" for n in range(1, 9)), "quasi_periodic", "chaotic", "unbounded", "unsettled"]
+QUIET = {"kind": 1, "impact": 0, "force": 1.2, "rms": 0.1, "contact_loss": 0.0}
+LOUD = {"kind": 2, "impact": 1, "force": 2.5, "rms": 0.4, "contact_loss": 0.25}
+BOUND = "With 4 random starts nothing is certain."
 
 
 @pytest.fixture(scope="module")
@@ -37,29 +38,30 @@ def made(tmp_path_factory):
     return {name: (traced_store(folder / f"{name}.zarr", plan), plan) for name, plan in plans.items()}
 
 
-def put_attractors(path, plan, cells, rows=None, columns=None, digest=None, starts=4):
+def put_attractors(path, plan, cells, rows=None, columns=None, digest=None):
     """A group `attractors` of some rows and columns with one quiet motion a cell, but for `cells`."""
     rows = np.arange(plan.parameter.num) if rows is None else rows
     columns = np.arange(plan.sweep.num) if columns is None else columns
     shape = rows.size, columns.size, 2
     values = {name: np.zeros(shape, np.int8 if name in ("kind", "impact") else float) for name in QUIET}
-    count = np.ones(shape[:2], np.int32)
+    labels, codes = ["", "1T/0"], np.ones(shape[:2], np.int16)
     for name, value in QUIET.items():
         values[name][..., 0] = value
     for (row, column), motions in cells.items():
-        count[row, column] = len(motions)
+        texts = [KINDS[one["kind"]] + (f"/{one['impact']}" if one["impact"] >= 0 else "") for one in motions]
+        labels.append(" + ".join(texts))
+        codes[row, column] = len(labels) - 1
         for number, motion in enumerate(motions):
             for name, value in motion.items():
                 values[name][row, column, number] = value
     places = (plan.parameter.name, plan.sweep.name, "attractor")
-    kinds = {"flag_values": list(range(len(KINDS))), "flag_meanings": " ".join(KINDS)}
-    variables = {name: (places, value, kinds if name == "kind" else {}) for name, value in values.items()}
-    variables["n_attractors"] = (places[:2], count)
+    variables = {name: (places, value) for name, value in values.items()}
+    variables["label"] = (places[:2], codes, {"labels": labels})
     axes = {
         plan.parameter.name: (plan.parameter.name, plan.parameter.values[rows]),
         plan.sweep.name: (plan.sweep.name, plan.sweep.values[columns]),
     }
-    attributes = {"configuration_hash": digest or plan.digest, "starts": starts}
+    attributes = {"configuration_hash": digest or plan.digest, "bound": BOUND}
     groups.write_group(path, "attractors", xr.Dataset(variables, axes, attributes))
 
 
@@ -103,6 +105,8 @@ def test_what_integration_found_is_said(made, with_group, tmp_path):
     assert all("HOW" not in text for text in lines(found)) and found.known[1].confirmed
     assert found.doubts == tuple(doubt for doubt in found.doubts if "beside it" in doubt or "contradict" in doubt)
     assert "dynamic factor K_v 1.2" in markdown(found, "fe")
+    # Without a doubt the bound is said.
+    assert (BOUND in markdown(found, "fe")) == (not found.doubts)
 
     inside, outside = (rows[0], columns[1]), (plan.parameter.num - 1, 0)
     put_attractors(path, plan, {inside: [QUIET, LOUD], outside: [{**LOUD, "force": 9.0}]})
@@ -149,8 +153,8 @@ def test_unsettled_is_nothing_else(made, with_group, tmp_path):
 def test_a_label_is_confirmed_by_its_motions_and_no_other(label, motions, confirmed):
     from pipeline.analysis.margins.integration import Integrated
 
-    assert Known("first order", label, Integrated(3, {motions: 3}, 4, ()), True).confirmed == confirmed
-    assert not Known("first order", label, Integrated(4, {motions: 3}, 4, ()), True).confirmed
+    assert Known("first order", label, Integrated(3, {motions: 3}, BOUND, ()), True).confirmed == confirmed
+    assert not Known("first order", label, Integrated(4, {motions: 3}, BOUND, ()), True).confirmed
 
 
 def test_period_doublings_are_said_and_end_the_box(made):
