@@ -24,12 +24,24 @@ from solver.model.gear_model import Model
 from solver.model.packing import check_axis
 from solver.timedomain.attractor import AttractorKind, impact_of_range
 from solver.timedomain.integrator import COMPLETE, checked_tolerance, new_deviations
-from solver.timedomain.orbits import HIGHEST_PERIOD, ORBITS, SAMPLE, Orbits, new_orbits
+from solver.timedomain.orbits import HIGHEST_PERIOD, ORBITS, Orbits, new_orbits
 from solver.timedomain.poincare import Watch, carry_over_period, watch_nothing
 from solver.timedomain.row_systems import RowSystems, motion_states, random_states, row_systems
-from solver.timedomain.settling import FAILED, LIMITS, NO_ROOM, Limits, keep_aperiodic, settle_states, try_orbit
+from solver.timedomain.settling import (
+    FAILED,
+    LIMITS,
+    NO_ROOM,
+    Limits,
+    keep_aperiodic,
+    settle_states,
+    spread_sample,
+    try_orbit,
+)
 
 __all__ = ["AttractorRow", "AttractorSearch", "SeenFrom", "continue_attractors", "find_attractors", "settle"]
+
+#: The last kind of a bounded attractor.
+CHAOTIC = int(AttractorKind.CHAOTIC)
 
 _F, _I = types.float64, types.int64
 _COUNTS = types.int64[::1]
@@ -176,7 +188,7 @@ class AttractorRow:
 
     def gains(self, round: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Columns (K,), kinds (K,) and states (K, m) of the settled attractors found in one round."""
-        columns, slots = np.nonzero((self.round == round) & (self.kind >= 1) & (self.kind <= AttractorKind.CHAOTIC))
+        columns, slots = np.nonzero((self.round == round) & (self.kind >= 1) & (self.kind <= CHAOTIC))
         return columns, self.kind[columns, slots], self.state[columns, slots]
 
 
@@ -221,20 +233,20 @@ def _recall(parameters, parameter_slope, p, orbits, kinds, states, rates, limits
     limits = _scaled(limits, system.numbers[LENGTH])
     size = states.shape[1]
     deviations, series, nothing = new_deviations(np.empty((0, size))), new_series(size // 2), watch_nothing()
-    sample, state = np.empty((SAMPLE, size)), np.empty(size)
+    sections, state = np.empty((limits.watched, size)), np.empty(size)
     for slot in range(kinds.shape[0]):
         if kinds[slot] <= HIGHEST_PERIOD:
             try_orbit(system, orbits, states[slot], kinds[slot], limits.ceiling, math.inf)
-        elif kinds[slot] <= 10:
+        elif kinds[slot] <= CHAOTIC:
             copy_into(state, states[slot])
-            for i in range(7 * SAMPLE):
+            for i in range(limits.watched):
                 carry_over_period(system, state, deviations, limits.tolerance, limits.ceiling, 0.0, nothing, series)
-                if i % 7 == 0:
-                    copy_into(sample[i // 7], state)
+                copy_into(sections[i], state)
+            sample = spread_sample(sections, limits.watched)
             keep_aperiodic(system, orbits, kinds[slot], sample, rates[slot, 0], rates[slot, 1])
         # What has no sections, or was not found again, keeps its slot.
         if orbits.count[0] <= slot:
-            orbits.kind[slot] = kinds[slot] if kinds[slot] > 10 else 0
+            orbits.kind[slot] = kinds[slot] if kinds[slot] > CHAOTIC else 0
             orbits.count[0] = slot + 1
 
 
@@ -247,7 +259,7 @@ def _describe(parameters, parameter_slope, p, orbits, first, limits, numbers):
     deviations, series, state = new_deviations(np.empty((0, size))), new_series(size // 2), np.empty(size)
     for slot in range(first, orbits.count[0]):
         kind = orbits.kind[slot]
-        if kind < 1 or kind > 10:
+        if kind < 1 or kind > CHAOTIC:
             continue
         periods = kind if kind <= HIGHEST_PERIOD else _WINDOW
         copy_into(state, orbits.points[slot, 0])
@@ -364,13 +376,13 @@ class _RowSearch:
             for way, columns in ((1, range(last)), (-1, range(last, 0, -1))):
                 links = self.links[way]
                 for i in columns:
-                    settled = (self.kind[i] >= 1) & (self.kind[i] <= AttractorKind.CHAOTIC)
+                    settled = (self.kind[i] >= 1) & (self.kind[i] <= CHAOTIC)
                     open_ = np.flatnonzero(settled & (links[i] == -2))
                     if open_.size:
                         before = np.count_nonzero(self.kind[i + way])
                         slots = self.bring(i + way, self.kind[i, open_], self.state[i, open_], round)
                         ends = np.where(slots >= 0, self.kind[i + way][slots], 0)
-                        links[i, open_] = np.where((ends >= 1) & (ends <= AttractorKind.CHAOTIC), slots, -1)
+                        links[i, open_] = np.where((ends >= 1) & (ends <= CHAOTIC), slots, -1)
                         gained |= np.count_nonzero(self.kind[i + way]) > before
 
     def result_from(self, states: np.ndarray) -> tuple[AttractorRow, np.ndarray]:
@@ -424,7 +436,7 @@ def _run(kind: np.ndarray, links: np.ndarray, way: int) -> np.ndarray:
     columns = range(len(kind)) if way > 0 else range(len(kind) - 1, -1, -1)
     for number, i in enumerate(columns):
         if number == 0:
-            met[i] = (kind[i] >= 1) & (kind[i] <= AttractorKind.CHAOTIC)
+            met[i] = (kind[i] >= 1) & (kind[i] <= CHAOTIC)
         else:
             ends = links[i - way][met[i - way]]
             met[i, ends[ends >= 0]] = True

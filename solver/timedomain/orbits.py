@@ -21,12 +21,12 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.flow.switched_system import FREQUENCY, LENGTH, SWITCHED_SYSTEM
+from solver.flow.taylor import new_series
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into, eliminate
 from solver.timedomain.integrator import COMPLETE, new_deviations
 from solver.timedomain.poincare import carry_over_period, watch_nothing
-from solver.flow.taylor import new_series
 
 __all__ = ["HIGHEST_PERIOD", "ORBITS", "Orbits", "close_orbit", "keep_orbit", "new_orbits", "recognised", "same_orbit"]
 

@@ -20,22 +20,35 @@ from solver.timedomain.integrator import CEILING, COMPLETE, new_deviations
 from solver.timedomain.orbits import HIGHEST_PERIOD, ORBITS, SAMPLE, close_orbit, distance, keep_orbit, recognised
 from solver.timedomain.poincare import carry_over_period, watch_nothing
 
-__all__ = ["FAILED", "LIMITS", "NO_ROOM", "Limits", "keep_aperiodic", "settle_states", "try_orbit"]
+__all__ = ["FAILED", "LIMITS", "NO_ROOM", "Limits", "keep_aperiodic", "settle_states", "spread_sample", "try_orbit"]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _COUNTS = types.int64[::1]
 
-QUASI_PERIODIC, CHAOTIC = int(AttractorKind.QUASI_PERIODIC), int(AttractorKind.CHAOTIC)
+LONGER, QUASI_PERIODIC = int(AttractorKind.PERIOD_LONGER), int(AttractorKind.QUASI_PERIODIC)
+CHAOTIC = int(AttractorKind.CHAOTIC)
 UNBOUNDED, UNSETTLED = int(AttractorKind.UNBOUNDED), int(AttractorKind.UNSETTLED)
 
 #: What `settle_states` gives besides a slot: the integrator could not go on; there was no slot left.
 FAILED, NO_ROOM = -2, -3
+
+# Sections of a motion that repeats lie in few places: this share of the length counts as near one.
+_SMALLEST = 1e-3
 
 # Sections that are kept of a motion: twice the longest period, and a little more to see that it stays.
 _KEPT = 3 * HIGHEST_PERIOD
 
 # Periods before an aperiodic attractor is looked for among the known ones, and sections that must lie in its sample.
 _SETTLED, _WITHIN, _LOOKED = 40, 36, 48
+
+# Periods between two tries at most.
+_LONGEST_WAIT = 128
+
+# Longest period that is looked for, from how many sections on, and how near a return must be: the motion has arrived.
+_MOST_PERIODS, _ENOUGH, _EXACT, _APART = 40, 160, 1e-6, 1e-4
+
+# A motion this near to an orbit that it slowly approaches, as a share of the length, is taken to end there.
+_NEAR_ENOUGH = 0.2
 
 # Batches of the growth of a deviation; the first part lets it turn into the direction that grows fastest.
 _BATCHES, _TURNING = 20, 40
@@ -112,7 +125,7 @@ def _within_sample(system, orbits, state, hits, count):
     hits (A, 48) remembers, in a ring, which of the last sections lay within; `count` sections were looked at before.
     """
     for slot in range(orbits.count[0]):
-        if orbits.kind[slot] != QUASI_PERIODIC and orbits.kind[slot] != CHAOTIC:
+        if orbits.kind[slot] < LONGER or orbits.kind[slot] > CHAOTIC:
             continue
         near = _nearest(system, orbits.samples[slot], state, -1) <= orbits.spacing[slot]
         hits[slot, count % _LOOKED] = 1 if near else 0
@@ -146,7 +159,7 @@ def _returned(system, orbits, kept, last, now, tries, limits):
         if now < tries[period]:
             continue
         stays = True
-        for back in range(0, period + 1):
+        for back in range(period + 1):
             if stays:
                 one, other = (last - back) % _KEPT, (last - back - period) % _KEPT
                 stays = distance(system, kept[one], kept[other]) < near
@@ -154,7 +167,7 @@ def _returned(system, orbits, kept, last, now, tries, limits):
             # Found or not: what is known by now is recognised without another try.
             wait = HIGHEST_PERIOD + 1 + period
             tries[period] = now + tries[wait]
-            tries[wait] = 4 * tries[wait]
+            tries[wait] = min(4 * tries[wait], _LONGEST_WAIT)
             if try_orbit(system, orbits, newest, period, limits.ceiling, 10.0 * near) >= 0:
                 return 1
     return 0
@@ -202,33 +215,53 @@ def _watch(system, orbits, state, limits):
             return slot
         if now >= _KEPT and not np.any(returns > 0):
             _returned(system, orbits, kept, now % _KEPT, now, tries, limits)
+        if now >= _ENOUGH and now % 20 == 0 and _repeats(system, sections, now):
+            mean, error = _batch_means(logarithms, now + 1)
+            return keep_aperiodic(system, orbits, LONGER, sections[now + 1 - SAMPLE : now + 1], mean, error)
         if now + 1 == limits.watched or (now + 1) % 200 == 0 and now + 1 >= 400:
             mean, error = _batch_means(logarithms, now + 1)
-            sample = _sample(sections, now + 1)
-            if mean - 4.0 * error > limits.floor:
+            sample = spread_sample(sections, now + 1)
+            # Weak chaos is often a transient: it is watched to the end.
+            if mean - 4.0 * error > (limits.floor if now + 1 == limits.watched else 10.0 * limits.floor):
                 return keep_aperiodic(system, orbits, CHAOTIC, sample, mean, error)
-            if now + 1 == limits.watched and abs(mean) <= max(limits.floor, 4.0 * error):
-                for period in (1, 2):
+            if now + 1 == limits.watched:
+                for period in (1, 2, 4):
                     try_orbit(system, orbits, state, period, limits.ceiling, math.inf)
-                if not _approaching(system, orbits, sections):
-                    return keep_aperiodic(system, orbits, QUASI_PERIODIC, sample, mean, error)
+                slot = _approached(system, orbits, sections)
+                if slot < 0 and abs(mean) <= max(limits.floor, 4.0 * error):
+                    slot = keep_aperiodic(system, orbits, QUASI_PERIODIC, sample, mean, error)
+                return slot if slot != -1 else _slot_of(orbits, UNSETTLED)
     return _slot_of(orbits, UNSETTLED)
 
 
+@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), inner=True)
+def _repeats(system, sections, now):
+    """Whether a motion has come to repeat itself after more than eight periods."""
+    scale = system.numbers[LENGTH]
+    for period in range(1, HIGHEST_PERIOD + 1):
+        if distance(system, sections[now], sections[now - period]) < _APART * scale:
+            return False
+    for period in range(HIGHEST_PERIOD + 1, _MOST_PERIODS + 1):
+        near = distance(system, sections[now], sections[now - period]) < _EXACT * scale
+        if near and distance(system, sections[now - period], sections[now - 2 * period]) < _EXACT * scale:
+            return True
+    return False
+
+
 @kernel(MATRIX(MATRIX, _I), inner=True)
-def _sample(sections, count):
+def spread_sample(sections, count):
     """Sections (128, m) spread over the later ones of `count`, so that slow turns of a torus are seen whole."""
     sample = np.empty((SAMPLE, sections.shape[1]))
-    # An odd stride other than the periods that are common.
-    stride = 7 if count > 7 * SAMPLE else 3
     for i in range(SAMPLE):
-        copy_into(sample[i], sections[count - 1 - stride * i])
+        # Multiples of the golden ratio: evenly spread, and in step with no period.
+        share = (i * 0.6180339887498949) % 1.0
+        copy_into(sample[i], sections[count - 1 - int(share * (count - _TURNING))])
     return sample
 
 
-@kernel(_B(SWITCHED_SYSTEM, ORBITS, MATRIX), inner=True)
-def _approaching(system, orbits, sections):
-    """Whether a motion comes nearer to a stable orbit, at least half as fast as the multipliers promise.
+@kernel(_I(SWITCHED_SYSTEM, ORBITS, MATRIX), inner=True)
+def _approached(system, orbits, sections):
+    """Slot of a stable orbit that a motion slowly ends on: near, and nearer at half the pace of its multipliers; or -1.
 
     A growth so close to 0 looks like that of a torus; the largest distance over many sections does not feel where in
     its slow beat the motion happens to be.
@@ -247,9 +280,10 @@ def _approaching(system, orbits, sections):
                 early = max(early, least)
             else:
                 late = max(late, least)
-        if late < early * math.exp(0.5 * orbits.rates[slot, 0] * (count - SAMPLE)):
-            return True
-    return False
+        promised = math.exp(0.5 * orbits.rates[slot, 0] * (count - SAMPLE))
+        if late < _NEAR_ENOUGH * system.numbers[LENGTH] and late < promised * early:
+            return slot
+    return -1
 
 
 @kernel(types.UniTuple(_F, 2)(ARRAY, _I), inner=True)
@@ -289,7 +323,7 @@ def keep_aperiodic(system, orbits, kind, sample, rate, error):
         gaps[i] = _nearest(system, sample, sample[i], i)
     gaps.sort()
     # Nine of ten sections have another within this distance; twice of it leaves room for the thin parts of the set.
-    orbits.spacing[slot] = 2.0 * gaps[(9 * sample.shape[0]) // 10]
+    orbits.spacing[slot] = max(2.0 * gaps[(9 * sample.shape[0]) // 10], _SMALLEST * system.numbers[LENGTH])
     orbits.kind[slot], orbits.rates[slot, 0], orbits.rates[slot, 1] = kind, rate, error
     copy_into(orbits.points[slot, 0], sample[0])
     orbits.count[0] += 1
