@@ -65,9 +65,9 @@ _NEAR_ENOUGH, _NEARER, _LITTLE = 0.2, 0.7, 0.97
 # Batches of the growth of a deviation; the first part lets it turn into the direction that grows fastest.
 _BATCHES, _TURNING = 20, 40
 
-# Chaos is told every so many periods, from the third time on, if it is so much stronger than the floor; weak chaos is
-# often a transient and watched to the end.
-_TOLD_EVERY, _STRONG = 200, 10.0
+# Chaos is told every so many periods, from the third time on, if it is so much stronger than the floor. Weak chaos is
+# often a transient: it is watched to the end, and followed so many times as long.
+_TOLD_EVERY, _STRONG, _LONG = 200, 10.0, 4
 
 
 class Limits(NamedTuple):
@@ -284,9 +284,16 @@ def settle_state(flows, known, state, limits, memory, orbit, room):
     int
         The slot that it ends in, or FAILED or NO_ROOM.
     """
+    slot = _follow(flows, known, state, limits.transient, limits, memory, orbit, room)
+    return slot if slot != -1 else _watch(flows, known, state, limits, memory, orbit, room)
+
+
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
+def _follow(flows, known, state, periods, limits, memory, orbit, room):
+    """As `settle_state`, over so many periods; -1 where the motion has not settled by then."""
     system = flows.system
     _forget(memory)
-    for now in range(limits.transient):
+    for now in range(periods):
         copy_into(memory.before, state)
         status, _ = carry_period(flows, state, memory.none, memory.none, limits.ceiling, room)
         if status != COMPLETE:
@@ -299,7 +306,7 @@ def settle_state(flows, known, state, limits, memory, orbit, room):
             return slot
         if now >= _KEPT:
             _seek_return(flows, known, memory, now, limits, orbit, room)
-    return _watch(flows, known, state, limits, memory, orbit, room)
+    return -1
 
 
 @kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
@@ -336,8 +343,11 @@ def _watch(flows, known, state, limits, memory, orbit, room):
         if now == last or ((now + 1) % _TOLD_EVERY == 0 and now + 1 >= 3 * _TOLD_EVERY):
             mean, error = _batch_means(memory.logarithms, now + 1)
             spread_sample(sections, now + 1, memory.sample)
-            if mean - 4.0 * error > (limits.floor if now == last else _STRONG * limits.floor):
+            if mean - 4.0 * error > _STRONG * limits.floor:
                 return _kept(system, known, CHAOTIC, memory.sample, mean, error, memory)
+    if mean - 4.0 * error > limits.floor:
+        slot = _follow(flows, known, state, _LONG * limits.watched, limits, memory, orbit, room)
+        return slot if slot != -1 else _kept(system, known, CHAOTIC, memory.sample, mean, error, memory)
     for tried in range(3):
         # Orbits of one, two and four periods.
         try_orbit(flows, known, state, 1 << tried, limits.ceiling, math.inf, orbit, room)
