@@ -259,7 +259,17 @@ def _scaled_at(reduced, t):
 
 @kernel(types.UniTuple(INTERVAL, 2)(MATRIX, _F, _F), inner=True)
 def gain_at(reduced, t, guess):
-    """h(t) at one gain, and the near flank's cosine there; `guess` as in `solver.enumeration.contact_law.gain_over`."""
+    """h(t) at one gain, and the near flank's cosine there; `guess` as in `solver.enumeration.contact_law.gain_over`.
+
+    Parameters
+    ----------
+    reduced : (ROWS, 2) array
+        From `reduce_balance`.
+    t : float
+        Gain.
+    guess : float
+        The near flank's cosine nearby, or nan.
+    """
     phi, beta = _scaled_at(reduced, t)
     gain, cosine = gain_over(phi, beta, guess, 0.0)
     return subtract(gain, exact(t)), cosine
@@ -267,7 +277,17 @@ def gain_at(reduced, t, guess):
 
 @kernel(types.UniTuple(_F, 2)(MATRIX, _F, _F), inner=True)
 def approximate_gain(reduced, t, guess):
-    """h(t) and the near flank's cosine to rounding, without proof."""
+    """h(t) and the near flank's cosine to rounding, without proof.
+
+    Parameters
+    ----------
+    reduced : (ROWS, 2) array
+        From `reduce_balance`.
+    t : float
+        Gain.
+    guess : float
+        The near flank's cosine nearby, or nan.
+    """
     phi, beta = _scaled_at(reduced, t)
     force, gap = 0.5 * (phi[0] + phi[1]), 0.5 * (beta[0] + beta[1])
     if force >= 1.0:
@@ -418,6 +438,13 @@ def turning_point(reduced, left, right):
     """Where phi or beta turns round inside an interval, approximately; nan if neither seems to.
 
     Between such places both are monotone and bounds over intervals are sharp, so that it is good to cut there.
+
+    Parameters
+    ----------
+    reduced : (ROWS, 2) array
+        From `reduce_balance`.
+    left, right : float
+        Ends of the interval of gains.
     """
     for row in (_FORCE, _GAP):
         a_0, a_1 = 0.5 * (reduced[row, 0] + reduced[row, 1]), 0.5 * (reduced[row + 1, 0] + reduced[row + 1, 1])
@@ -448,14 +475,32 @@ def turning_point(reduced, left, right):
 
 @kernel(INTERVAL(MATRIX, _F, _F), inner=True)
 def determinant_over(reduced, left, right):
-    """Range of q over an interval of gains, with the common factor."""
+    """Range of q over an interval of gains, with the common factor.
+
+    Parameters
+    ----------
+    reduced : (ROWS, 2) array
+        From `reduce_balance`.
+    left, right : float
+        Ends of the interval of gains.
+    """
     q = _numerators_over(reduced, left, right)[1]
     return q if reduced[_FACTORED, 0] == 0.0 else square(q)
 
 
 @kernel(types.UniTuple(INTERVAL, 4)(MATRIX, _F, _F, _F), inner=True)
 def motion_over(reduced, left, right, guess):
-    """lambda_m, lambda_c, lambda_s, lambda_a of all solutions with gain in [left, right]; infinite where q may be 0."""
+    """lambda_m, lambda_c, lambda_s, lambda_a of all solutions with gain in [left, right]; infinite where q may be 0.
+
+    Parameters
+    ----------
+    reduced : (ROWS, 2) array
+        From `reduce_balance`.
+    left, right : float
+        Ends of the interval of gains.
+    guess : float
+        The near flank's cosine nearby, or nan.
+    """
     n, q, size = _numerators_over(reduced, left, right)
     if not (q[0] > 0.0 or q[1] < 0.0):
         least = below(size[0] / above(absolute(q)[1]))
