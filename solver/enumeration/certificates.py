@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, reduce_balance
+from solver.enumeration.gain_equation import motion_over
+from solver.enumeration.reduction import GAP, ROWS, determinant_over, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel

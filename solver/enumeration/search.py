@@ -1,4 +1,4 @@
-"""Branch and bound for all roots of the reduced balance h(t) = N - t on [0, 1] (`solver.enumeration.reduction`).
+"""Branch and bound for all roots of the reduced balance h(t) = N - t on [0, 1] (`solver.enumeration.gain_equation`).
 
 Every interval on the stack carries the proven signs of h at its two ends, so that cuts never fall onto a root and no
 root is counted twice; at t = 1, where h <= 0 and may be 0, the sign counts as negative. An interval is
@@ -15,8 +15,9 @@ returned as undecided.
 
 import math
 
+from solver.enumeration.gain_equation import approximate_gain, gain_at, slope_over, turning_point
 from solver.enumeration.interval import above, absolute, below, divide, exact, subtract
-from solver.enumeration.reduction import GAP, LOAD, approximate_gain, gain_at, numerators_at, slope_over, turning_point
+from solver.enumeration.reduction import GAP, LOAD, numerators_at
 from solver.kernels import types
 from solver.kernels.compile import MATRIX, kernel
 
