@@ -104,8 +104,8 @@ def test_the_motion_without_the_stop_leads_to_the_one_that_hits_it(stiffness):
 
 
 def test_a_contact_that_must_be_stiff_is_not_softened():
-    """An inverted pendulum that leans on its stop: softer, the stop would not hold it."""
-    system = ContactSystem([[1.0]], [[0.1]], [[-1.0]], [1.0], [1.2], 0.0, 0.0, load=[[0.1], [2.0]])
+    """An inverted pendulum that leans on its stop: a tenth of that stiffness would not hold it."""
+    system = ContactSystem([[1.0]], [[0.1]], [[-1.0]], [1.0], [10.0], 0.0, 0.0, load=[[0.1], [2.0]])
     found = solve(system, [30.0, 1e3, -1e4], 0.9, max_iterations=1)
     assert found.status is not SolveStatus.CONVERGED and found.status.sentence
 
