@@ -11,6 +11,7 @@ from solver import (
     Broyden,
     Continuation,
     DescribingFunction,
+    LiftedSeeds,
     LinearSeeds,
     Model,
     Newton,
@@ -82,8 +83,6 @@ def seeds_of(settings: dict) -> Seeds:
     if settings["certify"] == "none":
         return LinearSeeds()
     if settings["balance"] == "galerkin":
-        from solver.rows.lifted_seeds import LiftedSeeds
-
         if settings["certify"] == "all":
             raise ParameterError("certify", "all", "none or columns for solver=hb: only first order can be proven")
         return LiftedSeeds(settings["certify_columns"])
