@@ -11,10 +11,10 @@ import numpy as np
 
 from pipeline.errors import ConfigurationError, DamagedError, StoreError, shown
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
-from pipeline.store import COMPLETE, FAILED
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import validate_layout
 from pipeline.store.names import METADATA
+from pipeline.store.states import COMPLETE, FAILED
 
 __all__ = ["TITLES", "Entry", "Listing", "columns", "listing"]
 
