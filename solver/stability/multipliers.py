@@ -183,6 +183,13 @@ def where_multipliers_lie(real, imaginary, tolerance):
     """Bits of `solver.stability.instability`; a multiplier within the tolerance of the unit circle is nothing else.
 
     Two real multipliers beyond +1 are a pair that has met there, and count as one outside.
+
+    Parameters
+    ----------
+    real, imaginary : (k,) arrays
+        Of the multipliers.
+    tolerance : float
+        How close to the unit circle is undecided.
     """
     bits, above = 0, 0
     for i in range(real.shape[0]):
