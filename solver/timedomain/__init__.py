@@ -7,6 +7,7 @@ from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
 from solver.timedomain.basins import BasinShare, basin_box, basin_shares, same_attractor, wilson_interval
 from solver.timedomain.integrator import Status, Trajectory, Zone, integrate
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
+from solver.timedomain.quantities import Quantities, motion_quantities
 from solver.timedomain.settling import Settling, settle
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
 from solver.timedomain.sweeping import AttractorSweep, resting_state, sweep_attractors
@@ -18,6 +19,7 @@ __all__ = [
     "BasinShare",
     "Measurement",
     "PeriodicOrbit",
+    "Quantities",
     "Sections",
     "Settling",
     "ShootingStatus",
@@ -32,6 +34,7 @@ __all__ = [
     "integrate",
     "measure",
     "monodromy",
+    "motion_quantities",
     "orbit_state",
     "resting_state",
     "same_attractor",

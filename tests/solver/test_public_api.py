@@ -31,6 +31,7 @@ RESULTS = {
     "solver.timedomain.BasinShare",
     "solver.timedomain.Measurement",
     "solver.timedomain.PeriodicOrbit",
+    "solver.timedomain.Quantities",
     "solver.timedomain.Sections",
     "solver.timedomain.Trajectory",
 }
