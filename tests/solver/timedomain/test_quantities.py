@@ -8,9 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver import Model, ParameterError
+from solver.contact.quantities import Quantities, Slot
 from solver.model.contact_system import gear_system, support_kinds
 from solver.timedomain import Status, advance, shoot
-from solver.timedomain.quantities import Quantities, Slot, motion_quantities
+from solver.timedomain.quantities import motion_quantities
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import first_order_state, full_gear_system
 
