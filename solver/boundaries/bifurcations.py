@@ -147,7 +147,17 @@ def _carry(here, start, closed, switches, matrix, columns, rows):
 
 @kernel(types.void(ARRAY, ARRAY, _F, ARRAY), inner=True)
 def move_parameters(here, along, step, moved):
-    """Fill in the parameters a step further along an axis; the gaps, and with them the angles of contact, stay."""
+    """Fill in the parameters a step further along an axis; the gaps, and with them the angles of contact, stay.
+
+    Parameters
+    ----------
+    here, along : arrays
+        Parameters, and what an axis adds to them.
+    step : float
+        How far along the axis.
+    moved : array
+        Filled with the parameters there.
+    """
     for i in range(here.shape[0]):
         moved[i] = here[i] + step * along[i]
     moved[FRONT_GAP], moved[BACK_GAP] = here[FRONT_GAP], here[BACK_GAP]
@@ -199,12 +209,12 @@ def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start,
         reach, width = 0.0, 0.0
         for i in range(size):
             reach, width = max(reach, abs(columns[c, i])), max(width, abs(rows[c, i]))
-        share = largest / (reach * width) if reach * width > 0.0 else 1.0
+        weight = largest / (reach * width) if reach * width > 0.0 else 1.0
         for i in range(size):
             for j in range(size):
-                changed[i, j] = matrix[i, j] + share * columns[c, i] * rows[c, j]
+                changed[i, j] = matrix[i, j] + weight * columns[c, i] * rows[c, j]
         moved = _tested(changed, doubling, kappa)
-        factor = switches[c, SENSE] * here[PERIOD] / (here[MESH_FREQUENCY] * share)
+        factor = switches[c, SENSE] * here[PERIOD] / (here[MESH_FREQUENCY] * weight)
         by_angle[0, c], by_angle[1, c] = factor * (moved[0] - value[0]), factor * (moved[1] - value[1])
     beyond, nothing = np.empty(here.shape[0]), np.empty((0, size))
     for axis in range(2):

@@ -76,7 +76,7 @@ def _switches(parameters, y):
     angles goes on smoothly.
     """
     psi, count = math.atan2(y[2], y[1]), 0
-    found = np.empty((4, _SWITCHES))
+    switches = np.empty((4, _SWITCHES))
     front, back = parameters[FRONT_CONTACT], parameters[BACK_CONTACT]
     for i in range(4):
         # End of front contact, begin and end of back contact, begin of front contact.
@@ -84,11 +84,11 @@ def _switches(parameters, y):
         if (front if slot == FRONT else back) != 0.0:
             continue
         half, later = 0.5 * math.pi - y[slot], i >= 2
-        found[count, ANGLE] = psi + _TURN - half if later else psi + half
-        found[count, SENSE] = 1.0 if i % 2 == 1 else -1.0
-        found[count, _SLOT], found[count, _BY_CONTACT] = slot, 1.0 if later else -1.0
+        switches[count, ANGLE] = psi + _TURN - half if later else psi + half
+        switches[count, SENSE] = 1.0 if i % 2 == 1 else -1.0
+        switches[count, _SLOT], switches[count, _BY_CONTACT] = slot, 1.0 if later else -1.0
         count += 1
-    return psi, front <= 0.0 or back > 0.0, found[:count]
+    return psi, front <= 0.0 or back > 0.0, switches[:count]
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))

@@ -286,7 +286,15 @@ def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
 
 @kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
 def parameters_at(parameters, parameter_slope, y):
-    """The parameters at y = (..., x, p), and what either axis adds to them there."""
+    """The parameters at y = (..., x, p), and what either axis adds to them there.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        A plane's header, its parameters at x = p = 0 and what x adds to them; what p adds to them.
+    y : array
+        Unknowns of the boundary, with x and p last.
+    """
     size, last = parameter_slope.shape[0], y.shape[0] - 1
     here, along_x, along_p = np.empty(size), np.empty(size), np.empty(size)
     for i in range(size):

@@ -155,7 +155,7 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
 
 def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
     """All boundaries of one kind on which starts (k, n + 2) lie."""
-    curves, found = [], list[Chain]()
+    curves, chains = [], list[Chain]()
     while len(waiting):
         chain = tracer.boundary(waiting[0])
         nearest = np.full(len(waiting), np.inf) if chain is None else tracer.distances(chain, waiting)
@@ -165,10 +165,10 @@ def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
             continue
         # Two starts may lead to the same stretch between two corners, and from one of them alone across.
         for part in chain.parts():
-            if not any(tracer.covers(known, part) for known in found):
-                found = [*(known for known in found if not tracer.covers(part, known)), part]
+            if not any(tracer.covers(known, part) for known in chains):
+                chains = [*(known for known in chains if not tracer.covers(part, known)), part]
         waiting = waiting[nearest > SAME]
-    return [*curves, *(assembled(tracer.boundary_problem, tracer.kind, chain) for chain in joined(found))]
+    return [*curves, *(assembled(tracer.boundary_problem, tracer.kind, chain) for chain in joined(chains))]
 
 
 class Tracer:
@@ -199,8 +199,8 @@ class Tracer:
         for stretch in chain.stretches:
             targets = np.zeros((len(points), stretch.problem.unknowns + 1))
             targets[:, here] = points
-            found = distances(stretch.problem, stretch.curve, targets, here, self.continuation)
-            nearest = np.minimum(nearest, found)
+            from_stretch = distances(stretch.problem, stretch.curve, targets, here, self.continuation)
+            nearest = np.minimum(nearest, from_stretch)
         return nearest
 
     def covers(self, chain: Chain, other: Chain) -> bool:
@@ -211,7 +211,7 @@ class Tracer:
 
     def _through(self, point: np.ndarray) -> Stretch | None:
         """The stretch on which a start (u, x, p) lies."""
-        found = None
+        longest = None
         for contact, y in self.boundary_problem.starts(self.kind, point):
             # Held at its own p, so that a start on the border stays there, unless the boundary runs along the row.
             heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
@@ -223,11 +223,11 @@ class Tracer:
             if not _finite(heading):
                 continue
             stretch = self._followed(contact, y, heading, self.continuation.trace_both_ways)
-            found = stretch if len(stretch.curve.points) else found
+            longest = stretch if len(stretch.curve.points) else longest
             # A start on a wall and on the plane's border has its boundary on one side of the wall only.
             if len(stretch.curve.points) > 1:
                 break
-        return found
+        return longest
 
     def _correct_onto_curve(
         self, contact: Contact, y: np.ndarray, normal: np.ndarray, reach: float, beyond: float
@@ -263,8 +263,8 @@ class Tracer:
         """Follow a boundary beyond its last stretch."""
         while len(chain.stretches) < _MOST_STRETCHES and not chain.closed:
             last = chain.stretches[-1]
-            found = (self._beyond(last, guess) for guess in self.boundary_problem.guesses_beyond(self.kind, last))
-            stretch = next((stretch for stretch in found if stretch is not None), None)
+            candidates = (self._beyond(last, guess) for guess in self.boundary_problem.guesses_beyond(self.kind, last))
+            stretch = next((stretch for stretch in candidates if stretch is not None), None)
             if stretch is None:
                 break
             chain = chain.followed_by(stretch)

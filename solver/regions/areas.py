@@ -81,8 +81,8 @@ def slab_areas(
 def _widths(crossings: RowCrossings, slab: Slab, table, values: np.ndarray) -> np.ndarray:
     """Distances of neighbouring arcs (rows, arcs - 1) of one slab."""
     arcs, x = crossings.joined(table, values)
-    place = {arc: k for k, arc in enumerate(arcs)}
+    column = {arc: k for k, arc in enumerate(arcs)}
     try:
-        return np.diff(x[:, [place[arc] for arc in slab.arcs]], axis=1)
+        return np.diff(x[:, [column[arc] for arc in slab.arcs]], axis=1)
     except KeyError as error:
         raise RegionError(f"the boundary {error} does not cross the row at {values[0]!r}") from None

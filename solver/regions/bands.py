@@ -40,10 +40,10 @@ class Line:
     @property
     def lengths(self) -> dict[str, float]:
         """Length in x of every label."""
-        found: dict[str, float] = {}
+        totals: dict[str, float] = {}
         for label, size in zip(self.labels, np.diff(self.ends), strict=True):
-            found[label] = found.get(label, 0.0) + float(size)
-        return found
+            totals[label] = totals.get(label, 0.0) + float(size)
+        return totals
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ def lines(regions: Regions, values: Sequence[float]) -> list[Line]:
     """
     crossings = RowCrossings(regions.curves, regions.plane.x_range)
     lows = np.array([part.slab.low for part in regions.slabs])
-    found = []
+    result = []
     for value in values:
         _refuse_outside(regions, "p", value)
         part = regions.slabs[max(int(np.searchsorted(lows, value, side="right")) - 1, 0)]
@@ -91,8 +91,8 @@ def lines(regions: Regions, values: Sequence[float]) -> list[Line]:
         margin = _INSIDE * (slab.high - slab.low)
         inside = float(np.clip(value, slab.low + margin, slab.high - margin))
         arcs, x = crossings.matrix(np.array([inside]))
-        found.append(Line(float(value), part.labels, np.array([x[0, arcs.index(arc)] for arc in slab.arcs])))
-    return found
+        result.append(Line(float(value), part.labels, np.array([x[0, arcs.index(arc)] for arc in slab.arcs])))
+    return result
 
 
 def band(regions: Regions, low: float, high: float) -> Band:

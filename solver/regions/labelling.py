@@ -113,18 +113,18 @@ class Labeller:
         jumps = np.argwhere((codes[:, 1:] != codes[:, :-1]) & known[:, 1:] & known[:, :-1])
         if not len(jumps):
             return None
-        row, place = jumps[0]
-        value, low, high = values[row], at[row, place], at[row, place + 1]
-        code = codes[row, place]
+        row, column = jumps[0]
+        value, low, high = values[row], at[row, column], at[row, column + 1]
+        code = codes[row, column]
         for _ in range(60):
             middle = 0.5 * (low + high)
             if row_codes(self.plane, value, np.array([middle]), self.amplitude_max)[0] == code:
                 low = middle
             else:
                 high = middle
-        found = _enumerated(self.plane, value, np.array([low]), 2.0 * self.amplitude_max)
-        motions = np.column_stack([found.mean[0], found.cos[0], found.sin[0]])
-        misses = np.abs(found.amplitude[0] / self.amplitude_max - 1.0)
+        solutions = _enumerated(self.plane, value, np.array([low]), 2.0 * self.amplitude_max)
+        motions = np.column_stack([solutions.mean[0], solutions.cos[0], solutions.sin[0]])
+        misses = np.abs(solutions.amplitude[0] / self.amplitude_max - 1.0)
         if not np.any(misses < 1e-6):
             return None
         return ceiling_curve(self.plane, self.amplitude_max, np.array([*motions[np.nanargmin(misses)], low, value]))
@@ -137,7 +137,18 @@ def _enumerated(plane: Plane, value: float, x: np.ndarray, amplitude_max: float)
 
 
 def row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
-    """Codes of the labels at places of one row; 0 where the solutions are not proven to be all."""
+    """Codes of the labels at places of one row; 0 where the solutions are not proven to be all.
+
+    Parameters
+    ----------
+    plane : Plane
+    value : float
+        Of the row parameter.
+    x : (k,) array
+        Values of the other axis.
+    amplitude_max : float
+        Amplitude ceiling.
+    """
     found = _enumerated(plane, value, x, amplitude_max)
     b = plane.half_backlash(x, value)
     states = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, b[:, None]).astype(np.int64)

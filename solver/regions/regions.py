@@ -161,19 +161,19 @@ class Regions:
         labels = instances_of("labels", labels, str)
         for label in labels:
             label_parts(label)
-        found: list[tuple[float, float, float]] = []
+        merged: list[tuple[float, float, float]] = []
         (x_low, x_high), (p_low, p_high) = self.plane.x_range, self.plane.p_range
         for part in self.slabs:
             if not any(label in labels for label in part.labels):
                 continue
             area = sum(float(size) for name, size in zip(part.labels, part.areas, strict=True) if name in labels)
             share = area / ((x_high - x_low) * (p_high - p_low))
-            if found and part.slab.low - found[-1][1] <= _JOINED * (p_high - p_low):
-                appears, _, before = found.pop()
-                found.append((appears, part.slab.high, before + share))
+            if merged and part.slab.low - merged[-1][1] <= _JOINED * (p_high - p_low):
+                appears, _, before = merged.pop()
+                merged.append((appears, part.slab.high, before + share))
             else:
-                found.append((part.slab.low, part.slab.high, share))
-        return tuple(found)
+                merged.append((part.slab.low, part.slab.high, share))
+        return tuple(merged)
 
     def within(self, x_window: tuple[float, float], p_window: tuple[float, float] | None = None) -> "Regions":
         """The regions of a part of the plane.
@@ -198,12 +198,12 @@ class Regions:
     def neighbours(self, label: str) -> dict[str, tuple[Event, ...]]:
         """The labels next to one n/I, and the kinds of the boundaries between; raises ParameterError for other text."""
         label_parts(label)
-        found: dict[str, tuple[Event, ...]] = {}
+        kinds: dict[str, tuple[Event, ...]] = {}
         for frontier in self.adjacency:
             if label in frontier.labels:
                 other = frontier.labels[frontier.labels[0] == label]
-                found[other] = (*found.get(other, ()), frontier.kind)
-        return found
+                kinds[other] = (*kinds.get(other, ()), frontier.kind)
+        return kinds
 
 
 def regions(
@@ -320,11 +320,11 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
 def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:
     """Raise if a boundary was not followed to its end, unless it is level there: it is a critical value anyway."""
     for curve in curves:
-        for end, place in zip(curve.ends, (0, -1), strict=True):
+        for end, index in zip(curve.ends, (0, -1), strict=True):
             if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
-                along_x, along_p = np.abs(curve.slopes[place, 3:]) / [np.ptp(plane.x_range), np.ptp(plane.p_range)]
+                along_x, along_p = np.abs(curve.slopes[index, 3:]) / [np.ptp(plane.x_range), np.ptp(plane.p_range)]
                 if not along_p < _LEVEL * along_x:
-                    x, p = (float(v) for v in curve.points[place, 3:])
+                    x, p = (float(v) for v in curve.points[index, 3:])
                     raise RegionError(f"a {curve.kind.name} boundary ends early, at {(x, p)}: {end.sentence}")
 
 

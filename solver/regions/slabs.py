@@ -86,9 +86,9 @@ class RowCrossings:
                 raise RegionError(str(error)) from error
             order = np.argsort(column, kind="stable")
             column = column[order]
-            place = np.arange(column.size) - np.searchsorted(column, column)
+            order_in_row = np.arange(column.size) - np.searchsorted(column, column)
             row.append(column)
-            arcs.append(np.column_stack([np.full(column.size, number), place]))
+            arcs.append(np.column_stack([np.full(column.size, number), order_in_row]))
             x.append(points[order, 3])
         row, arcs, x = np.concatenate(row), np.concatenate(arcs), np.concatenate(x)
         order = np.argsort(row, kind="stable")
@@ -191,7 +191,7 @@ def _intersections(crossings: RowCrossings, values: np.ndarray, table) -> np.nda
     """p at which any two arcs intersect, refined."""
     arcs, x = crossings.joined(table, values)
     floor = _SAME_X * (crossings.x_range[1] - crossings.x_range[0])
-    found = []
+    heights = []
     for i, arc in enumerate(arcs):
         for j in range(max(i + 1, 2), len(arcs)):
             gap = x[:, i] - x[:, j]
@@ -199,8 +199,8 @@ def _intersections(crossings: RowCrossings, values: np.ndarray, table) -> np.nda
             def distance(value, arc=arc, other=arcs[j]):
                 return crossings.x(arc, value) - crossings.x(other, value)
 
-            found.extend(_zeros(values, gap, distance, floor))
-    return np.array(found)
+            heights.extend(_zeros(values, gap, distance, floor))
+    return np.array(heights)
 
 
 def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], float], floor: float) -> list[float]:

@@ -180,7 +180,15 @@ def eigenvalues(matrix, real, imaginary):
 
 @kernel(_I(ARRAY, ARRAY, _F), inner=True)
 def where_multipliers_lie(real, imaginary, tolerance):
-    """Bits of `solver.stability.instability`; a multiplier within the tolerance of the unit circle is nothing else."""
+    """Bits of `solver.stability.instability`; a multiplier within the tolerance of the unit circle is nothing else.
+
+    Parameters
+    ----------
+    real, imaginary : (k,) arrays
+        Of the multipliers.
+    tolerance : float
+        How close to the unit circle is undecided.
+    """
     bits = 0
     for i in range(real.shape[0]):
         x, y = real[i], imaginary[i]

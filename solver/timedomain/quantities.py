@@ -151,7 +151,7 @@ def new_work(flows):
     )
 
 
-@kernel(types.void(QUANTITY_WORK), borrows=True)
+@kernel(types.void(QUANTITY_WORK), inner=True)
 def clear(work):
     """Begin with nothing gathered."""
     totals = work.totals
@@ -163,7 +163,7 @@ def clear(work):
     totals[_ZONE], totals[_LAMBDA_FIRST], totals[_PSI_FIRST] = math.nan, math.nan, math.nan
 
 
-@kernel(types.void(QUANTITY_WORK, _I, _F), inline=True, borrows=True)
+@kernel(types.void(QUANTITY_WORK, _I, _F), inline=True)
 def _integrate(work, first, length):
     """Add the integrals of the polynomial of `work.hull`, less a constant, and of its square, to three slots."""
     totals, hull, total, square = work.totals, work.hull, 0.0, 0.0
@@ -179,7 +179,7 @@ def _integrate(work, first, length):
     totals[first + 2] += length * square
 
 
-@kernel(types.void(ZONE_FLOWS, ARRAY, _I, QUANTITY_WORK, MAP_ROOM), inline=True, borrows=True)
+@kernel(types.void(ZONE_FLOWS, ARRAY, _I, QUANTITY_WORK, MAP_ROOM), inline=True)
 def _widen(flows, step, pair, work, room):
     """Widen a pair of extremes by the polynomial of `work.powers`, and leave its hull over the step in `work.hull`."""
     begin, end = step[BEGIN], step[END]
@@ -189,7 +189,7 @@ def _widen(flows, step, pair, work, room):
     widen_by_hull(work.hull, work.powers, begin, end, flows.slack[0], pair_of, room.piece)
 
 
-@kernel(types.void(ZONE_FLOWS, ARRAY, QUANTITY_WORK), inline=True, borrows=True)
+@kernel(types.void(ZONE_FLOWS, ARRAY, QUANTITY_WORK), inline=True)
 def _expand(flows, step, work):
     """Fill in the powers of all components of the state over a step."""
     row, size = int(step[ROW]), work.state.shape[0]
@@ -201,7 +201,7 @@ def _expand(flows, step, work):
             work.state[r, j] = total
 
 
-@kernel(types.void(ZONE_FLOWS, GAUGE, MATRIX, _I, QUANTITY_WORK, MAP_ROOM), borrows=True)
+@kernel(types.void(ZONE_FLOWS, GAUGE, MATRIX, _I, QUANTITY_WORK, MAP_ROOM), inner=True)
 def gather(flows, gauge, steps, count, work, room):
     """Add what a motion does over the steps of one period, tau counted from its start.
 
@@ -259,7 +259,7 @@ def gather(flows, gauge, steps, count, work, room):
             _widen(flows, step, _SUPPORT, work, room)
 
 
-@kernel(types.void(_F, ARRAY, ARRAY, ARRAY), inline=True, borrows=True)
+@kernel(types.void(_F, ARRAY, ARRAY, ARRAY), inline=True)
 def _multiply(share, stiffness, squeezed, force):
     """Powers of (1 + share s) times what is squeezed; the product's further terms are below the tolerance."""
     for j in range(COEFFICIENTS):
@@ -269,7 +269,7 @@ def _multiply(share, stiffness, squeezed, force):
         force[j] = total
 
 
-@kernel(types.void(MATRIX, _F, _F, _F, ARRAY), inline=True, borrows=True)
+@kernel(types.void(MATRIX, _F, _F, _F, ARRAY), inline=True)
 def _add_error(error, omega, time, half, powers):
     """Add the powers of e about a time, in units of half an interval."""
     for l in range(error.shape[0]):
@@ -281,7 +281,7 @@ def _add_error(error, omega, time, half, powers):
             cosine, sine = -sine * factor, cosine * factor
 
 
-@kernel(types.void(GAUGE, QUANTITY_WORK, ARRAY), borrows=True)
+@kernel(types.void(GAUGE, QUANTITY_WORK, ARRAY), inner=True)
 def read(gauge, work, values):
     """Fill values (13,), by `Slot`, from what was gathered."""
     totals, static = work.totals, gauge.numbers[1]

@@ -10,7 +10,7 @@ from pipeline.analysis.verification.verdicts import Seen, Verdict, seen_of, sett
 from pipeline.plan.numerics import continuation_of, point_of, row_of
 from pipeline.plan.plan import Block, Plan
 from pipeline.plane.stored import StoredPlane
-from solver import Row, RowError, gear_system
+from solver import LiftedSeeds, Row, RowError, gear_system
 from solver.stability import Instability
 
 __all__ = ["CheckedRows", "check_rows", "follow_starts"]
@@ -108,7 +108,6 @@ def check_rows(path: str, plan: Plan, orders: tuple[int, int], columns: int, blo
 
 def _row(plan: Plan, value: float, order: int, columns: int) -> Row:
     from solver.harmonic.galerkin import Galerkin
-    from solver.rows.lifted_seeds import LiftedSeeds
 
     balance = Galerkin(order, int(plan.solver["period"]))
     return row_of(plan, value, balance, continuation_of(plan.solver), LiftedSeeds(columns))

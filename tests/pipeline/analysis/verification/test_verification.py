@@ -174,7 +174,7 @@ def test_rows_at_higher_orders(made, group):
     """Labels at order 2H from first principles of the store: a row swept by hand, another block, and its orbits."""
     from solver import sweep_row
     from solver.harmonic.galerkin import Galerkin
-    from solver.rows.lifted_seeds import LiftedSeeds
+    from solver.rows.seeds import LiftedSeeds
     from tests.conftest import published
 
     plan, path, _ = made
