@@ -59,12 +59,12 @@ WATCH = types.NamedTuple((ARRAY, MATRIX, types.int64[::1], _F), Watch)
 
 
 @kernel(WATCH(), inner=True)
-def _nothing():
+def watch_nothing():
     return Watch(np.empty(0), np.empty((0, 2)), np.empty(0, np.int64), 0.0)
 
 
 @kernel(_I(SWITCHED_SYSTEM, ARRAY, DEVIATIONS, _F, _F, _F, WATCH, SERIES), inner=True)
-def _period(system, state, deviations, tolerance, ceiling, offset, watch, series):
+def carry_over_period(system, state, deviations, tolerance, ceiling, offset, watch, series):
     """Carry a state, and deviations with it, over one forcing period."""
     stop, time = 2.0 * math.pi / system.numbers[FREQUENCY], 0.0
     zone = zone_of(system, state)
@@ -98,13 +98,13 @@ def _period(system, state, deviations, tolerance, ceiling, offset, watch, series
 @kernel(types.void(SWITCHED_SYSTEM, MATRIX, _F, _F, types.float64[:, :, ::1], types.int64[::1]))
 def _advance(system, states, tolerance, ceiling, sections, status):
     """Sections (k, periods, 2 n) of k states, which are overwritten; nan after the first period that fails."""
-    size, nothing = states.shape[1], _nothing()
+    size, nothing = states.shape[1], watch_nothing()
     none, series = new_deviations(np.empty((0, size))), new_series(size // 2)
     for row in range(states.shape[0]):
         status[row] = COMPLETE
         for count in range(sections.shape[1]):
             if status[row] == COMPLETE:
-                status[row] = _period(system, states[row], none, tolerance, ceiling, 0.0, nothing, series)
+                status[row] = carry_over_period(system, states[row], none, tolerance, ceiling, 0.0, nothing, series)
             for i in range(size):
                 sections[row, count, i] = states[row, i] if status[row] == COMPLETE else math.nan
 
@@ -115,7 +115,7 @@ def _measure(system, state, periods, tolerance, ceiling, watch):
     size, span = state.shape[0], 2.0 * math.pi / system.numbers[FREQUENCY]
     none, series = new_deviations(np.empty((0, size))), new_series(size // 2)
     for count in range(periods):
-        status = _period(system, state, none, tolerance, ceiling, count * span, watch, series)
+        status = carry_over_period(system, state, none, tolerance, ceiling, count * span, watch, series)
         if status != COMPLETE:
             return status
     return COMPLETE
@@ -128,10 +128,10 @@ def _carry(system, state, tangents, periods, tolerance, ceiling, logarithms):
     Where `logarithms` (periods,) is not empty, the first deviation is brought back to length 1 after every period and
     the logarithm of its length is kept.
     """
-    size, nothing = state.shape[0], _nothing()
+    size, nothing = state.shape[0], watch_nothing()
     deviations, series = new_deviations(tangents), new_series(size // 2)
     for count in range(periods):
-        status = _period(system, state, deviations, tolerance, ceiling, 0.0, nothing, series)
+        status = carry_over_period(system, state, deviations, tolerance, ceiling, 0.0, nothing, series)
         if status != COMPLETE:
             return status
         if logarithms.shape[0] > 0:

@@ -1,332 +1,339 @@
-"""Where motions settle.
+"""Where the motions of one cell settle.
 
-A motion that returns close to itself after q forcing periods is polished by Newton's method: if the orbit found is
-stable and near, and the motion still approaches it, it is the limit, however slowly it is reached. What does not settle
-on a periodic orbit is told by its largest Lyapunov exponent.
+Motions are followed from section to section until one is certain to end on a known attractor. One that returns close to
+itself after q forcing periods is polished by Newton's method, which makes an orbit known. What does not settle within
+`transient` periods is watched together with a small deviation: the growth of that tells chaos from a torus.
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from solver.model.checks import finite_number, frequency, instance_of
-from solver.model.contact_system import ContactSystem, in_motion, reduced
-from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
-from solver.timedomain.integrator import Status, checked_states, checked_tolerance, with_the_rest
-from solver.timedomain.poincare import advance, checked_count, growth, measure
-from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, shoot
+from solver.flow.switched_system import LENGTH, SWITCHED_SYSTEM
+from solver.flow.taylor import new_series
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import copy_into
+from solver.timedomain.attractor import AttractorKind
+from solver.timedomain.integrator import CEILING, COMPLETE, new_deviations
+from solver.timedomain.orbits import HIGHEST_PERIOD, ORBITS, SAMPLE, close_orbit, distance, keep_orbit, recognised
+from solver.timedomain.poincare import carry_over_period, watch_nothing
 
-__all__ = ["Settling", "length_scale", "settle"]
+__all__ = ["FAILED", "LIMITS", "NO_ROOM", "Limits", "keep_aperiodic", "settle_states", "try_orbit"]
+
+_F, _I, _B = types.float64, types.int64, types.boolean
+_COUNTS = types.int64[::1]
+
+QUASI_PERIODIC, CHAOTIC = int(AttractorKind.QUASI_PERIODIC), int(AttractorKind.CHAOTIC)
+UNBOUNDED, UNSETTLED = int(AttractorKind.UNBOUNDED), int(AttractorKind.UNSETTLED)
+
+#: What `settle_states` gives besides a slot: the integrator could not go on; there was no slot left.
+FAILED, NO_ROOM = -2, -3
+
+# Sections that are kept of a motion: twice the longest period, and a little more to see that it stays.
+_KEPT = 3 * HIGHEST_PERIOD
+
+# Periods before an aperiodic attractor is looked for among the known ones, and sections that must lie in its sample.
+_SETTLED, _WITHIN, _LOOKED = 40, 36, 48
+
+# Batches of the growth of a deviation; the first part lets it turn into the direction that grows fastest.
+_BATCHES, _TURNING = 20, 40
 
 
-@dataclass(frozen=True)
-class Settling:
-    """How long and how strictly motions are watched.
+class Limits(NamedTuple):
+    """How long and how strictly motions are watched; see `solver.timedomain.attractors.AttractorSearch`."""
+
+    tolerance: float
+    ceiling: float
+    near: float
+    transient: int
+    watched: int
+    floor: float
+
+
+LIMITS = types.NamedTuple((_F, _F, _F, _I, _I, _F), Limits)
+
+
+@kernel(_I(SWITCHED_SYSTEM, ORBITS, ARRAY, _I, _F, _F), inner=True)
+def try_orbit(system, orbits, state, period, ceiling, apart):
+    """Slot of the stable periodic orbit that Newton's method finds from a state; -1 if none does within a distance.
 
     Parameters
     ----------
-    max_periods : int
-        Forcing periods before the Lyapunov exponent decides.
-    block : int
-        Periods between two looks at the sections.
-    highest_period : int
-        Periodic motions are sought up to this number of forcing periods.
-    near : float
-        A return within this distance, relative to the scale of the motion, is polished by shooting.
-    close : float
-        A stable periodic orbit is the limit when the motion has come this near to it, and nearer than a block before.
-    lyapunov_periods : int
-        Window over which the exponent, the harmonics and the extremes of aperiodic motions are taken.
-    lyapunov_floor : float
-        An exponent per forcing period is above or below 0 only if its modulus exceeds this: deviations on a torus grow
-        or shrink like powers of time, which over a window of N periods looks like an exponent of some (log N) / N.
-        Chaos weaker than this is taken for a torus.
-    tolerance : float
-        Of the integration.
+    system : SwitchedSystem
+    orbits : Orbits
+        The orbit becomes known.
+    state : (m,) array
+        On the section.
+    period : int
     ceiling : float
-        A motion is unbounded when |lambda| exceeds this many times the length of the system (gaps, static deflection).
-
-    Raises
-    ------
-    ParameterError
-        If a setting is not allowed.
+        Of |lambda|.
+    apart : float
+        Largest distance between the orbit and the state.
     """
-
-    max_periods: int = 3000
-    block: int = 60
-    highest_period: int = 24
-    near: float = 1e-2
-    close: float = 1e-3
-    lyapunov_periods: int = 2000
-    lyapunov_floor: float = 4e-3
-    tolerance: float = 1e-10
-    ceiling: float = 1e4
-
-    def __post_init__(self):
-        checked_count("max_periods", self.max_periods)
-        checked_count("highest_period", self.highest_period, 4, 1000)
-        checked_count("block", self.block, 2 * self.highest_period)
-        checked_count("lyapunov_periods", self.lyapunov_periods, 40)
-        checked_tolerance(self.tolerance)
-        for name in ("near", "close", "lyapunov_floor", "ceiling"):
-            finite_number(name, getattr(self, name), above=0.0)
+    size = state.shape[0]
+    points, matrices = np.empty((HIGHEST_PERIOD, size)), np.empty((HIGHEST_PERIOD, size, size))
+    current = state.copy()
+    least, rate = close_orbit(system, current, period, ceiling, points, matrices)
+    if least == 0 or not rate < 0.0 or distance(system, current, state) > apart:
+        return -1
+    return keep_orbit(system, orbits, least, rate, points, matrices)
 
 
-def length_scale(system: ContactSystem, omega: float) -> float:
-    """A length of the system at one frequency: gaps and the deflection under the loads, at least."""
-    gaps = [abs(system.front_gap), abs(system.back_gap) if system.two_sided else 0.0]
-    rows = max(len(system.load), len(system.inertial_load))
-    loads = np.abs(system.load_harmonics(omega, rows - 1)).sum(axis=0)
-    closed = system.stiffness + np.outer(system.force, system.contact)
-    deflection = np.max(np.abs(np.linalg.lstsq(closed, loads, rcond=None)[0]))
-    return max(*gaps, float(deflection)) or 1.0
+@kernel(_I(ORBITS, _I), inner=True)
+def _slot_of(orbits, kind):
+    """The slot of what has no sections (unbounded and unsettled motions), which is taken if it was not; or NO_ROOM."""
+    for slot in range(orbits.count[0]):
+        if orbits.kind[slot] == kind:
+            return slot
+    slot = orbits.count[0]
+    if slot == orbits.kind.shape[0]:
+        return NO_ROOM
+    orbits.kind[slot] = kind
+    orbits.count[0] += 1
+    return slot
 
 
-def settle(system: ContactSystem, omega: float, states, *, settling: Settling | None = None) -> tuple[Attractor, ...]:
-    """Follow motions from tau = 0 until it is known where they settle.
+@kernel(_F(SWITCHED_SYSTEM, MATRIX, ARRAY, _I), inner=True)
+def _nearest(system, sample, state, skipped):
+    """Distance from a state to the nearest section of a sample, one of them left out."""
+    least = math.inf
+    for i in range(sample.shape[0]):
+        if i != skipped:
+            least = min(least, distance(system, sample[i], state))
+    return least
+
+
+@kernel(_I(SWITCHED_SYSTEM, ORBITS, ARRAY, types.int64[:, ::1], _I), inner=True)
+def _within_sample(system, orbits, state, hits, count):
+    """Slot of the aperiodic attractor in whose sample the last sections of a motion lay; -1 if there is none.
+
+    hits (A, 48) remembers, in a ring, which of the last sections lay within; `count` sections were looked at before.
+    """
+    for slot in range(orbits.count[0]):
+        if orbits.kind[slot] != QUASI_PERIODIC and orbits.kind[slot] != CHAOTIC:
+            continue
+        near = _nearest(system, orbits.samples[slot], state, -1) <= orbits.spacing[slot]
+        hits[slot, count % _LOOKED] = 1 if near else 0
+        total = 0
+        for i in range(_LOOKED):
+            total += hits[slot, i]
+        if total >= _WITHIN:
+            return slot
+    return -1
+
+
+@kernel(_I(SWITCHED_SYSTEM, ORBITS, MATRIX, _I, _I, _COUNTS, LIMITS), inner=True)
+def _returned(system, orbits, kept, last, now, tries, limits):
+    """Seek a periodic orbit where the motion has stayed near itself for q periods; whether one became known.
 
     Parameters
     ----------
-    system : ContactSystem
-    omega : float
-    states : (k, 2 n) array_like
-        Initial states.
-    settling : Settling, optional
-
-    Returns
-    -------
-    tuple of k Attractor
-        0 where a coordinate is no part of the motion (`solver.model.contact_system.in_motion`).
-
-    Raises
-    ------
-    ParameterError
-        If an argument is not allowed.
+    system : SwitchedSystem
+    orbits : Orbits
+    kept : (24, m) array
+        Ring of the last sections, the newest in row `last`; all rows are filled.
+    last, now : int
+        Row of the newest section, and its number.
+    tries : (2 * 9,) int array
+        For every q when it may be tried again, and how long to wait after a vain try.
+    limits : Limits
     """
-    instance_of("system", system, ContactSystem)
-    settling = Settling() if settling is None else instance_of("settling", settling, Settling)
-    omega = frequency(omega)
-    starts, kept = checked_states(system, states), np.tile(in_motion(system), 2)
-    if not np.all(kept):
-        found = settle(reduced(system), omega, starts[:, kept], settling=settling)
-        wholes = ((with_the_rest(system, one.state), with_the_rest(system, one.points)) for one in found)
-        return tuple(replace(one, state=s, points=p) for one, (s, p) in zip(found, wholes, strict=True))
-    settler = _Settler(system, omega, settling)
-    return tuple(settler.run(state) for state in starts)
+    near = limits.near * system.numbers[LENGTH]
+    newest = kept[last]
+    for period in range(1, HIGHEST_PERIOD + 1):
+        if now < tries[period]:
+            continue
+        stays = True
+        for back in range(0, period + 1):
+            if stays:
+                one, other = (last - back) % _KEPT, (last - back - period) % _KEPT
+                stays = distance(system, kept[one], kept[other]) < near
+        if stays:
+            # Found or not: what is known by now is recognised without another try.
+            wait = HIGHEST_PERIOD + 1 + period
+            tries[period] = now + tries[wait]
+            tries[wait] = 4 * tries[wait]
+            if try_orbit(system, orbits, newest, period, limits.ceiling, 10.0 * near) >= 0:
+                return 1
+    return 0
 
 
-@dataclass
-class _Settler:
-    """Settles motions one after another and remembers the periodic orbits found, so that Newton runs once for each."""
+@kernel(types.void(_COUNTS), inner=True)
+def _may_try(tries):
+    """Nothing has been tried yet."""
+    for period in range(HIGHEST_PERIOD + 1):
+        tries[period], tries[HIGHEST_PERIOD + 1 + period] = 0, 4
 
-    system: ContactSystem
-    omega: float
-    settling: Settling
-    known: list[tuple[PeriodicOrbit, np.ndarray]] = field(default_factory=list)
 
-    def __post_init__(self):
-        self.length = length_scale(self.system, self.omega)
-        self.ceiling = self.settling.ceiling * self.length
+@kernel(_I(SWITCHED_SYSTEM, ORBITS, ARRAY, LIMITS), inner=True)
+def _watch(system, orbits, state, limits):
+    """Slot of what a motion does that has not settled, or FAILED or NO_ROOM; the state is carried along."""
+    size, room = state.shape[0], orbits.kind.shape[0]
+    deviations, series, nothing = new_deviations(np.empty((1, size))), new_series(size // 2), watch_nothing()
+    for i in range(size):
+        deviations.states[0, i] = 1.0
+    entry, returns, work = np.empty(room), np.zeros(room, np.int64), np.empty((3, size))
+    hits, tries = np.zeros((room, _LOOKED), np.int64), np.empty(2 * HIGHEST_PERIOD + 2, np.int64)
+    _may_try(tries)
+    before, kept, sections = state.copy(), np.empty((_KEPT, size)), np.empty((limits.watched, size))
+    logarithms = np.zeros(limits.watched)
+    for now in range(limits.watched):
+        copy_into(before, state)
+        status = carry_over_period(system, state, deviations, limits.tolerance, limits.ceiling, 0.0, nothing, series)
+        if status == CEILING:
+            return _slot_of(orbits, UNBOUNDED)
+        if status != COMPLETE:
+            return FAILED
+        length = 0.0
+        for i in range(size):
+            length += deviations.states[0, i] ** 2
+        length = math.sqrt(length)
+        logarithms[now] = math.log(length)
+        for i in range(size):
+            deviations.states[0, i] /= length
+        copy_into(kept[now % _KEPT], state)
+        copy_into(sections[now], state)
+        slot = recognised(system, orbits, before, state, entry, returns, work)
+        if slot < 0:
+            slot = _within_sample(system, orbits, state, hits, now)
+        if slot >= 0:
+            return slot
+        if now >= _KEPT and not np.any(returns > 0):
+            _returned(system, orbits, kept, now % _KEPT, now, tries, limits)
+        if now + 1 == limits.watched or (now + 1) % 200 == 0 and now + 1 >= 400:
+            mean, error = _batch_means(logarithms, now + 1)
+            sample = _sample(sections, now + 1)
+            if mean - 4.0 * error > limits.floor:
+                return keep_aperiodic(system, orbits, CHAOTIC, sample, mean, error)
+            if now + 1 == limits.watched and abs(mean) <= max(limits.floor, 4.0 * error):
+                for period in (1, 2):
+                    try_orbit(system, orbits, state, period, limits.ceiling, math.inf)
+                if not _approaching(system, orbits, sections):
+                    return keep_aperiodic(system, orbits, QUASI_PERIODIC, sample, mean, error)
+    return _slot_of(orbits, UNSETTLED)
 
-    def run(self, start) -> Attractor:
-        settling = self.settling
-        current, used, before = start, 0, {}
-        while used < settling.max_periods:
-            block = min(settling.block, settling.max_periods - used)
-            sections = advance(
-                self.system, self.omega, current, block, tolerance=settling.tolerance, ceiling=self.ceiling
+
+@kernel(MATRIX(MATRIX, _I), inner=True)
+def _sample(sections, count):
+    """Sections (128, m) spread over the later ones of `count`, so that slow turns of a torus are seen whole."""
+    sample = np.empty((SAMPLE, sections.shape[1]))
+    # An odd stride other than the periods that are common.
+    stride = 7 if count > 7 * SAMPLE else 3
+    for i in range(SAMPLE):
+        copy_into(sample[i], sections[count - 1 - stride * i])
+    return sample
+
+
+@kernel(_B(SWITCHED_SYSTEM, ORBITS, MATRIX), inner=True)
+def _approaching(system, orbits, sections):
+    """Whether a motion comes nearer to a stable orbit, at least half as fast as the multipliers promise.
+
+    A growth so close to 0 looks like that of a torus; the largest distance over many sections does not feel where in
+    its slow beat the motion happens to be.
+    """
+    count = sections.shape[0]
+    for slot in range(orbits.count[0]):
+        if orbits.kind[slot] > HIGHEST_PERIOD or orbits.kind[slot] < 1:
+            continue
+        early, late = 0.0, 0.0
+        for i in range(2 * SAMPLE):
+            at = i if i < SAMPLE else count - 2 * SAMPLE + i
+            least = math.inf
+            for j in range(orbits.kind[slot]):
+                least = min(least, distance(system, orbits.points[slot, j], sections[at]))
+            if i < SAMPLE:
+                early = max(early, least)
+            else:
+                late = max(late, least)
+        if late < early * math.exp(0.5 * orbits.rates[slot, 0] * (count - SAMPLE)):
+            return True
+    return False
+
+
+@kernel(types.UniTuple(_F, 2)(ARRAY, _I), inner=True)
+def _batch_means(logarithms, count):
+    """Mean growth of a deviation in a period and its standard error, from batches after the first periods."""
+    per = (count - _TURNING) // _BATCHES
+    mean, square = 0.0, 0.0
+    for batch in range(_BATCHES):
+        total = 0.0
+        for i in range(per):
+            total += logarithms[count - _BATCHES * per + batch * per + i]
+        total /= per
+        mean += total
+        square += total * total
+    mean /= _BATCHES
+    variance = max(square / _BATCHES - mean * mean, 0.0) * _BATCHES / (_BATCHES - 1.0)
+    return mean, math.sqrt(variance / _BATCHES)
+
+
+@kernel(_I(SWITCHED_SYSTEM, ORBITS, _I, MATRIX, _F, _F), inner=True)
+def keep_aperiodic(system, orbits, kind, sample, rate, error):
+    """The slot of an aperiodic attractor, which becomes known if it was not; NO_ROOM if there is none left."""
+    for slot in range(orbits.count[0]):
+        if orbits.kind[slot] == kind:
+            near = 0
+            for i in range(sample.shape[0]):
+                if _nearest(system, orbits.samples[slot], sample[i], -1) <= orbits.spacing[slot]:
+                    near += 1
+            if _LOOKED * near >= _WITHIN * sample.shape[0]:
+                return slot
+    slot = orbits.count[0]
+    if slot == orbits.kind.shape[0]:
+        return NO_ROOM
+    gaps = np.empty(sample.shape[0])
+    for i in range(sample.shape[0]):
+        copy_into(orbits.samples[slot, i], sample[i])
+        gaps[i] = _nearest(system, sample, sample[i], i)
+    gaps.sort()
+    # Nine of ten sections have another within this distance; twice of it leaves room for the thin parts of the set.
+    orbits.spacing[slot] = 2.0 * gaps[(9 * sample.shape[0]) // 10]
+    orbits.kind[slot], orbits.rates[slot, 0], orbits.rates[slot, 1] = kind, rate, error
+    copy_into(orbits.points[slot, 0], sample[0])
+    orbits.count[0] += 1
+    return slot
+
+
+@kernel(types.void(SWITCHED_SYSTEM, ORBITS, MATRIX, LIMITS, _COUNTS), inner=True)
+def settle_states(system, orbits, states, limits, slots):
+    """Follow motions until it is known where they settle.
+
+    Parameters
+    ----------
+    system : SwitchedSystem
+    orbits : Orbits
+        What is found becomes known.
+    states : (k, m) array
+        On the section; overwritten.
+    limits : Limits
+    slots : (k,) int array
+        Slot that each motion ends in, or FAILED or NO_ROOM.
+    """
+    size, room = states.shape[1], orbits.kind.shape[0]
+    deviations, series, nothing = new_deviations(np.empty((0, size))), new_series(size // 2), watch_nothing()
+    entry, returns, work = np.empty(room), np.empty(room, np.int64), np.empty((3, size))
+    hits, tries = np.empty((room, _LOOKED), np.int64), np.empty(2 * HIGHEST_PERIOD + 2, np.int64)
+    before, kept = np.empty(size), np.empty((_KEPT, size))
+    for motion in range(states.shape[0]):
+        state, slot, now = states[motion], -1, 0
+        returns[:] = 0
+        hits[:, :] = 0
+        _may_try(tries)
+        while slot == -1 and now < limits.transient:
+            copy_into(before, state)
+            status = carry_over_period(
+                system, state, deviations, limits.tolerance, limits.ceiling, 0.0, nothing, series
             )
-            status = Status(sections.status[0])
-            if status is not Status.COMPLETE:
-                return self._ended(current, used, status)
-            current, used = sections.states[0, -1], used + block
-            limit = self._limit(sections.states[0], before)
-            if limit is not None:
-                return self._periodic(*limit, used)
-        return self._aperiodic(current, used)
-
-    def _limit(self, sections, before):
-        """The periodic orbit that the motion approaches, with its points in the order of the last section, or None.
-
-        `before` holds the distances to known orbits one block ago and is brought up to date.
-        """
-        scale = max(self.length, float(np.max(np.abs(sections))))
-        for number in range(len(self.known)):
-            if self._approached(number, sections, scale, before):
-                return self.known[number]
-        # Two attractors may lie close together: a known orbit nearby does not spare the search for another.
-        if self._polish(sections, scale) and self._approached(len(self.known) - 1, sections, scale, before):
-            return self.known[-1]
-        return None
-
-    def _approached(self, number, sections, scale, before) -> bool:
-        """Whether the motion is near one of the known orbits and comes nearer."""
-        settling, last = self.settling, sections[-1]
-        orbit, points = self.known[number]
-        distance, previous = _distance(points, last), before.get(number, math.inf)
-        before[number] = distance
-        # The first distance of all is compared with that in the middle of the block.
-        if previous == math.inf:
-            previous = _distance(points, sections[len(sections) // 2 - 1])
-        if distance < 1e3 * settling.tolerance * scale:
-            return True
-        if distance < settling.close * scale and distance < 0.9 * previous:
-            return True
-        # So near to a stable orbit, slow convergence shows in the rate that its multipliers promise.
-        return distance < settling.near * scale and self._contracting(orbit, distance, previous)
-
-    def _contracting(self, orbit, distance, previous) -> bool:
-        """Whether the distance shrank, over a block, at least half as fast as the multipliers promise."""
-        rate = math.log(max(orbit.largest_multiplier, 1e-300)) / orbit.minimal_period
-        promised = rate * self.settling.block
-        return 0.0 < distance < previous and math.log(distance / previous) < 0.5 * promised
-
-    def _polish(self, sections, scale) -> bool:
-        """Seek a stable periodic orbit where the motion returned close to itself; whether one was added to `known`."""
-        near, last = self.settling.near * scale, sections[-1]
-        most = min(self.settling.highest_period, len(sections) - 1)
-        gaps = {period: float(np.max(np.abs(last - sections[-1 - period]))) for period in range(1, most + 1)}
-        # A torus returns close after many periods, and each search would be in vain: of the long ones the closest does.
-        candidates = [period for period in gaps if period <= 4]
-        if most > 4:
-            candidates.append(min((period for period in gaps if period > 4), key=gaps.__getitem__))
-        for period in candidates:
-            if gaps[period] >= near:
-                continue
-            orbit = shoot(self.system, self.omega, last, period, max_iterations=8)
-            if orbit.status is ShootingStatus.CONVERGED and orbit.minimal_period < period:
-                orbit = shoot(self.system, self.omega, orbit.state, orbit.minimal_period)
-            if orbit.status is not ShootingStatus.CONVERGED or not orbit.stable:
-                continue
-            if float(np.max(np.abs(orbit.state - last))) >= 10.0 * near:
-                continue
-            if all(_distance(points, orbit.state) > 1e-7 * scale for _, points in self.known):
-                self.known.append((orbit, self._points(orbit)))
-                return True
-        return False
-
-    def _points(self, orbit):
-        if orbit.period == 1:
-            return orbit.state[None, :].copy()
-        rest = advance(self.system, self.omega, orbit.state, orbit.period - 1, tolerance=1e-12).states[0]
-        return np.concatenate([orbit.state[None, :], rest])
-
-    def _impact(self, lowest, highest) -> int:
-        return int(contact_impact(self.system, lowest, highest))
-
-    def _periodic(self, orbit, points, used) -> Attractor:
-        q = orbit.period
-        found = measure(self.system, self.omega, orbit.state, q, divisor=2 * q, order=2 * q, tolerance=1e-12)
-        # Lines between those of the orbit are rounding; of an odd period the half order is such a line.
-        half = abs(found.harmonics[q]) if q % 2 == 0 else 0.0
-        largest = orbit.largest_multiplier
-        rate = math.log(largest) * self.omega / (2.0 * math.pi * q) if largest > 0.0 else -math.inf
-        return Attractor(
-            AttractorKind(min(q, int(AttractorKind.PERIOD_HIGHER))),
-            q,
-            used,
-            float(found.harmonics[0].real),
-            float(abs(found.harmonics[2 * q])),
-            float(half),
-            found.lowest,
-            found.highest,
-            self._impact(found.lowest, found.highest),
-            rate,
-            0.0,
-            largest,
-            orbit.state,
-            points,
-            Status.COMPLETE,
-        )
-
-    def _aperiodic(self, current, used) -> Attractor:
-        settling, begin = self.settling, used
-        window = settling.lyapunov_periods
-        # A tenth of the window lets the deviation turn into the direction that grows fastest.
-        logarithms, end, status = growth(
-            self.system, self.omega, current, window + window // 10, tolerance=settling.tolerance, ceiling=self.ceiling
-        )
-        if status is not Status.COMPLETE:
-            return self._ended(current, used, status)
-        batches = logarithms[window // 10 :][: window - window % 20].reshape(20, -1).mean(axis=1)
-        exponent, error = float(batches.mean()), float(batches.std(ddof=1) / math.sqrt(batches.size))
-        even = window - window % 2
-        found = measure(
-            self.system,
-            self.omega,
-            current,
-            even,
-            divisor=2,
-            order=2,
-            tolerance=settling.tolerance,
-            ceiling=self.ceiling,
-        )
-        sections = advance(
-            self.system, self.omega, end, settling.block, tolerance=settling.tolerance, ceiling=self.ceiling
-        )
-        for result in (found.status, Status(sections.status[0])):
-            if result is not Status.COMPLETE:
-                return self._ended(current, used, result)
-        used += window + window // 10 + settling.block
-        # The longer watch may have brought a slow motion home.
-        limit = self._limit(sections.states[0], {})
-        if limit is not None:
-            return self._periodic(*limit, used)
-        margin = max(settling.lyapunov_floor, 4.0 * error)
-        if exponent > margin:
-            kind = AttractorKind.CHAOTIC
-        elif exponent < -margin or self._approaching(current, sections.states[0], used - begin):
-            kind = AttractorKind.UNSETTLED
-        else:
-            kind = AttractorKind.QUASI_PERIODIC
-        rate = self.omega / (2.0 * math.pi)
-        return Attractor(
-            kind,
-            0,
-            used,
-            float(found.harmonics[0].real),
-            float(abs(found.harmonics[2])),
-            float(abs(found.harmonics[1])),
-            found.lowest,
-            found.highest,
-            self._impact(found.lowest, found.highest),
-            exponent * rate,
-            error * rate,
-            math.nan,
-            sections.states[0, -1],
-            sections.states[0],
-            Status.COMPLETE,
-        )
-
-    def _approaching(self, early, late, elapsed) -> bool:
-        """Whether a motion far from a stable orbit of 1 or 2 periods still approaches it, slowly.
-
-        An exponent so close to 0 looks like that of a torus; the distance to the orbit tells them apart.
-        """
-        first = advance(self.system, self.omega, early, self.settling.block, tolerance=self.settling.tolerance).states[
-            0
-        ]
-        for period in (1, 2):
-            orbit = shoot(self.system, self.omega, late[-1], period)
-            if orbit.status is not ShootingStatus.CONVERGED or not orbit.stable:
-                continue
-            points = self._points(orbit)
-            # The largest distance within a block does not feel where in its slow beat the motion happens to be.
-            distances = [max(_distance(points, state) for state in block) for block in (first, late)]
-            promised = math.log(max(orbit.largest_multiplier, 1e-300)) / period * elapsed
-            if distances[0] > 0.0 and distances[1] < distances[0] * math.exp(0.5 * promised):
-                return True
-        return False
-
-    def _ended(self, current, used, status) -> Attractor:
-        kind = AttractorKind.UNBOUNDED if status is Status.CEILING else AttractorKind.FAILED
-        nothing = (math.nan,) * 5
-        return Attractor(
-            kind, 0, used, *nothing, -1, math.nan, math.nan, math.nan, current, np.empty((0, current.size)), status
-        )
-
-
-def _distance(points, state) -> float:
-    """Distance from a state to the nearest section of an orbit."""
-    return float(np.min(np.max(np.abs(points - state), axis=1)))
+            if status != COMPLETE:
+                slot = _slot_of(orbits, UNBOUNDED) if status == CEILING else FAILED
+                break
+            copy_into(kept[now % _KEPT], state)
+            slot = recognised(system, orbits, before, state, entry, returns, work)
+            if slot < 0 and now >= _SETTLED:
+                slot = _within_sample(system, orbits, state, hits, now)
+            if slot < 0 and now >= _KEPT and not np.any(returns > 0):
+                _returned(system, orbits, kept, now % _KEPT, now, tries, limits)
+            now += 1
+        slots[motion] = _watch(system, orbits, state, limits) if slot == -1 else slot
