@@ -27,9 +27,9 @@ HEIGHT, ZOOM_HEIGHT, BETWEEN, _BESIDE, LEGEND = 3.0, 2.5, 0.72, 0.25, 5.54
 _PIXELS = 400
 
 
-def shares_of(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
-    """Left, bottom, width and height as matplotlib wants them, in a figure of this height."""
-    return tuple(size / whole for size, whole in zip(inches, (WIDTH, height, WIDTH, height), strict=True))
+def shares_of(inches: tuple[float, ...], height: float, width: float = WIDTH) -> tuple[float, ...]:
+    """Left, bottom, width and height as matplotlib wants them, in a figure of this height and width."""
+    return tuple(size / whole for size, whole in zip(inches, (width, height, width, height), strict=True))
 
 
 def zoom_places(count: int, spare: float = 0.0) -> list[tuple[float, float, float, float]]:

@@ -65,7 +65,8 @@ def test_every_file_is_within(override):
 
 
 @pytest.mark.parametrize(
-    "override", ["verify.samples=0", "check.seed=-1", "jumps.max_periods=1", "cluster.timeout=0", "figures.dpi=5000"]
+    "override",
+    ["attractors.starts=-1", "check.seed=-1", "attractors.max_periods=1", "cluster.timeout=0", "figures.dpi=5000"],
 )
 def test_what_is_typed_is_looked_at_whatever_is_to_be_done(override):
     with pytest.raises(ConfigurationError, match=override.partition("=")[0]):
