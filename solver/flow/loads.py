@@ -39,7 +39,7 @@ _I, _F = types.int64, types.float64
 
 @kernel(types.void(ARRAY, ARRAY, _F, MATRIX), inner=True)
 def _gear_load(parameters, parameter_slope, p, load):
-    """f_pm, f_pv and the transmission error act on lambda alone, which is the last coordinate; M^-1 keeps them there."""
+    """f_pm, f_pv and the transmission error act on lambda alone, the last coordinate; M^-1 keeps them there."""
     last = load.shape[1] - 1
     gear, slope = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
     omega, _ = number_at(parameters, parameter_slope, p, MESH_FREQUENCY)

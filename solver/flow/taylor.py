@@ -11,9 +11,10 @@ switches, extremes and integrals are taken from it and no step is ever repeated.
 coefficients (A. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order Taylor
 methods", Experimental Mathematics 14 (2005) 99-117, section 3.2).
 
-One column, a motion or a deviation, has the scalar recurrence (`column_series`). Those of a monodromy matrix stand
-in blocks of four, which run through it side by side (`carry_deviations`): the contact term is a product of scalar
-series, one for each column, and four of them take little longer than one. Unused columns are 0.
+A motion has the scalar recurrence (`motion_series`). The deviations of a monodromy matrix stand in blocks of four,
+which run through it side by side (`carry_deviations`): the contact term is a product of scalar series, one for each
+column, and four of them take little longer than one. Unused columns are 0. Many motions of one system are carried by
+`solver.flow.zone_flows` instead.
 """
 
 import math
@@ -35,9 +36,9 @@ __all__ = [
     "Series",
     "carry_deviations",
     "column_at",
-    "column_series",
     "column_sizes",
     "count_blocks",
+    "fill_sources",
     "motion_series",
     "new_block_series",
     "new_series",
@@ -66,8 +67,7 @@ _MOST_STEPS = 5_000
 
 
 class Series(NamedTuple):
-    """The series of one column, of order m: y (m + 1, n), lambda (m + 1,), s (m + 1,), and g (m + 1, n) of a motion;
-    of a deviation g has no rows."""
+    """The series of a motion, of order m: y (m + 1, n), lambda (m + 1,), s (m + 1,) and g (m + 1, n)."""
 
     y: np.ndarray
     contact: np.ndarray
@@ -108,7 +108,7 @@ def new_block_series(degrees, columns):
 
 
 @kernel(types.void(SWITCHED_SYSTEM, _I, _F, ARRAY, MATRIX), inner=True)
-def _sources(system, zone, time, stiffness, g):
+def fill_sources(system, zone, time, stiffness, g):
     """Series of s and, where it has rows, of g about a time."""
     n, omega, forced = system.vectors.shape[1], system.numbers[FREQUENCY], g.shape[0] > 0
     # The order is read from the arrays: loops of known length are unrolled into code that takes a minute to compile.
@@ -140,11 +140,24 @@ def _sources(system, zone, time, stiffness, g):
                     g[j, i] += system.vectors[2, i] * offset * stiffness[j]
 
 
-@kernel(types.void(SWITCHED_SYSTEM, _I, ARRAY, SERIES), inner=True)
-def column_series(system, zone, state, series):
-    """Series of y and lambda of a motion or a deviation from its state (2 n,), those of s and g being filled in."""
+@kernel(types.void(SWITCHED_SYSTEM, _I, _F, ARRAY, SERIES), inner=True)
+def motion_series(system, zone, time, state, series):
+    """Series of s and of the motion from a state at a time, the law of the zone extended beyond it.
+
+    Parameters
+    ----------
+    system : SwitchedSystem
+    zone : int
+        -1 back, 0 free, 1 front.
+    time : float
+    state : (2 n,) array
+        y, then y'.
+    series : Series
+        Overwritten.
+    """
+    fill_sources(system, zone, time, series.stiffness, series.g)
     n, order = system.vectors.shape[1], series.stiffness.shape[0] - 1
-    y, contact, stiffness, forced = series.y, series.contact, series.stiffness, series.g.shape[0] > 0
+    y, contact, stiffness = series.y, series.contact, series.stiffness
     first, second = (n if zone != 0 else 0), 2 * n
     varied = zone != 0 and system.variation.shape[0] > 0
     contact[0], contact[1] = 0.0, 0.0
@@ -160,7 +173,7 @@ def column_series(system, zone, state, series):
         scale = 1.0 / ((j + 2.0) * (j + 1.0))
         total = 0.0
         for i in range(n):
-            value, rate = series.g[j, i] if forced else 0.0, 0.0
+            value, rate = series.g[j, i], 0.0
             for l in range(n):
                 value -= system.matrices[first + i, l] * y[j, l]
                 rate += system.matrices[second + i, l] * y[j + 1, l]
@@ -171,25 +184,6 @@ def column_series(system, zone, state, series):
             y[j + 2, i] = value
             total += system.vectors[0, i] * value
         contact[j + 2] = total
-
-
-@kernel(types.void(SWITCHED_SYSTEM, _I, _F, ARRAY, SERIES), inline=True)
-def motion_series(system, zone, time, state, series):
-    """Series of s and of the motion from a state at a time, the law of the zone extended beyond it.
-
-    Parameters
-    ----------
-    system : SwitchedSystem
-    zone : int
-        -1 back, 0 free, 1 front.
-    time : float
-    state : (2 n,) array
-        y, then y'.
-    series : Series
-        Overwritten.
-    """
-    _sources(system, zone, time, series.stiffness, series.g)
-    column_series(system, zone, state, series)
 
 
 @kernel(types.void(SWITCHED_SYSTEM, _I, types.float64[:, :, ::1], MATRIX, ARRAY), inner=True)
@@ -324,7 +318,7 @@ def carry_deviations(system, zone, begin, end, states, series):
     """Carry deviations through a zone from one time to another; False where they are not finite any more."""
     n, time, no_load = system.vectors.shape[1], begin, np.empty((0, 0))
     for _ in range(_MOST_STEPS):
-        _sources(system, zone, time, series.stiffness, no_load)
+        fill_sources(system, zone, time, series.stiffness, no_load)
         for block in range(states.shape[0]):
             y, state = series.y[block], states[block]
             for i in range(n):

@@ -89,7 +89,8 @@ class _KernelType(numba.types.Callable, numba.types.Opaque):
         """The kernel for one signature, without machine code."""
         if signature not in self._lowered:
             flags, context = compiler.Flags(), cpu_target.target_context
-            cpu_target.options.parse_as_flags(flags, {**_OPTIONS, "forceinline": self._kernel.inline})
+            chosen = {"forceinline": self._kernel.inline, "_nrt": not self._kernel.borrows}
+            cpu_target.options.parse_as_flags(flags, {**_OPTIONS, **chosen})
             flags.no_compile = True
             library = _Lowered(context.codegen(), self._kernel.__qualname__)
             made = _Compiler(
@@ -97,9 +98,30 @@ class _KernelType(numba.types.Callable, numba.types.Opaque):
             )
             made.content = self._kernel.content
             result = made.compile_extra(self._kernel.__wrapped__)
+            if self._kernel.borrows:
+                _refuse_arrays(self._kernel, result)
             context.insert_user_function(self.get_impl_key(signature), result.fndesc, [library])
             self._lowered[signature] = result
         return self._lowered[signature]
+
+
+def _refuse_arrays(kernel, result: compiler.CompileResult) -> None:
+    """Raise TypeError if a kernel that borrows its arrays would have to release one, or returns one."""
+    calls = result.type_annotation.calltypes.items()
+    made = [signature for call, signature in calls if getattr(call, "op", "") == "call" and _is_kernel(call, result)]
+    for signature in (result.signature, *made):
+        if _holds_array(signature.return_type):
+            raise TypeError(f"{kernel!r} borrows its arrays, so none may be returned: {signature.return_type}")
+
+
+def _is_kernel(call, result: compiler.CompileResult) -> bool:
+    return isinstance(result.type_annotation.typemap[call.func.name], _KernelType)
+
+
+def _holds_array(what) -> bool:
+    if isinstance(what, numba.types.BaseTuple):
+        return any(map(_holds_array, what))
+    return isinstance(what, numba.types.Buffer)
 
 
 register_model(_KernelType)(models.OpaqueModel)

@@ -20,26 +20,29 @@ class AttractorKind(Explained):
     PERIOD_6 = 6, "The motion repeats after six forcing periods."
     PERIOD_7 = 7, "The motion repeats after seven forcing periods."
     PERIOD_8 = 8, "The motion repeats after eight forcing periods."
-    QUASI_PERIODIC = 9, "The motion never repeats, and neighbouring motions neither part nor meet: a torus."
-    CHAOTIC = 10, "Neighbouring motions part exponentially: the largest Lyapunov exponent is above 0."
-    UNBOUNDED = 11, "The contact coordinate grew above the ceiling."
-    UNSETTLED = 12, "The motion had not settled after the allowed periods, or repeats after more than eight."
+    PERIOD_LONGER = 9, "The motion repeats after more than eight forcing periods."
+    QUASI_PERIODIC = 10, "The motion never repeats, and neighbouring motions neither part nor meet: a torus."
+    CHAOTIC = 11, "Neighbouring motions part exponentially: the largest Lyapunov exponent is above 0."
+    UNBOUNDED = 12, "The contact coordinate grew above the ceiling."
+    UNSETTLED = 13, "The motion had not settled after the allowed periods."
 
     @property
     def periodic(self) -> bool:
-        """Whether the motion repeats."""
+        """Whether the motion repeats after a known number of periods, up to eight."""
         return AttractorKind.PERIOD_1 <= self <= AttractorKind.PERIOD_8
 
     @property
     def settled(self) -> bool:
-        """Whether it is an attractor with sections: periodic, a torus or chaos."""
+        """Whether it is a bounded attractor: periodic, a torus or chaos."""
         return AttractorKind.PERIOD_1 <= self <= AttractorKind.CHAOTIC
 
     @property
     def label(self) -> str:
-        """ "1T" ... "8T", or the name in small letters; empty for none."""
+        """ "1T" ... "8T", "nT" for more, or the name in small letters; empty for none."""
         if self is AttractorKind.NONE:
             return ""
+        if self is AttractorKind.PERIOD_LONGER:
+            return "nT"
         return f"{int(self)}T" if self.periodic else self.name.lower()
 
 

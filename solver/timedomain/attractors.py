@@ -1,6 +1,6 @@
 """Attractors of every cell of a row, each followed over its whole domain along the row.
 
-In each cell motions are started from rest, from the stable motions of a map and from random states. Then every attractor
+In each cell motions are started from rest, from the stable motions of a map and from random states. Every attractor
 found is a start in both neighbouring cells, until none of them gains one (global continuation; G. Datseris,
 K. L. Rossi, A. Wagemakers, "Framework for global stability analysis of dynamical systems", Chaos 33 (2023) 073151).
 Which attractor leads to which in the next cell is kept: it tells what a slow run-up and run-down would meet.
@@ -9,12 +9,13 @@ Which attractor leads to which in the next cell is kept: it tells what a slow ru
 import enum
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.flow.loads import loaded_system_at
 from solver.flow.switched_system import FREQUENCY, LENGTH
-from solver.flow.taylor import new_series
+from solver.flow.zone_flows import ZONE_FLOWS, new_flows, zone_flows
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
@@ -23,13 +24,28 @@ from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis
 from solver.timedomain.attractor import AttractorKind, impact_of_range
-from solver.timedomain.integrator import COMPLETE, checked_tolerance, new_deviations
-from solver.timedomain.orbits import HIGHEST_PERIOD, ORBITS, SAMPLE, Orbits, new_orbits
-from solver.timedomain.poincare import Watch, carry_over_period, watch_nothing
+from solver.timedomain.integrator import COMPLETE, checked_tolerance
+from solver.timedomain.orbits import new_orbit
+from solver.timedomain.poincare import add_harmonics
+from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, keep_sample, new_known, try_orbit
 from solver.timedomain.row_systems import RowSystems, motion_states, random_states, row_systems
-from solver.timedomain.settling import FAILED, LIMITS, NO_ROOM, Limits, keep_aperiodic, settle_states, try_orbit
+from solver.timedomain.section_map import MAP_ROOM, carry_period, new_room, new_steps, widen_over
+from solver.timedomain.settling import (
+    FAILED,
+    LIMITS,
+    MEMORY,
+    NO_ROOM,
+    Limits,
+    Memory,
+    new_memory,
+    settle_state,
+    spread_sample,
+)
 
 __all__ = ["AttractorRow", "AttractorSearch", "SeenFrom", "continue_attractors", "find_attractors", "settle"]
+
+#: The last kind of a bounded attractor.
+CHAOTIC = int(AttractorKind.CHAOTIC)
 
 _F, _I = types.float64, types.int64
 _COUNTS = types.int64[::1]
@@ -84,9 +100,9 @@ class AttractorSearch:
     """
 
     starts: int = 4
-    transient: int = 240
-    watched: int = 1000
-    floor: float = 6e-3
+    transient: int = 300
+    watched: int = 2000
+    floor: float = 4e-3
     near: float = 0.03
     tolerance: float = 1e-9
     ceiling: float = 1e4
@@ -95,16 +111,16 @@ class AttractorSearch:
     def __post_init__(self):
         whole_number("starts", self.starts, 0, 10**6)
         whole_number("transient", self.transient, 100, 10**7)
-        whole_number("watched", self.watched, 400, 10**7)
+        whole_number("watched", self.watched, 600, 10**7)
         whole_number("room", self.room, 2, 100)
         checked_tolerance(self.tolerance)
         for name in ("near", "floor", "ceiling"):
             finite_number(name, getattr(self, name), above=0.0)
 
-    def limits(self, length: float) -> Limits:
-        """For kernels, in a system of this length."""
+    def limits(self) -> Limits:
+        """For kernels."""
         return Limits(
-            self.tolerance, self.ceiling * length, self.near, int(self.transient), int(self.watched), self.floor
+            self.tolerance, float(self.ceiling), float(self.near), int(self.transient), int(self.watched), self.floor
         )
 
 
@@ -176,20 +192,62 @@ class AttractorRow:
 
     def gains(self, round: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Columns (K,), kinds (K,) and states (K, m) of the settled attractors found in one round."""
-        columns, slots = np.nonzero((self.round == round) & (self.kind >= 1) & (self.kind <= AttractorKind.CHAOTIC))
+        columns, slots = np.nonzero((self.round == round) & (self.kind >= 1) & (self.kind <= CHAOTIC))
         return columns, self.kind[columns, slots], self.state[columns, slots]
 
 
-@kernel(types.void(ARRAY, ARRAY, _F, ORBITS, _I, MATRIX, MATRIX, LIMITS, _COUNTS))
-def _search(parameters, parameter_slope, p, orbits, period, motions, states, limits, slots):
-    """Slots (k + l,) that k motions of a map and l other states lead to; the states are overwritten."""
-    system = loaded_system_at(parameters, parameter_slope, p)
-    limits = _scaled(limits, system.numbers[LENGTH])
-    for i in range(motions.shape[0]):
-        slots[i] = try_orbit(system, orbits, motions[i], period, limits.ceiling, _APART * system.numbers[LENGTH])
-        if slots[i] < 0:
-            settle_states(system, orbits, motions[i : i + 1], limits, slots[i : i + 1])
-    settle_states(system, orbits, states, limits, slots[motions.shape[0] :])
+class Cell(NamedTuple):
+    """What kernels are told of a cell: the row's `parameters` and `parameter_slope`, its value of the axis `p`, what is
+    known of it, and room for a motion."""
+
+    parameters: np.ndarray
+    parameter_slope: np.ndarray
+    p: float
+    known: Known
+    memory: Memory
+    limits: Limits
+
+
+_CELL = types.NamedTuple((ARRAY, ARRAY, _F, KNOWN, MEMORY, LIMITS), Cell)
+
+
+@kernel(types.void(_CELL, _I, MATRIX, _COUNTS, MATRIX, MATRIX, _COUNTS, MATRIX))
+def _seek(cell, period, motions, kinds, brought, states, slots, numbers):
+    """What motions in one cell lead to.
+
+    Parameters
+    ----------
+    cell : Cell
+    period : int
+        Forcing periods of the motions of a map.
+    motions : (a, m) array
+        States on motions of a map; overwritten, as all states are.
+    kinds, brought : (b,) int array, (b, m) array
+        Attractors of other cells.
+    states : (c, m) array
+        Others.
+    slots : (a + b + c,) int array
+        Slot that each leads to, in this order, or FAILED or NO_ROOM.
+    numbers : (A, NUMBERS) array
+        What is new is described there.
+    """
+    known, memory = cell.known, cell.memory
+    system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
+    limits, length = _scaled(cell.limits, system.numbers[LENGTH]), system.numbers[LENGTH]
+    flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
+    room, orbit, before, first = new_room(flows), new_orbit(flows), known.count[0], 0
+    for group in range(3):
+        starts = motions if group == 0 else (brought if group == 1 else states)
+        for i in range(starts.shape[0]):
+            slot = -1
+            if group == 0 or group == 1 and kinds[i] <= HIGHEST_PERIOD:
+                repeats = period if group == 0 else kinds[i]
+                slot = try_orbit(flows, known, starts[i], repeats, limits.ceiling, _APART * length, orbit, room)
+            if slot < 0:
+                slot = settle_state(flows, known, starts[i], limits, memory, orbit, room)
+            slots[first + i] = slot
+        first += starts.shape[0]
+    _describe(flows, known, before, limits.ceiling, memory.before, numbers, room)
 
 
 @kernel(LIMITS(LIMITS, _F), inner=True)
@@ -200,67 +258,53 @@ def _scaled(limits, length):
     )
 
 
-@kernel(types.void(ARRAY, ARRAY, _F, ORBITS, _COUNTS, MATRIX, LIMITS, _COUNTS))
-def _continue(parameters, parameter_slope, p, orbits, kinds, states, limits, slots):
-    """Slots (k,) that k attractors of another cell, of these kinds, lead to; the states are overwritten."""
-    system = loaded_system_at(parameters, parameter_slope, p)
-    limits = _scaled(limits, system.numbers[LENGTH])
-    for i in range(states.shape[0]):
-        slots[i] = -1
-        if kinds[i] <= HIGHEST_PERIOD:
-            apart = _APART * system.numbers[LENGTH]
-            slots[i] = try_orbit(system, orbits, states[i], kinds[i], limits.ceiling, apart)
-        if slots[i] < 0:
-            settle_states(system, orbits, states[i : i + 1], limits, slots[i : i + 1])
-
-
-@kernel(types.void(ARRAY, ARRAY, _F, ORBITS, _COUNTS, MATRIX, MATRIX, LIMITS))
-def _recall(parameters, parameter_slope, p, orbits, kinds, states, rates, limits):
-    """Make attractors of these kinds (k,) known again from a state (k, m) of each, in their slots."""
-    system = loaded_system_at(parameters, parameter_slope, p)
-    limits = _scaled(limits, system.numbers[LENGTH])
-    size = states.shape[1]
-    deviations, series, nothing = new_deviations(np.empty((0, size))), new_series(size // 2), watch_nothing()
-    sample, state = np.empty((SAMPLE, size)), np.empty(size)
-    for slot in range(kinds.shape[0]):
-        if kinds[slot] <= HIGHEST_PERIOD:
-            try_orbit(system, orbits, states[slot], kinds[slot], limits.ceiling, math.inf)
-        elif kinds[slot] <= 10:
-            copy_into(state, states[slot])
-            for i in range(7 * SAMPLE):
-                carry_over_period(system, state, deviations, limits.tolerance, limits.ceiling, 0.0, nothing, series)
-                if i % 7 == 0:
-                    copy_into(sample[i // 7], state)
-            keep_aperiodic(system, orbits, kinds[slot], sample, rates[slot, 0], rates[slot, 1])
-        # What has no sections, or was not found again, keeps its slot.
-        if orbits.count[0] <= slot:
-            orbits.kind[slot] = kinds[slot] if kinds[slot] > 10 else 0
-            orbits.count[0] = slot + 1
-
-
-@kernel(types.void(ARRAY, ARRAY, _F, ORBITS, _I, LIMITS, MATRIX))
-def _describe(parameters, parameter_slope, p, orbits, first, limits, numbers):
-    """Quantities (A, 4) of the attractors from slot `first` on: lowest, highest, mean, amplitude of lambda."""
-    system = loaded_system_at(parameters, parameter_slope, p)
-    limits = _scaled(limits, system.numbers[LENGTH])
-    size, omega = orbits.points.shape[2], system.numbers[FREQUENCY]
-    deviations, series, state = new_deviations(np.empty((0, size))), new_series(size // 2), np.empty(size)
-    for slot in range(first, orbits.count[0]):
-        kind = orbits.kind[slot]
-        if kind < 1 or kind > 10:
+@kernel(types.void(ZONE_FLOWS, KNOWN, _I, _F, ARRAY, MATRIX, MAP_ROOM), inner=True)
+def _describe(flows, known, first, ceiling, state, numbers, room):
+    """Fill in numbers (A, 4) of the attractors from slot `first` on: lowest, highest, mean, amplitude of lambda."""
+    if known.count[0] == first:
+        return
+    omega, steps = flows.system.numbers[FREQUENCY], new_steps(flows)
+    for slot in range(first, known.count[0]):
+        kind = known.kind[slot]
+        if kind < 1 or kind > CHAOTIC:
             continue
         periods = kind if kind <= HIGHEST_PERIOD else _WINDOW
-        copy_into(state, orbits.points[slot, 0])
+        copy_into(state, known.points[slot, 0])
         extremes, sums = np.array([math.inf, -math.inf]), np.zeros((2, 2))
-        watch = Watch(extremes, sums, np.zeros(1, np.int64), omega)
         for _ in range(periods):
-            status = carry_over_period(system, state, deviations, limits.tolerance, limits.ceiling, 0.0, watch, series)
+            status, count = carry_period(flows, state, steps[:0], steps, ceiling, room)
             if status != COMPLETE:
                 break
+            widen_over(flows, steps, count, extremes, room)
+            add_harmonics(flows, steps, count, 0.0, omega, sums, room)
         scale = omega / (math.pi * periods)
         numbers[slot, 0], numbers[slot, 1] = extremes[0], extremes[1]
         numbers[slot, 2] = 0.5 * sums[0, 0] * scale
         numbers[slot, 3] = math.hypot(sums[1, 0], sums[1, 1]) * scale
+
+
+@kernel(types.void(_CELL, _COUNTS, MATRIX, MATRIX))
+def _recall(cell, kinds, states, rates):
+    """Make attractors of these kinds (k,) known again from a state (k, m) of each, in their slots."""
+    known, memory = cell.known, cell.memory
+    system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
+    limits = _scaled(cell.limits, system.numbers[LENGTH])
+    flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
+    room, orbit = new_room(flows), new_orbit(flows)
+    for slot in range(kinds.shape[0]):
+        if kinds[slot] <= HIGHEST_PERIOD:
+            try_orbit(flows, known, states[slot], kinds[slot], limits.ceiling, math.inf, orbit, room)
+        elif kinds[slot] <= CHAOTIC:
+            copy_into(memory.before, states[slot])
+            for i in range(limits.watched):
+                carry_period(flows, memory.before, memory.none, memory.none, limits.ceiling, room)
+                copy_into(memory.sections[i], memory.before)
+            spread_sample(memory.sections, limits.watched, memory.sample)
+            keep_sample(system, known, kinds[slot], memory.sample, rates[slot, 0], rates[slot, 1], memory.gaps)
+        # What has no sections, or was not found again, keeps its slot.
+        if known.count[0] <= slot:
+            known.kind[slot] = kinds[slot] if kinds[slot] > CHAOTIC else 0
+            known.count[0] = slot + 1
 
 
 class _RowSearch:
@@ -269,8 +313,9 @@ class _RowSearch:
     def __init__(self, systems: RowSystems, search: AttractorSearch, motions: int):
         columns, room = systems.values.size, search.room
         self.systems, self.search = systems, search
-        self.limits = search.limits(1.0)
-        self.orbits: list[Orbits | None] = [None] * columns
+        self.limits = search.limits()
+        self.memories: dict[int, Memory] = {}
+        self.known: list[Known | None] = [None] * columns
         self.kind = np.zeros((columns, room), np.int8)
         self.round = np.full((columns, room), -1, np.int16)
         self.seen = np.zeros((columns, room), np.uint8)
@@ -284,76 +329,98 @@ class _RowSearch:
         self.motion = np.full((columns, motions), -1, np.int8)
         self.overflow = np.zeros(columns, bool)
 
-    def _orbits(self, i: int) -> Orbits:
-        """What is known of a cell, made again from its states where the row is a stored one."""
-        if self.orbits[i] is None:
-            size = 2 * int(self.systems.degrees[i])
-            orbits = new_orbits(self.search.room, size)
+    def size(self, i: int) -> int:
+        """Numbers m of a state in a cell."""
+        return 2 * int(self.systems.degrees[i])
+
+    def _cell(self, i: int) -> Cell:
+        size, room = self.size(i), self.search.room
+        if size not in self.memories:
+            self.memories[size] = new_memory(size, room, self.search.watched)
+        systems, memory = self.systems, self.memories[size]
+        place = systems.parameters, systems.parameter_slope, float(systems.values[i])
+        if self.known[i] is None:
+            self.known[i] = new_known(room, size)
             count = int(np.count_nonzero(self.kind[i]))
             if count:
+                # The row is a stored one: what is known of the cell is made again from its states.
+                cell = Cell(*place, self.known[i], memory, self.limits)
                 kinds, states = self.kind[i, :count].astype(np.int64), self.state[i, :count, :size].copy()
-                _recall(*self._at(i), orbits, kinds, states, self.rates[i, :count].copy(), self.limits)
-            self.orbits[i] = orbits
-        return self.orbits[i]
+                _recall(cell, kinds, states, self.rates[i, :count].copy())
+        return Cell(*place, self.known[i], memory, self.limits)
 
-    def _at(self, i: int) -> tuple:
-        return self.systems.parameters, self.systems.parameter_slope, float(self.systems.values[i])
-
-    def _took(self, i: int, before: int, round: int) -> None:
-        """Take over what became known in a cell."""
-        orbits = self.orbits[i]
-        count = int(orbits.count[0])
-        if count == before:
-            return
-        numbers = self.numbers[i]
-        _describe(*self._at(i), orbits, before, self.limits, numbers)
-        self.kind[i, before:count] = orbits.kind[before:count]
-        self.round[i, before:count] = round
-        self.rates[i, before:count] = orbits.rates[before:count]
-        self.state[i, before:count, : orbits.points.shape[2]] = orbits.points[before:count, 0]
-
-    def _mark(self, i: int, slots: np.ndarray, bits: SeenFrom) -> None:
-        reached = slots[slots >= 0]
-        self.seen[i, reached] |= int(bits)
+    def seek(self, i: int, round: int, *, motions=None, period: int = 1, kinds=None, brought=None, states=None):
+        """Start in a cell; the slots that motions, attractors of other cells, and other states lead to."""
+        none = np.empty((0, self.size(i)))
+        groups = [none if group is None else np.array(group, order="C") for group in (motions, brought, states)]
+        kinds = np.empty(0, np.int64) if kinds is None else kinds.astype(np.int64)
+        cell, ends = self._cell(i), np.cumsum([len(group) for group in groups])
+        before, slots = int(cell.known.count[0]), np.empty(ends[-1], np.int64)
+        _seek(cell, period, groups[0], kinds, groups[1], groups[2], slots, self.numbers[i])
+        new = slice(before, int(cell.known.count[0]))
+        self.kind[i, new], self.round[i, new] = cell.known.kind[new], round
+        self.rates[i, new] = cell.known.rates[new]
+        self.state[i, new, : self.size(i)] = cell.known.points[new, 0]
         self.overflow[i] |= bool(np.any(slots == NO_ROOM))
         self.failures[i] += np.count_nonzero(slots == FAILED)
+        return np.split(slots, ends[:-1])
+
+    def see(self, i: int, slots: np.ndarray, bits: SeenFrom) -> None:
+        self.seen[i, slots[slots >= 0]] |= int(bits)
 
     def start(self, motions: np.ndarray, randoms: np.ndarray, period: int) -> None:
-        """Seek attractors in every cell from motions (X, S, m), from rest, and from random states (X, k, m)."""
+        """Seek attractors in every cell from motions (X, S, m), from rest, and from random states (X, k, m).
+
+        What a cell begins with is what its left neighbour has: the links upwards are known on the way.
+        """
         for i in range(self.systems.values.size):
-            orbits, size = self._orbits(i), 2 * int(self.systems.degrees[i])
+            size = self.size(i)
             there = np.flatnonzero(np.isfinite(motions[i, :, 0]))
             states = np.concatenate([self.systems.rest[None, i, :size], randoms[i, :, :size]])
-            slots = np.empty(there.size + len(states), np.int64)
-            own = np.ascontiguousarray(motions[i, there, :size])
-            _search(*self._at(i), orbits, period, own, states, self.limits, slots)
-            self._took(i, 0, 0)
-            of_motions, of_rest, of_random = np.split(slots, [there.size, there.size + 1])
-            self._mark(i, of_motions, SeenFrom.MOTION)
-            self._mark(i, of_rest, SeenFrom.REST)
-            self._mark(i, of_random, SeenFrom.RANDOM)
-            self.motion[i, there] = np.maximum(of_motions, -1)
+            brought = self._open(i - 1, 1) if i else np.empty(0, np.int64)
+            kinds, own = self._brought(i, i - 1, brought) if i else (None, None)
+            of_motions, of_brought, of_states = self.seek(
+                i, 0, motions=motions[i, there, :size], period=period, kinds=kinds, brought=own, states=states
+            )
+            if i:
+                self._link(i - 1, 1, brought, of_brought)
+            of_random = of_states[1:]
+            self.see(i, of_motions, SeenFrom.MOTION)
+            self.see(i, of_states[:1], SeenFrom.REST)
+            self.see(i, of_random, SeenFrom.RANDOM)
+            self.motion[i, there] = np.where(self._settled(i, of_motions), of_motions, -1)
             np.add.at(self.hits[i], of_random[of_random >= 0], 1)
-            self.starts[i] = np.count_nonzero(of_random != FAILED)
+            self.starts[i] = np.count_nonzero(of_random >= 0)
 
-    def bring(self, i: int, kinds: np.ndarray, states: np.ndarray, round: int) -> np.ndarray:
-        """Start in a cell from attractors of another one; the slots (k,) that they lead to."""
-        orbits, size = self._orbits(i), 2 * int(self.systems.degrees[i])
-        own = np.array(states[:, :size])
-        foreign = np.isnan(own).any(axis=1) | np.isfinite(states[:, size:]).any(axis=1)
-        if np.any(foreign):
-            # Another number of coordinates: lambda and its speed are brought, the others are at rest.
-            own[foreign] = [self._brought(i, state) for state in states[foreign]]
-        before, slots = int(orbits.count[0]), np.empty(len(kinds), np.int64)
-        _continue(*self._at(i), orbits, kinds.astype(np.int64), own, self.limits, slots)
-        self._took(i, before, round)
-        self._mark(i, slots, SeenFrom.NEIGHBOUR)
-        return slots
+    def _settled(self, i: int, slots: np.ndarray) -> np.ndarray:
+        """Which slots of a cell hold bounded attractors."""
+        kinds = np.where(slots >= 0, self.kind[i][slots], 0)
+        return (kinds >= 1) & (kinds <= CHAOTIC)
 
-    def _brought(self, i: int, state: np.ndarray) -> np.ndarray:
-        n, given = int(self.systems.degrees[i]), np.count_nonzero(np.isfinite(state)) // 2
-        own = self.systems.rest[i, : 2 * n].copy()
-        own[n - 1], own[2 * n - 1] = state[given - 1], state[2 * given - 1]
+    def _open(self, i: int, way: int) -> np.ndarray:
+        """Slots of attractors that have not been followed into the next cell of a direction."""
+        return np.flatnonzero(self._settled(i, np.arange(self.search.room)) & (self.links[way][i] == -2))
+
+    def _link(self, i: int, way: int, slots: np.ndarray, ends: np.ndarray) -> None:
+        """Keep where attractors of a cell lead in the next one."""
+        self.links[way][i, slots] = np.where(self._settled(i + way, ends), ends, -1)
+        self.see(i + way, ends, SeenFrom.NEIGHBOUR)
+
+    def _brought(self, i: int, source: int, slots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self.kind[source, slots], self.adapted(i, self.state[source, slots])
+
+    def adapted(self, i: int, states: np.ndarray) -> np.ndarray:
+        """States (k, m) of other cells as states of this one.
+
+        Where the number of coordinates differs, lambda and its speed are brought and the others are at rest.
+        """
+        size = self.size(i)
+        if not (np.isnan(states[:, :size]).any() or np.isfinite(states[:, size:]).any()):
+            return states[:, :size]
+        own, n = np.tile(self.systems.rest[i, :size], (len(states), 1)), size // 2
+        for target, state in zip(own, states, strict=True):
+            given = np.count_nonzero(np.isfinite(state)) // 2
+            target[n - 1], target[2 * n - 1] = state[given - 1], state[2 * given - 1]
         return own
 
     def spread(self, round: int) -> None:
@@ -361,26 +428,20 @@ class _RowSearch:
         last, gained = self.systems.values.size - 1, True
         while gained:
             gained = False
-            for way, columns in ((1, range(last)), (-1, range(last, 0, -1))):
-                links = self.links[way]
+            for way, columns in ((-1, range(last, 0, -1)), (1, range(last))):
                 for i in columns:
-                    settled = (self.kind[i] >= 1) & (self.kind[i] <= AttractorKind.CHAOTIC)
-                    open_ = np.flatnonzero(settled & (links[i] == -2))
-                    if open_.size:
+                    slots = self._open(i, way)
+                    if slots.size:
                         before = np.count_nonzero(self.kind[i + way])
-                        slots = self.bring(i + way, self.kind[i, open_], self.state[i, open_], round)
-                        ends = np.where(slots >= 0, self.kind[i + way][slots], 0)
-                        links[i, open_] = np.where((ends >= 1) & (ends <= AttractorKind.CHAOTIC), slots, -1)
+                        kinds, states = self._brought(i + way, i, slots)
+                        _, ends, _ = self.seek(i + way, round, kinds=kinds, brought=states)
+                        self._link(i, way, slots, ends)
                         gained |= np.count_nonzero(self.kind[i + way]) > before
 
     def result_from(self, states: np.ndarray) -> tuple[AttractorRow, np.ndarray]:
         """Of a row of one cell: what was found when motions start from states (k, m), and the slots they lead to."""
-        orbits, slots = self._orbits(0), np.empty(len(states), np.int64)
-        before, none = int(orbits.count[0]), np.empty((0, self.systems.size))
-        _search(*self._at(0), orbits, 1, none, np.array(states), self.limits, slots)
-        self._took(0, before, max(int(self.round.max()), 0))
-        self._mark(0, slots, SeenFrom(0))
-        return self.result(), np.maximum(slots, -1).astype(np.int8)
+        _, _, slots = self.seek(0, max(int(self.round.max()), 0), states=states)
+        return self.result(), np.where(self._settled(0, slots), slots, -1).astype(np.int8)
 
     def result(self) -> AttractorRow:
         """What was found."""
@@ -424,7 +485,7 @@ def _run(kind: np.ndarray, links: np.ndarray, way: int) -> np.ndarray:
     columns = range(len(kind)) if way > 0 else range(len(kind) - 1, -1, -1)
     for number, i in enumerate(columns):
         if number == 0:
-            met[i] = (kind[i] >= 1) & (kind[i] <= AttractorKind.CHAOTIC)
+            met[i] = (kind[i] >= 1) & (kind[i] <= CHAOTIC)
         else:
             ends = links[i - way][met[i - way]]
             met[i, ends[ends >= 0]] = True
@@ -603,6 +664,7 @@ def continue_attractors(
     columns, kinds, states = np.asarray(columns), np.asarray(kinds), np.asarray(states, dtype=float)
     for i in np.unique(columns).tolist():
         here = columns == i
-        found.bring(i, kinds[here], states[here], round)
+        _, slots, _ = found.seek(i, round, kinds=kinds[here], brought=found.adapted(i, states[here]))
+        found.see(i, slots, SeenFrom.NEIGHBOUR)
     found.spread(round)
     return found.result()

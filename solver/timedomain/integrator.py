@@ -7,23 +7,12 @@ that zone. Where the dead zone is empty the system is linear and has one zone.
 import enum
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from solver.explained import Explained
 from solver.flow.switched_system import HIGH, LENGTH, LOW, ONE_ZONE, SWITCHED_SYSTEM, SwitchedSystem, loaded_system
-from solver.flow.taylor import (
-    MOTION_ORDER,
-    SERIES,
-    Series,
-    column_at,
-    column_series,
-    column_sizes,
-    motion_series,
-    new_series,
-    reach,
-)
+from solver.flow.taylor import MOTION_ORDER, SERIES, column_at, column_sizes, motion_series, new_series, reach
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
@@ -57,7 +46,7 @@ class Zone(enum.IntEnum):
     FRONT = 1
 
 
-@kernel(_I(SWITCHED_SYSTEM, ARRAY), inner=True)
+@kernel(_I(SWITCHED_SYSTEM, ARRAY), borrows=True)
 def zone_of(system, state):
     """The zone that a state is in; on a border, the one that it moves into."""
     n = system.vectors.shape[1]
@@ -75,33 +64,9 @@ def zone_of(system, state):
     return 0
 
 
-class Deviations(NamedTuple):
-    """Small deviations from a motion: states (k, 2 n), and their series y (k, m + 1, n), lambda (k, m + 1)."""
-
-    states: np.ndarray
-    y: np.ndarray
-    contact: np.ndarray
-
-
-DEVIATIONS = types.NamedTuple((MATRIX, types.float64[:, :, ::1], MATRIX), Deviations)
-
-
-@kernel(DEVIATIONS(MATRIX), inner=True)
-def new_deviations(states):
-    """Room for the series of deviations (k, 2 n), which are overwritten as they are carried."""
-    count, n = states.shape[0], states.shape[1] // 2
-    return Deviations(states, np.empty((count, MOTION_ORDER + 1, n)), np.empty((count, MOTION_ORDER + 1)))
-
-
-@kernel(SERIES(DEVIATIONS, _I, SERIES), inline=True)
-def deviation_series(deviations, k, series):
-    """The series of one deviation, about the same time as that of the motion."""
-    return Series(deviations.y[k], deviations.contact[k], series.stiffness, series.g[:0])
-
-
-@kernel(types.Tuple((_F, _I, _I))(SWITCHED_SYSTEM, _I, _F, _F, _F, ARRAY, SERIES, DEVIATIONS), inline=True)
-def advance_step(system, zone, time, stop, tolerance, state, series, deviations):
-    """Series of a motion and of deviations from their states at a time, and how far they may be used.
+@kernel(types.Tuple((_F, _I, _I))(SWITCHED_SYSTEM, _I, _F, _F, _F, ARRAY, SERIES), inline=True)
+def advance_step(system, zone, time, stop, tolerance, state, series):
+    """Series of a motion from its state at a time, and how far it may be used.
 
     Parameters
     ----------
@@ -110,7 +75,6 @@ def advance_step(system, zone, time, stop, tolerance, state, series, deviations)
     time, stop, tolerance : float
     state : (2 n,) array
     series : Series
-    deviations : Deviations
 
     Returns
     -------
@@ -124,15 +88,6 @@ def advance_step(system, zone, time, stop, tolerance, state, series, deviations)
     numbers, contact = system.numbers, series.contact
     size, last, previous = column_sizes(state, series)
     step = reach(tolerance * max(numbers[LENGTH], size), last, previous, MOTION_ORDER)
-    if deviations.states.shape[0] > 0:
-        # They may grow where the motion is at rest.
-        size, last, previous = 0.0, 0.0, 0.0
-        for k in range(deviations.states.shape[0]):
-            other = deviation_series(deviations, k, series)
-            column_series(system, zone, deviations.states[k], other)
-            sizes = column_sizes(deviations.states[k], other)
-            size, last, previous = max(size, sizes[0]), max(last, sizes[1]), max(previous, sizes[2])
-        step = min(step, reach(tolerance * size, last, previous, MOTION_ORDER))
     if not (step > 0.0 and math.isfinite(contact[-1])):
         return 0.0, zone, NOT_FINITE
     step = min(step, stop - time)
@@ -155,11 +110,11 @@ def _integrate(system, stop, tolerance, table, times, states, zones):
     """
     room, size = table.shape[0], states.shape[1]
     series, state, count, time = new_series(size // 2), states[0].copy(), 0, times[0]
-    zone, none = zone_of(system, state), new_deviations(np.empty((0, size)))
+    zone = zone_of(system, state)
     while time < stop:
         if count == room:
             return TOO_MANY_STEPS, count, zone
-        step, after, status = advance_step(system, zone, time, stop, tolerance, state, series, none)
+        step, after, status = advance_step(system, zone, time, stop, tolerance, state, series)
         if status != COMPLETE:
             return status, count, zone
         column_at(series, step, state)

@@ -1,123 +1,89 @@
 """The Poincare map of a system under a periodic load: states at the start of every forcing period.
 
 The map restarts the clock at each period, so that phases do not lose digits over thousands of them. Extremes and
-Fourier integrals of lambda are taken from the series of each step, exactly up to rounding; small deviations are carried
-along by the linear equation of the zone. The contact force is continuous, so nothing jumps in them at a switch.
+Fourier integrals of lambda are taken from the polynomials of each step, exactly up to rounding; small deviations are
+carried along by the linear equation of the zone. The contact force is continuous, so nothing jumps in them at a switch.
 """
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
-from solver.flow.taylor import SERIES, column_at, new_series
+from solver.flow.zone_flows import ZONE_FLOWS, combine, new_flows, zone_flows
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_number, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.timedomain.integrator import (
-    CEILING,
     COMPLETE,
-    DEVIATIONS,
-    TOO_MANY_STEPS,
     Status,
-    advance_step,
     checked_state,
     checked_states,
     checked_system,
     checked_tolerance,
-    deviation_series,
-    new_deviations,
-    zone_of,
 )
-from solver.timedomain.polynomial import fourier, widen
+from solver.timedomain.polynomial import add_fourier
+from solver.timedomain.section_map import (
+    BEGIN,
+    END,
+    MAP_ROOM,
+    ROW,
+    STATE,
+    carry_period,
+    new_room,
+    new_steps,
+    widen_over,
+)
 
-__all__ = ["MAX_STEPS", "Measurement", "Sections", "advance", "growth", "measure", "monodromy"]
+__all__ = ["Measurement", "Sections", "add_harmonics", "advance", "growth", "measure", "monodromy"]
 
 _F, _I = types.float64, types.int64
-
-#: Steps allowed in one forcing period.
-MAX_STEPS = 100_000
-
-
-class Watch(NamedTuple):
-    """What is gathered along a motion.
-
-    Extremes (2,) of lambda are widened; Fourier integrals at multiples of `base`, time counted from -offset, are added
-    to `sums` (H + 1, 2); contact switches are counted in `switches` (1,). Arrays without elements ask for nothing.
-    """
-
-    extremes: np.ndarray
-    sums: np.ndarray
-    switches: np.ndarray
-    base: float
-
-
-WATCH = types.NamedTuple((ARRAY, MATRIX, types.int64[::1], _F), Watch)
-
-
-@kernel(WATCH(), inner=True)
-def watch_nothing():
-    return Watch(np.empty(0), np.empty((0, 2)), np.empty(0, np.int64), 0.0)
-
-
-@kernel(_I(SWITCHED_SYSTEM, ARRAY, DEVIATIONS, _F, _F, _F, WATCH, SERIES), inner=True)
-def carry_over_period(system, state, deviations, tolerance, ceiling, offset, watch, series):
-    """Carry a state, and deviations with it, over one forcing period."""
-    stop, time = 2.0 * math.pi / system.numbers[FREQUENCY], 0.0
-    zone = zone_of(system, state)
-    for _ in range(MAX_STEPS):
-        step, after, status = advance_step(system, zone, time, stop, tolerance, state, series, deviations)
-        if status != COMPLETE:
-            return status
-        if watch.extremes.shape[0] == 2:
-            watch.extremes[0], watch.extremes[1] = widen(series.contact, step, watch.extremes[0], watch.extremes[1])
-            fourier(series.contact, step, time + offset, watch.base, watch.sums)
-        column_at(series, step, state)
-        for k in range(deviations.states.shape[0]):
-            column_at(deviation_series(deviations, k, series), step, deviations.states[k])
-        displacement = 0.0
-        for i in range(system.vectors.shape[1]):
-            displacement += system.vectors[0, i] * state[i]
-        if not abs(displacement) <= ceiling:
-            return CEILING
-        if after != zone:
-            if watch.switches.shape[0] > 0:
-                watch.switches[0] += 1
-        elif step >= stop - time:
-            return COMPLETE
-        zone = after
-        time += step
-        if time >= stop:
-            return COMPLETE
-    return TOO_MANY_STEPS
 
 
 @kernel(types.void(SWITCHED_SYSTEM, MATRIX, _F, _F, types.float64[:, :, ::1], types.int64[::1]))
 def _advance(system, states, tolerance, ceiling, sections, status):
     """Sections (k, periods, 2 n) of k states, which are overwritten; nan after the first period that fails."""
-    size, nothing = states.shape[1], watch_nothing()
-    none, series = new_deviations(np.empty((0, size))), new_series(size // 2)
+    flows = zone_flows(system, tolerance, new_flows(system, 1))
+    room, none = new_room(flows), states[:0]
     for row in range(states.shape[0]):
         status[row] = COMPLETE
         for count in range(sections.shape[1]):
             if status[row] == COMPLETE:
-                status[row] = carry_over_period(system, states[row], none, tolerance, ceiling, 0.0, nothing, series)
-            for i in range(size):
+                status[row], _ = carry_period(flows, states[row], none, none, ceiling, room)
+            for i in range(states.shape[1]):
                 sections[row, count, i] = states[row, i] if status[row] == COMPLETE else math.nan
 
 
-@kernel(_I(SWITCHED_SYSTEM, ARRAY, _I, _F, _F, WATCH))
-def _measure(system, state, periods, tolerance, ceiling, watch):
-    """Carry a state, which is overwritten, over some periods and gather what is watched."""
-    size, span = state.shape[0], 2.0 * math.pi / system.numbers[FREQUENCY]
-    none, series = new_deviations(np.empty((0, size))), new_series(size // 2)
-    for count in range(periods):
-        status = carry_over_period(system, state, none, tolerance, ceiling, count * span, watch, series)
+@kernel(types.void(ZONE_FLOWS, MATRIX, _I, _F, _F, MATRIX, MAP_ROOM), borrows=True)
+def add_harmonics(flows, steps, count, start, base, sums, room):
+    """Add the Fourier integrals of lambda over the steps of a period that starts at a time."""
+    half, intervals = flows.half[0], flows.count[0]
+    for s in range(count):
+        step, row = steps[s], int(steps[s, ROW])
+        combine(flows.contact, row, step[STATE:], room.powers)
+        middle = start + (2.0 * (row % intervals) + 1.0) * half
+        add_fourier(room.powers, step[BEGIN], step[END], half, middle, base, sums)
+
+
+@kernel(_I(SWITCHED_SYSTEM, ARRAY, _I, _F, _F, ARRAY, MATRIX, _F, types.int64[::1]))
+def _measure(system, state, periods, tolerance, ceiling, extremes, sums, base, switches):
+    """Carry a state, which is overwritten, over some periods.
+
+    extremes (2,) of lambda are widened, Fourier integrals at multiples of `base` are added to sums (H + 1, 2), and
+    contact switches to switches (1,).
+    """
+    flows = zone_flows(system, tolerance, new_flows(system, 1))
+    room, steps, span = new_room(flows), new_steps(flows), 2.0 * math.pi / system.numbers[FREQUENCY]
+    for period in range(periods):
+        status, count = carry_period(flows, state, steps[:0], steps, ceiling, room)
         if status != COMPLETE:
             return status
+        widen_over(flows, steps, count, extremes, room)
+        add_harmonics(flows, steps, count, period * span, base, sums, room)
+        for s in range(1, count):
+            switches[0] += int(steps[s, ROW]) // flows.count[0] != int(steps[s - 1, ROW]) // flows.count[0]
     return COMPLETE
 
 
@@ -128,19 +94,19 @@ def _carry(system, state, tangents, periods, tolerance, ceiling, logarithms):
     Where `logarithms` (periods,) is not empty, the first deviation is brought back to length 1 after every period and
     the logarithm of its length is kept.
     """
-    size, nothing = state.shape[0], watch_nothing()
-    deviations, series = new_deviations(tangents), new_series(size // 2)
+    flows = zone_flows(system, tolerance, new_flows(system, 1))
+    room, none = new_room(flows), tangents[:0]
     for count in range(periods):
-        status = carry_over_period(system, state, deviations, tolerance, ceiling, 0.0, nothing, series)
+        status, _ = carry_period(flows, state, tangents, none, ceiling, room)
         if status != COMPLETE:
             return status
         if logarithms.shape[0] > 0:
             length = 0.0
-            for i in range(size):
+            for i in range(state.shape[0]):
                 length += tangents[0, i] ** 2
             length = math.sqrt(length)
             logarithms[count] = math.log(length)
-            for i in range(size):
+            for i in range(state.shape[0]):
                 tangents[0, i] /= length
     return COMPLETE
 
@@ -218,7 +184,7 @@ def advance(
     tolerance : float
         As for `integrate`.
     ceiling : float
-        A motion is given up where |lambda| exceeds it at the end of a step.
+        A motion is given up where |lambda| exceeds it at the end of a period.
 
     Raises
     ------
@@ -274,15 +240,14 @@ def measure(
     current = checked_state(system, state)
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
-    loaded = checked_system(system, omega)
-    watch = Watch(extremes, sums, np.zeros(1, np.int64), omega / divisor)
+    loaded, switches = checked_system(system, omega), np.zeros(1, np.int64)
     tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
-    status = Status(_measure(loaded, current, periods, tolerance, ceiling, watch))
+    status = Status(_measure(loaded, current, periods, tolerance, ceiling, extremes, sums, omega / divisor, switches))
     if status is not Status.COMPLETE:
         return Measurement(current, np.full(len(sums), np.nan + 0j), math.nan, math.nan, 0, status)
     harmonics = (sums[:, 0] - 1j * sums[:, 1]) * omega / (math.pi * periods)
     harmonics[0] *= 0.5
-    return Measurement(current, harmonics, float(extremes[0]), float(extremes[1]), int(watch.switches[0]), status)
+    return Measurement(current, harmonics, float(extremes[0]), float(extremes[1]), int(switches[0]), status)
 
 
 def monodromy(

@@ -1,7 +1,7 @@
-"""First exit from an interval, extremes and Fourier integrals of a polynomial over a step.
+"""First exit from an interval, and Fourier integrals, of a polynomial over a step, from its powers.
 
-Both searches march over the step in pieces that a bound M of the second derivative settles: over a piece of length d
-the polynomial leaves its chord by at most M d^2 / 8, and it is monotone where its slope exceeds M d. So a motion that
+The search marches over the step in pieces that a bound M of the second derivative settles: over a piece of length d the
+polynomial leaves its chord by at most M d^2 / 8, and it is monotone where its slope exceeds M d. So a motion that
 enters another zone and leaves it within one step is not overlooked.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
-__all__ = ["evaluate", "first_exit", "fourier", "widen"]
+__all__ = ["add_fourier", "evaluate", "first_exit"]
 
 #: Pieces are not divided below this share of a step: a visit to the other zone that short is below rounding errors.
 _SMALLEST = 1e-8
@@ -23,7 +23,7 @@ _PAIR = types.UniTuple(types.float64, 2)
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
-@kernel(_PAIR(ARRAY, types.float64), inner=True)
+@kernel(_PAIR(ARRAY, types.float64), borrows=True)
 def evaluate(coefficients, time):
     """Value and slope of sum_k coefficients[k] time^k."""
     value, slope = coefficients[-1], 0.0
@@ -61,31 +61,6 @@ def _root(coefficients, level, left, right):
                 return previous
             time = 0.5 * (left + right)
         if abs(time - previous) <= 4e-16 * abs(time):
-            break
-    return time
-
-
-@kernel(types.float64(ARRAY, types.float64, types.float64), inner=True)
-def _turning_point(coefficients, left, right):
-    """Where the slope changes sign between two times, by Newton's method kept inside a bracket."""
-    _, slope = evaluate(coefficients, left)
-    rising = slope < 0.0
-    time = 0.5 * (left + right)
-    for _ in range(60):
-        slope, curvature = 0.0, 0.0
-        for k in range(coefficients.shape[0] - 1, 0, -1):
-            curvature = curvature * time + slope
-            slope = slope * time + k * coefficients[k]
-        if (slope < 0.0) == rising:
-            left = time
-        else:
-            right = time
-        previous = time
-        time -= slope / curvature
-        if not left < time < right:
-            time = 0.5 * (left + right)
-        # The value at a turning point feels the square of an error of time.
-        if abs(time - previous) <= 1e-9 * (right + abs(time)):
             break
     return time
 
@@ -135,57 +110,30 @@ def first_exit(coefficients, step, low, high):
     return step, 0
 
 
-@kernel(_PAIR(ARRAY, types.float64, types.float64, types.float64), inner=True)
-def widen(coefficients, step, lowest, highest):
-    """The range [lowest, highest], widened to all values that the polynomial takes over [0, step]."""
-    bend = _curvature(coefficients, step)
-    smallest = 1e-6 * step
-    left, width = 0.0, step
-    value, slope = coefficients[0], coefficients[1]
-    lowest, highest = min(lowest, value), max(highest, value)
-    while left < step:
-        right = left + width
-        if right >= step:
-            right, width = step, step - left
-        after, slope_after = evaluate(coefficients, right)
-        lowest, highest = min(lowest, after), max(highest, after)
-        sag = 0.125 * bend * width * width
-        inside = min(value, after) - sag >= lowest and max(value, after) + sag <= highest
-        if not inside and not max(abs(slope), abs(slope_after)) > bend * width and width > smallest:
-            if slope * slope_after < 0.0:
-                turn, _ = evaluate(coefficients, _turning_point(coefficients, left, right))
-                lowest, highest = min(lowest, turn), max(highest, turn)
-                inside = min(value, after) - sag >= lowest and max(value, after) + sag <= highest
-            # What two turning points within so short a piece could add is below rounding errors.
-            if not inside and width > (0.1 if slope * slope_after < 0.0 else 1e-3) * step:
-                width *= 0.5
-                continue
-        left, value, slope = right, after, slope_after
-        width *= 2.0
-    return lowest, highest
-
-
-@kernel(types.void(ARRAY, types.float64, types.float64, types.float64, MATRIX), inner=True)
-def fourier(coefficients, step, time, base, sums):
-    """Add the integrals of the polynomial times cos and sin of k base (time + t) over t in [0, step].
+@kernel(types.void(*(ARRAY,) + (types.float64,) * 5, MATRIX), borrows=True)
+def add_fourier(powers, begin, end, half, middle, base, sums):
+    """Add the integrals of a polynomial times cos and sin of k base tau over a step.
 
     Parameters
     ----------
-    coefficients : (m,) array
-    step, time, base : float
+    powers : (m,) array
+        Coefficients of powers of u, at the time tau = middle + half u.
+    begin, end : float
+        The step, in u.
+    half, middle, base : float
     sums : (H + 1, 2) array
         Added to: cosine and sine integrals of k = 0 ... H.
     """
     most = sums.shape[0] - 1
-    pieces = 1 + int(max(most, 1) * base * step / 4.0)
-    half = 0.5 * step / pieces
+    pieces = 1 + int(max(most, 1) * base * half * (end - begin) / 4.0)
+    reach = 0.5 * (end - begin) / pieces
     for piece in range(pieces):
-        middle = (2 * piece + 1) * half
         for node in range(_NODES.shape[0]):
-            local = middle + half * _NODES[node]
-            value, _ = evaluate(coefficients, local)
-            value *= half * _WEIGHTS[node]
-            cosine, sine = math.cos(base * (time + local)), math.sin(base * (time + local))
+            at = begin + (2 * piece + 1 + _NODES[node]) * reach
+            value, _ = evaluate(powers, at)
+            value *= half * reach * _WEIGHTS[node]
+            phase = base * (middle + half * at)
+            cosine, sine = math.cos(phase), math.sin(phase)
             c, s = 1.0, 0.0
             for k in range(most + 1):
                 sums[k, 0] += value * c

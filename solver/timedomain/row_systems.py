@@ -1,4 +1,4 @@
-"""The systems of the cells of a row, and the states that motions start from: at rest, on motions of a map, at random."""
+"""The systems of the cells of a row, and states to start from: at rest, on motions of a map, at random."""
 
 from dataclasses import dataclass, field
 

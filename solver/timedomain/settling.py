@@ -11,34 +11,63 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.flow.switched_system import LENGTH, SWITCHED_SYSTEM
-from solver.flow.taylor import new_series
+from solver.flow.zone_flows import ZONE_FLOWS
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.timedomain.attractor import AttractorKind
-from solver.timedomain.integrator import CEILING, COMPLETE, new_deviations
-from solver.timedomain.orbits import HIGHEST_PERIOD, ORBITS, SAMPLE, close_orbit, distance, keep_orbit, recognised
-from solver.timedomain.poincare import carry_over_period, watch_nothing
+from solver.timedomain.integrator import CEILING, COMPLETE
+from solver.timedomain.orbits import ORBIT
+from solver.timedomain.recognition import (
+    HIGHEST_PERIOD,
+    KNOWN,
+    LOOKED,
+    SAMPLE,
+    distance,
+    keep_sample,
+    recognised,
+    try_orbit,
+    within_sample,
+)
+from solver.timedomain.section_map import MAP_ROOM, carry_period
 
-__all__ = ["FAILED", "LIMITS", "NO_ROOM", "Limits", "keep_aperiodic", "settle_states", "try_orbit"]
+__all__ = ["FAILED", "LIMITS", "MEMORY", "NO_ROOM", "Limits", "Memory", "new_memory", "settle_state", "spread_sample"]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _COUNTS = types.int64[::1]
 
-QUASI_PERIODIC, CHAOTIC = int(AttractorKind.QUASI_PERIODIC), int(AttractorKind.CHAOTIC)
+LONGER, QUASI_PERIODIC = int(AttractorKind.PERIOD_LONGER), int(AttractorKind.QUASI_PERIODIC)
+CHAOTIC = int(AttractorKind.CHAOTIC)
 UNBOUNDED, UNSETTLED = int(AttractorKind.UNBOUNDED), int(AttractorKind.UNSETTLED)
 
-#: What `settle_states` gives besides a slot: the integrator could not go on; there was no slot left.
+#: What `settle_state` gives besides a slot: the integrator could not go on; there was no slot left.
 FAILED, NO_ROOM = -2, -3
 
-# Sections that are kept of a motion: twice the longest period, and a little more to see that it stays.
+# What `_approached` gives where it cannot tell.
+_PERHAPS = -4
+
+# Sections that are kept of a motion: twice the longest period, and as many again to see that it stays.
 _KEPT = 3 * HIGHEST_PERIOD
 
-# Periods before an aperiodic attractor is looked for among the known ones, and sections that must lie in its sample.
-_SETTLED, _WITHIN, _LOOKED = 40, 36, 48
+# Periods before a motion is compared with samples of attractors.
+_SETTLED = 40
+
+# Periods between two tries of Newton's method, at first and at most.
+_WAIT, _LONGEST_WAIT = 4, 128
+
+# Longest period that is looked for, from how many sections on, and how near a return must be: the motion has arrived.
+_MOST_PERIODS, _ENOUGH, _EXACT, _APART = 64, 160, 1e-6, 1e-4
+
+# A motion this near to an orbit, as a share of the length, that has come so much nearer is taken to end there; one that
+# has come a little nearer may do so.
+_NEAR_ENOUGH, _NEARER, _LITTLE = 0.2, 0.7, 0.97
 
 # Batches of the growth of a deviation; the first part lets it turn into the direction that grows fastest.
 _BATCHES, _TURNING = 20, 40
+
+# Chaos is told every so many periods, from the third time on, if it is so much stronger than the floor. Weak chaos is
+# often a transient: it is watched to the end, and followed so many times as long.
+_TOLD_EVERY, _STRONG, _LONG = 200, 10.0, 4
 
 
 class Limits(NamedTuple):
@@ -55,204 +84,117 @@ class Limits(NamedTuple):
 LIMITS = types.NamedTuple((_F, _F, _F, _I, _I, _F), Limits)
 
 
-@kernel(_I(SWITCHED_SYSTEM, ORBITS, ARRAY, _I, _F, _F), inner=True)
-def try_orbit(system, orbits, state, period, ceiling, apart):
-    """Slot of the stable periodic orbit that Newton's method finds from a state; -1 if none does within a distance.
+class Memory(NamedTuple):
+    """What is kept of a motion while it is followed.
 
-    Parameters
-    ----------
-    system : SwitchedSystem
-    orbits : Orbits
-        The orbit becomes known.
-    state : (m,) array
-        On the section.
-    period : int
-    ceiling : float
-        Of |lambda|.
-    apart : float
-        Largest distance between the orbit and the state.
+    `before` (m,): the last section but one. `entry` and `returns` (A,), `hits` (A, 48): see `recognised` and
+    `within_sample`. `tries` (18,): for every period up to 8 when Newton's method may be tried again, and how long to
+    wait after that. `kept` (24, m): a ring of the last sections. `sections` (N, m) and `logarithms` (N,): what is
+    watched. `tangent` (1, m), `work` (3, m), `sample` (128, m) and `gaps` (128,) are worked in; `none` (0, m).
     """
-    size = state.shape[0]
-    points, matrices = np.empty((HIGHEST_PERIOD, size)), np.empty((HIGHEST_PERIOD, size, size))
-    current = state.copy()
-    least, rate = close_orbit(system, current, period, ceiling, points, matrices)
-    if least == 0 or not rate < 0.0 or distance(system, current, state) > apart:
-        return -1
-    return keep_orbit(system, orbits, least, rate, points, matrices)
+
+    before: np.ndarray
+    entry: np.ndarray
+    returns: np.ndarray
+    hits: np.ndarray
+    tries: np.ndarray
+    kept: np.ndarray
+    sections: np.ndarray
+    logarithms: np.ndarray
+    tangent: np.ndarray
+    work: np.ndarray
+    sample: np.ndarray
+    gaps: np.ndarray
+    none: np.ndarray
 
 
-@kernel(_I(ORBITS, _I), inner=True)
-def _slot_of(orbits, kind):
+MEMORY = types.NamedTuple(
+    (ARRAY, ARRAY, _COUNTS, types.int64[:, ::1], _COUNTS, MATRIX, MATRIX, ARRAY, MATRIX, MATRIX, MATRIX, ARRAY, MATRIX),
+    Memory,
+)
+
+
+def new_memory(size: int, room: int, watched: int) -> Memory:
+    """Room for a motion of states (m,) among so many attractors."""
+    return Memory(
+        np.empty(size),
+        np.empty(room),
+        np.empty(room, np.int64),
+        np.empty((room, LOOKED), np.int64),
+        np.empty(2 * (HIGHEST_PERIOD + 1), np.int64),
+        np.empty((_KEPT, size)),
+        np.empty((watched, size)),
+        np.empty(watched),
+        np.empty((1, size)),
+        np.empty((3, size)),
+        np.empty((SAMPLE, size)),
+        np.empty(SAMPLE),
+        np.empty((0, size)),
+    )
+
+
+@kernel(types.void(MEMORY), borrows=True)
+def _forget(memory):
+    """Nothing has been seen and tried yet."""
+    memory.returns[:] = 0
+    memory.hits[:, :] = 0
+    for period in range(HIGHEST_PERIOD + 1):
+        memory.tries[period], memory.tries[HIGHEST_PERIOD + 1 + period] = 0, _WAIT
+
+
+@kernel(_I(KNOWN, _I), borrows=True)
+def _slot_of(known, kind):
     """The slot of what has no sections (unbounded and unsettled motions), which is taken if it was not; or NO_ROOM."""
-    for slot in range(orbits.count[0]):
-        if orbits.kind[slot] == kind:
+    for slot in range(known.count[0]):
+        if known.kind[slot] == kind:
             return slot
-    slot = orbits.count[0]
-    if slot == orbits.kind.shape[0]:
+    slot = known.count[0]
+    if slot == known.kind.shape[0]:
         return NO_ROOM
-    orbits.kind[slot] = kind
-    orbits.count[0] += 1
+    known.kind[slot] = kind
+    known.count[0] += 1
     return slot
 
 
-@kernel(_F(SWITCHED_SYSTEM, MATRIX, ARRAY, _I), inner=True)
-def _nearest(system, sample, state, skipped):
-    """Distance from a state to the nearest section of a sample, one of them left out."""
-    least = math.inf
-    for i in range(sample.shape[0]):
-        if i != skipped:
-            least = min(least, distance(system, sample[i], state))
-    return least
-
-
-@kernel(_I(SWITCHED_SYSTEM, ORBITS, ARRAY, types.int64[:, ::1], _I), inner=True)
-def _within_sample(system, orbits, state, hits, count):
-    """Slot of the aperiodic attractor in whose sample the last sections of a motion lay; -1 if there is none.
-
-    hits (A, 48) remembers, in a ring, which of the last sections lay within; `count` sections were looked at before.
-    """
-    for slot in range(orbits.count[0]):
-        if orbits.kind[slot] != QUASI_PERIODIC and orbits.kind[slot] != CHAOTIC:
-            continue
-        near = _nearest(system, orbits.samples[slot], state, -1) <= orbits.spacing[slot]
-        hits[slot, count % _LOOKED] = 1 if near else 0
-        total = 0
-        for i in range(_LOOKED):
-            total += hits[slot, i]
-        if total >= _WITHIN:
-            return slot
-    return -1
-
-
-@kernel(_I(SWITCHED_SYSTEM, ORBITS, MATRIX, _I, _I, _COUNTS, LIMITS), inner=True)
-def _returned(system, orbits, kept, last, now, tries, limits):
-    """Seek a periodic orbit where the motion has stayed near itself for q periods; whether one became known.
+@kernel(types.void(ZONE_FLOWS, KNOWN, MEMORY, _I, LIMITS, ORBIT, MAP_ROOM), borrows=True)
+def _seek_return(flows, known, memory, now, limits, orbit, room):
+    """Try Newton's method where the motion has stayed near itself for q periods; at most one orbit becomes known.
 
     Parameters
     ----------
-    system : SwitchedSystem
-    orbits : Orbits
-    kept : (24, m) array
-        Ring of the last sections, the newest in row `last`; all rows are filled.
-    last, now : int
-        Row of the newest section, and its number.
-    tries : (2 * 9,) int array
-        For every q when it may be tried again, and how long to wait after a vain try.
+    flows : ZoneFlows
+    known : Known
+    memory : Memory
+        Its ring of sections is full.
+    now : int
+        Number of the newest section.
     limits : Limits
+    orbit : Orbit
+    room : MapRoom
     """
-    near = limits.near * system.numbers[LENGTH]
-    newest = kept[last]
+    near, kept, tries = limits.near * flows.system.numbers[LENGTH], memory.kept, memory.tries
+    for slot in range(known.count[0]):
+        # It is on its way to what is known.
+        if memory.returns[slot] > 0:
+            return
     for period in range(1, HIGHEST_PERIOD + 1):
         if now < tries[period]:
             continue
-        stays = True
-        for back in range(0, period + 1):
-            if stays:
-                one, other = (last - back) % _KEPT, (last - back - period) % _KEPT
-                stays = distance(system, kept[one], kept[other]) < near
+        stays, back = True, 0
+        while stays and back <= period:
+            one, other = (now - back) % _KEPT, (now - back - period) % _KEPT
+            stays = distance(flows.system, kept[one], kept[other]) < near
+            back += 1
         if stays:
             # Found or not: what is known by now is recognised without another try.
             wait = HIGHEST_PERIOD + 1 + period
             tries[period] = now + tries[wait]
-            tries[wait] = 4 * tries[wait]
-            if try_orbit(system, orbits, newest, period, limits.ceiling, 10.0 * near) >= 0:
-                return 1
-    return 0
+            tries[wait] = min(4 * tries[wait], _LONGEST_WAIT)
+            if try_orbit(flows, known, kept[now % _KEPT], period, limits.ceiling, 10.0 * near, orbit, room) >= 0:
+                return
 
 
-@kernel(types.void(_COUNTS), inner=True)
-def _may_try(tries):
-    """Nothing has been tried yet."""
-    for period in range(HIGHEST_PERIOD + 1):
-        tries[period], tries[HIGHEST_PERIOD + 1 + period] = 0, 4
-
-
-@kernel(_I(SWITCHED_SYSTEM, ORBITS, ARRAY, LIMITS), inner=True)
-def _watch(system, orbits, state, limits):
-    """Slot of what a motion does that has not settled, or FAILED or NO_ROOM; the state is carried along."""
-    size, room = state.shape[0], orbits.kind.shape[0]
-    deviations, series, nothing = new_deviations(np.empty((1, size))), new_series(size // 2), watch_nothing()
-    for i in range(size):
-        deviations.states[0, i] = 1.0
-    entry, returns, work = np.empty(room), np.zeros(room, np.int64), np.empty((3, size))
-    hits, tries = np.zeros((room, _LOOKED), np.int64), np.empty(2 * HIGHEST_PERIOD + 2, np.int64)
-    _may_try(tries)
-    before, kept, sections = state.copy(), np.empty((_KEPT, size)), np.empty((limits.watched, size))
-    logarithms = np.zeros(limits.watched)
-    for now in range(limits.watched):
-        copy_into(before, state)
-        status = carry_over_period(system, state, deviations, limits.tolerance, limits.ceiling, 0.0, nothing, series)
-        if status == CEILING:
-            return _slot_of(orbits, UNBOUNDED)
-        if status != COMPLETE:
-            return FAILED
-        length = 0.0
-        for i in range(size):
-            length += deviations.states[0, i] ** 2
-        length = math.sqrt(length)
-        logarithms[now] = math.log(length)
-        for i in range(size):
-            deviations.states[0, i] /= length
-        copy_into(kept[now % _KEPT], state)
-        copy_into(sections[now], state)
-        slot = recognised(system, orbits, before, state, entry, returns, work)
-        if slot < 0:
-            slot = _within_sample(system, orbits, state, hits, now)
-        if slot >= 0:
-            return slot
-        if now >= _KEPT and not np.any(returns > 0):
-            _returned(system, orbits, kept, now % _KEPT, now, tries, limits)
-        if now + 1 == limits.watched or (now + 1) % 200 == 0 and now + 1 >= 400:
-            mean, error = _batch_means(logarithms, now + 1)
-            sample = _sample(sections, now + 1)
-            if mean - 4.0 * error > limits.floor:
-                return keep_aperiodic(system, orbits, CHAOTIC, sample, mean, error)
-            if now + 1 == limits.watched and abs(mean) <= max(limits.floor, 4.0 * error):
-                for period in (1, 2):
-                    try_orbit(system, orbits, state, period, limits.ceiling, math.inf)
-                if not _approaching(system, orbits, sections):
-                    return keep_aperiodic(system, orbits, QUASI_PERIODIC, sample, mean, error)
-    return _slot_of(orbits, UNSETTLED)
-
-
-@kernel(MATRIX(MATRIX, _I), inner=True)
-def _sample(sections, count):
-    """Sections (128, m) spread over the later ones of `count`, so that slow turns of a torus are seen whole."""
-    sample = np.empty((SAMPLE, sections.shape[1]))
-    # An odd stride other than the periods that are common.
-    stride = 7 if count > 7 * SAMPLE else 3
-    for i in range(SAMPLE):
-        copy_into(sample[i], sections[count - 1 - stride * i])
-    return sample
-
-
-@kernel(_B(SWITCHED_SYSTEM, ORBITS, MATRIX), inner=True)
-def _approaching(system, orbits, sections):
-    """Whether a motion comes nearer to a stable orbit, at least half as fast as the multipliers promise.
-
-    A growth so close to 0 looks like that of a torus; the largest distance over many sections does not feel where in
-    its slow beat the motion happens to be.
-    """
-    count = sections.shape[0]
-    for slot in range(orbits.count[0]):
-        if orbits.kind[slot] > HIGHEST_PERIOD or orbits.kind[slot] < 1:
-            continue
-        early, late = 0.0, 0.0
-        for i in range(2 * SAMPLE):
-            at = i if i < SAMPLE else count - 2 * SAMPLE + i
-            least = math.inf
-            for j in range(orbits.kind[slot]):
-                least = min(least, distance(system, orbits.points[slot, j], sections[at]))
-            if i < SAMPLE:
-                early = max(early, least)
-            else:
-                late = max(late, least)
-        if late < early * math.exp(0.5 * orbits.rates[slot, 0] * (count - SAMPLE)):
-            return True
-    return False
-
-
-@kernel(types.UniTuple(_F, 2)(ARRAY, _I), inner=True)
+@kernel(types.UniTuple(_F, 2)(ARRAY, _I), borrows=True)
 def _batch_means(logarithms, count):
     """Mean growth of a deviation in a period and its standard error, from batches after the first periods."""
     per = (count - _TURNING) // _BATCHES
@@ -269,71 +211,156 @@ def _batch_means(logarithms, count):
     return mean, math.sqrt(variance / _BATCHES)
 
 
-@kernel(_I(SWITCHED_SYSTEM, ORBITS, _I, MATRIX, _F, _F), inner=True)
-def keep_aperiodic(system, orbits, kind, sample, rate, error):
-    """The slot of an aperiodic attractor, which becomes known if it was not; NO_ROOM if there is none left."""
-    for slot in range(orbits.count[0]):
-        if orbits.kind[slot] == kind:
-            near = 0
-            for i in range(sample.shape[0]):
-                if _nearest(system, orbits.samples[slot], sample[i], -1) <= orbits.spacing[slot]:
-                    near += 1
-            if _LOOKED * near >= _WITHIN * sample.shape[0]:
-                return slot
-    slot = orbits.count[0]
-    if slot == orbits.kind.shape[0]:
-        return NO_ROOM
-    gaps = np.empty(sample.shape[0])
-    for i in range(sample.shape[0]):
-        copy_into(orbits.samples[slot, i], sample[i])
-        gaps[i] = _nearest(system, sample, sample[i], i)
-    gaps.sort()
-    # Nine of ten sections have another within this distance; twice of it leaves room for the thin parts of the set.
-    orbits.spacing[slot] = 2.0 * gaps[(9 * sample.shape[0]) // 10]
-    orbits.kind[slot], orbits.rates[slot, 0], orbits.rates[slot, 1] = kind, rate, error
-    copy_into(orbits.points[slot, 0], sample[0])
-    orbits.count[0] += 1
-    return slot
+@kernel(types.void(MATRIX, _I, MATRIX), borrows=True)
+def spread_sample(sections, count, sample):
+    """Fill a sample (128, m) with sections spread over the later ones, so that slow turns of a torus are seen whole."""
+    for i in range(SAMPLE):
+        # Multiples of the golden ratio: evenly spread, and in step with no period.
+        share = (i * 0.6180339887498949) % 1.0
+        copy_into(sample[i], sections[count - 1 - int(share * (count - _TURNING))])
 
 
-@kernel(types.void(SWITCHED_SYSTEM, ORBITS, MATRIX, LIMITS, _COUNTS), inner=True)
-def settle_states(system, orbits, states, limits, slots):
-    """Follow motions until it is known where they settle.
+@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), borrows=True)
+def _repeats(system, sections, now):
+    """Whether a motion has come to repeat itself after more than eight periods."""
+    scale = system.numbers[LENGTH]
+    for period in range(1, HIGHEST_PERIOD + 1):
+        if distance(system, sections[now], sections[now - period]) < _APART * scale:
+            return False
+    for period in range(HIGHEST_PERIOD + 1, _MOST_PERIODS + 1):
+        near = distance(system, sections[now], sections[now - period]) < _EXACT * scale
+        if near and distance(system, sections[now - period], sections[now - 2 * period]) < _EXACT * scale:
+            return True
+    return False
+
+
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, MATRIX), borrows=True)
+def _approached(system, known, sections):
+    """Slot of a stable orbit that a motion slowly ends on: near, and nearer at half the pace of its multipliers.
+
+    -1 where there is none, _PERHAPS where it may be approaching one. A growth so close to 0 looks like that of a torus; the largest distance over many sections does not feel where in
+    its slow beat the motion happens to be.
+    """
+    count, answer = sections.shape[0], -1
+    for slot in range(known.count[0]):
+        if known.kind[slot] > HIGHEST_PERIOD or known.kind[slot] < 1:
+            continue
+        early, late = 0.0, 0.0
+        for i in range(2 * SAMPLE):
+            at = i if i < SAMPLE else count - 2 * SAMPLE + i
+            least = math.inf
+            for j in range(known.kind[slot]):
+                least = min(least, distance(system, known.points[slot, j], sections[at]))
+            if i < SAMPLE:
+                early = max(early, least)
+            else:
+                late = max(late, least)
+        promised = math.exp(0.5 * known.rates[slot, 0] * (count - SAMPLE))
+        if late < _NEAR_ENOUGH * system.numbers[LENGTH] and late < min(promised, _NEARER) * early:
+            return slot
+        if late < _LITTLE * early:
+            answer = _PERHAPS
+    return answer
+
+
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
+def settle_state(flows, known, state, limits, memory, orbit, room):
+    """Follow a motion until it is known where it settles.
 
     Parameters
     ----------
-    system : SwitchedSystem
-    orbits : Orbits
+    flows : ZoneFlows
+    known : Known
         What is found becomes known.
-    states : (k, m) array
+    state : (m,) array
         On the section; overwritten.
     limits : Limits
-    slots : (k,) int array
-        Slot that each motion ends in, or FAILED or NO_ROOM.
+    memory : Memory
+    orbit : Orbit
+    room : MapRoom
+
+    Returns
+    -------
+    int
+        The slot that it ends in, or FAILED or NO_ROOM.
     """
-    size, room = states.shape[1], orbits.kind.shape[0]
-    deviations, series, nothing = new_deviations(np.empty((0, size))), new_series(size // 2), watch_nothing()
-    entry, returns, work = np.empty(room), np.empty(room, np.int64), np.empty((3, size))
-    hits, tries = np.empty((room, _LOOKED), np.int64), np.empty(2 * HIGHEST_PERIOD + 2, np.int64)
-    before, kept = np.empty(size), np.empty((_KEPT, size))
-    for motion in range(states.shape[0]):
-        state, slot, now = states[motion], -1, 0
-        returns[:] = 0
-        hits[:, :] = 0
-        _may_try(tries)
-        while slot == -1 and now < limits.transient:
-            copy_into(before, state)
-            status = carry_over_period(
-                system, state, deviations, limits.tolerance, limits.ceiling, 0.0, nothing, series
-            )
-            if status != COMPLETE:
-                slot = _slot_of(orbits, UNBOUNDED) if status == CEILING else FAILED
-                break
-            copy_into(kept[now % _KEPT], state)
-            slot = recognised(system, orbits, before, state, entry, returns, work)
-            if slot < 0 and now >= _SETTLED:
-                slot = _within_sample(system, orbits, state, hits, now)
-            if slot < 0 and now >= _KEPT and not np.any(returns > 0):
-                _returned(system, orbits, kept, now % _KEPT, now, tries, limits)
-            now += 1
-        slots[motion] = _watch(system, orbits, state, limits) if slot == -1 else slot
+    slot = _follow(flows, known, state, limits.transient, limits, memory, orbit, room)
+    return slot if slot != -1 else _watch(flows, known, state, limits, memory, orbit, room)
+
+
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
+def _follow(flows, known, state, periods, limits, memory, orbit, room):
+    """As `settle_state`, over so many periods; -1 where the motion has not settled by then."""
+    system = flows.system
+    _forget(memory)
+    for now in range(periods):
+        copy_into(memory.before, state)
+        status, _ = carry_period(flows, state, memory.none, memory.none, limits.ceiling, room)
+        if status != COMPLETE:
+            return _slot_of(known, UNBOUNDED) if status == CEILING else FAILED
+        copy_into(memory.kept[now % _KEPT], state)
+        slot = recognised(system, known, memory.before, state, memory.entry, memory.returns, memory.work)
+        if slot < 0 and now >= _SETTLED:
+            slot = within_sample(system, known, state, memory.hits, now)
+        if slot >= 0:
+            return slot
+        if now >= _KEPT:
+            _seek_return(flows, known, memory, now, limits, orbit, room)
+    return -1
+
+
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
+def _watch(flows, known, state, limits, memory, orbit, room):
+    """Slot of what a motion does that has not settled, as `settle_state`, from the growth of a deviation."""
+    system, size, tangent = flows.system, state.shape[0], memory.tangent
+    sections, last = memory.sections, limits.watched - 1
+    tangent[0, :] = 1.0
+    _forget(memory)
+    for now in range(limits.watched):
+        copy_into(memory.before, state)
+        status, _ = carry_period(flows, state, tangent, memory.none, limits.ceiling, room)
+        if status != COMPLETE:
+            return _slot_of(known, UNBOUNDED) if status == CEILING else FAILED
+        length = 0.0
+        for i in range(size):
+            length += tangent[0, i] ** 2
+        length = math.sqrt(length)
+        memory.logarithms[now] = math.log(length)
+        for i in range(size):
+            tangent[0, i] /= length
+        copy_into(memory.kept[now % _KEPT], state)
+        copy_into(sections[now], state)
+        slot = recognised(system, known, memory.before, state, memory.entry, memory.returns, memory.work)
+        if slot < 0:
+            slot = within_sample(system, known, state, memory.hits, now)
+        if slot >= 0:
+            return slot
+        if now >= _KEPT:
+            _seek_return(flows, known, memory, now, limits, orbit, room)
+        if now >= _ENOUGH and now % 20 == 0 and _repeats(system, sections, now):
+            mean, error = _batch_means(memory.logarithms, now + 1)
+            return _kept(system, known, LONGER, sections[now + 1 - SAMPLE : now + 1], mean, error, memory)
+        if now == last or ((now + 1) % _TOLD_EVERY == 0 and now + 1 >= 3 * _TOLD_EVERY):
+            mean, error = _batch_means(memory.logarithms, now + 1)
+            spread_sample(sections, now + 1, memory.sample)
+            if mean - 4.0 * error > _STRONG * limits.floor:
+                return _kept(system, known, CHAOTIC, memory.sample, mean, error, memory)
+    if mean - 4.0 * error > limits.floor:
+        slot = _follow(flows, known, state, _LONG * limits.watched, limits, memory, orbit, room)
+        return slot if slot != -1 else _kept(system, known, CHAOTIC, memory.sample, mean, error, memory)
+    for tried in range(3):
+        # Orbits of one, two and four periods.
+        try_orbit(flows, known, state, 1 << tried, limits.ceiling, math.inf, orbit, room)
+    slot = _approached(system, known, sections[: limits.watched])
+    if slot >= 0:
+        return slot
+    if slot == -1 and abs(mean) <= max(limits.floor, 4.0 * error):
+        return _kept(system, known, QUASI_PERIODIC, memory.sample, mean, error, memory)
+    return _slot_of(known, UNSETTLED)
+
+
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, MEMORY), borrows=True)
+def _kept(system, known, kind, sample, mean, error, memory):
+    """`keep_sample`, NO_ROOM where there is no slot left."""
+    slot = keep_sample(system, known, kind, sample, mean, error, memory.gaps)
+    return slot if slot >= 0 else NO_ROOM

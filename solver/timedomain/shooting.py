@@ -5,21 +5,34 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.explained import Explained
+from solver.flow.switched_system import SWITCHED_SYSTEM
+from solver.flow.zone_flows import new_flows, zone_flows
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of
 from solver.model.contact_system import ContactSystem, in_motion, reduced
-from solver.timedomain.integrator import Status, checked_state, checked_tolerance, with_the_rest
-from solver.timedomain.poincare import checked_count, measure, monodromy
+from solver.timedomain.integrator import checked_state, checked_system, checked_tolerance, with_the_rest
+from solver.timedomain.orbits import CONVERGED, ShootingStatus, close_orbit, minimal_period, new_orbit
+from solver.timedomain.poincare import checked_count, measure
+from solver.timedomain.section_map import new_room
 
 __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
 
 
-class ShootingStatus(Explained):
-    """How the search for a periodic orbit ended."""
+_F, _I = types.float64, types.int64
 
-    CONVERGED = 0, "The orbit closes to the tolerance."
-    NOT_CONVERGED = 1, "Newton's method did not close the orbit."
-    INTEGRATION_FAILED = 2, "The motion from the last iterate could not be integrated."
+
+@kernel(_I(SWITCHED_SYSTEM, ARRAY, _I, _F, _F, _I, _F, MATRIX, ARRAY))
+def _shoot(system, state, period, tolerance, integration_tolerance, iterations, ceiling, matrix, outcome):
+    """`close_orbit`, with fresh room; then `outcome` (3,) also holds the smallest number of periods that repeats."""
+    flows = zone_flows(system, integration_tolerance, new_flows(system, 1))
+    room, orbit = new_room(flows), new_orbit(flows)
+    status = close_orbit(flows, state, period, tolerance, iterations, 6, ceiling, orbit, room)
+    matrix[:, :] = orbit.matrix
+    outcome[0], outcome[1] = orbit.outcome[0], orbit.outcome[1]
+    if status == CONVERGED:
+        outcome[2] = minimal_period(flows, state, period, tolerance, ceiling, orbit, room)
+    return status
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,29 +137,16 @@ def shoot(
         )
         orbit = shoot(reduced(system), omega, current[kept], period, **settings)
         return replace(orbit, state=with_the_rest(system, orbit.state))
-    flow = _Map(system, omega, period, integration_tolerance)
-    end, matrix, status = flow(current)
-    if status is not Status.COMPLETE:
-        return _failure(current, period, order, math.nan, 0, ShootingStatus.INTEGRATION_FAILED)
-    gap, iterations, stalled = _norm(end - current), 0, False
-    while iterations < max_iterations and not stalled and gap > 1e-14 * max(1.0, _norm(current)):
-        correction, singular = _newton_step(matrix, end - current)
-        if singular:
-            break
-        stalled, factor = True, 1.0
-        for _ in range(7):
-            trial = current + factor * correction
-            next_end, next_matrix, status = flow(trial)
-            if status is Status.COMPLETE and _norm(next_end - trial) < gap:
-                current, end, matrix, gap, stalled = trial, next_end, next_matrix, _norm(next_end - trial), False
-                break
-            factor *= 0.5
-            # Below the tolerance a longer gap is rounding and nothing is left to gain.
-            if gap <= tolerance * max(1.0, _norm(current)):
-                break
-        iterations += 1
-    if gap > tolerance * max(1.0, _norm(current)):
-        return _failure(current, period, order, gap, iterations, ShootingStatus.NOT_CONVERGED)
+    matrix, outcome = np.empty((current.size, current.size)), np.full(3, np.nan)
+    # A diverging iterate must not run into overflow: far above any length of the system it is given up.
+    ceiling = 1e8 * max(1.0, float(np.max(np.abs(current))))
+    loaded = checked_system(system, omega)
+    status = ShootingStatus(
+        _shoot(loaded, current, period, tolerance, integration_tolerance, max_iterations, ceiling, matrix, outcome)
+    )
+    gap, iterations = float(outcome[0]), int(outcome[1])
+    if status is not ShootingStatus.CONVERGED:
+        return _failure(current, period, order, gap, iterations, status)
     found = measure(system, omega, current, period, divisor=period, order=order, tolerance=integration_tolerance)
     values = np.linalg.eigvals(matrix).astype(complex)
     # Of a conjugate pair the one above the axis comes first.
@@ -154,7 +154,7 @@ def shoot(
     return PeriodicOrbit(
         current,
         period,
-        _minimal_period(flow, current, tolerance),
+        int(outcome[2]),
         values,
         gap,
         found.harmonics,
@@ -164,44 +164,6 @@ def shoot(
         iterations,
         ShootingStatus.CONVERGED,
     )
-
-
-@dataclass(frozen=True)
-class _Map:
-    system: ContactSystem
-    omega: float
-    period: int
-    tolerance: float
-
-    def __call__(self, state, periods=None):
-        # A diverging iterate must not run into overflow: far above any length of the system it is given up.
-        ceiling = 1e8 * max(1.0, _norm(state))
-        periods = self.period if periods is None else periods
-        if not np.all(np.isfinite(state)):
-            return state, np.eye(state.size), Status.NOT_FINITE
-        return monodromy(self.system, self.omega, state, periods, tolerance=self.tolerance, ceiling=ceiling)
-
-
-def _norm(vector) -> float:
-    return float(np.max(np.abs(vector)))
-
-
-def _newton_step(matrix, gap):
-    system = np.eye(gap.size) - matrix
-    if not np.all(np.isfinite(system)) or np.linalg.cond(system) > 1e15:
-        return gap, True
-    return np.linalg.solve(system, gap), False
-
-
-def _minimal_period(flow: _Map, state, tolerance: float) -> int:
-    for divisor in range(1, flow.period):
-        if flow.period % divisor == 0:
-            end, matrix, status = flow(state, divisor)
-            # A gap g over a part of the period betrays a shorter orbit only if it is no larger than Newton's own error.
-            size = max(1.0, _norm(state), _norm(matrix))
-            if status is Status.COMPLETE and _norm(end - state) < 1e3 * tolerance * size:
-                return divisor
-    return flow.period
 
 
 def _failure(state, period, order, residual, iterations, status) -> PeriodicOrbit:

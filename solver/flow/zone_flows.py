@@ -1,0 +1,433 @@
+"""The flow of every contact zone over one forcing period, as polynomials: computed once for all motions of a system.
+
+Within a zone the equation of `solver.flow.switched_system` is linear, so that its solutions are an affine function of
+one state. The period is cut into equal intervals; about the middle of each of them, at the local time u from -1 to 1,
+
+    z(u) = Phi(u) m + p(u),      m = Gamma(u) (z(u) - p(u)),      z = (y, y')
+
+where m is the state in the middle, Phi' = A Phi and Gamma' = -Gamma A with Phi(0) = Gamma(0) = 1, and p(0) = 0. All
+are entire functions: sixteen Taylor coefficients hold over intervals that are as long as the tolerance allows (the next
+two terms are computed and must be below it). A motion is named by m: the motion itself need not be in the zone there,
+only its continuation by the law of the zone. From interval to interval m is carried by one matrix, into another zone by
+Phi of the one and Gamma of the other at the switch.
+
+lambda is also kept in Bernstein's basis, whose coefficients bound the polynomial and count its roots (R. T. Farouki,
+"The Bernstein polynomial basis: a centennial retrospective", Computer Aided Geometric Design 29 (2012) 379-419).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.flow.switched_system import FREQUENCY, HIGH, LENGTH, LOW, ONE_ZONE, SWITCHED_SYSTEM, SwitchedSystem
+from solver.flow.taylor import fill_sources
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+
+__all__ = [
+    "CUBE",
+    "COEFFICIENTS",
+    "ZONE_FLOWS",
+    "ZoneFlows",
+    "apply_map",
+    "combine",
+    "matrix_at",
+    "new_flows",
+    "zone_flows",
+]
+
+_F, _I, _B = types.float64, types.int64, types.boolean
+CUBE, FOUR = types.float64[:, :, ::1], types.float64[:, :, :, ::1]
+
+#: Coefficients of every polynomial.
+COEFFICIENTS = 16
+
+#: Intervals of one period, at most: those of a mode a thousand times faster than the load.
+MOST_INTERVALS = 4096
+
+# Two terms more tell the truncation error.
+_TERMS = COEFFICIENTS + 2
+
+
+def _to_bernstein() -> np.ndarray:
+    """Bernstein coefficients over [-1, 1], in columns, of the powers of u = x - (1 - x), where 1 = x + (1 - x)."""
+    degree = COEFFICIENTS - 1
+    matrix = np.empty((COEFFICIENTS, COEFFICIENTS))
+    for power in range(COEFFICIENTS):
+        for i in range(COEFFICIENTS):
+            total = sum(
+                (-1) ** (power - l) * math.comb(power, l) * math.comb(degree - power, i - l)
+                for l in range(max(0, i - degree + power), min(power, i) + 1)
+            )
+            matrix[i, power] = total / math.comb(degree, i)
+    return matrix
+
+
+_BERNSTEIN = _to_bernstein()
+
+
+class ZoneFlows(NamedTuple):
+    """The flows of a system of n coordinates in zones free, front, back, over intervals k = 0 ... K - 1.
+
+    Row `(zone % 3) K + k` of each table belongs to one zone and interval. Columns are the 2 n components of m, and one
+    more for what does not depend on it. States are padded with zeros to a multiple of four components.
+
+    `count` (1,): K. `half` (1,): half an interval. `forward` (3 K, 16, 2 n + 1, padded): Phi and p, powers of u.
+    `backward` (3 K, 16, 2 n, padded): Gamma. `contact` and `bernstein` (3 K, 2 n + 1, 16): lambda. `entry`, `leave` and
+    `step` (3 K, 2 n + 1, padded): m from the state at the left end, the state at the right end from m, and m of the
+    next interval. `stiffness` (K, 16): s. `limits` (3, 2): where lambda is within a zone. What is
+    beyond them by less than `slack` (1,), far below the tolerance, is no exit: a motion at rest on a border does not
+    switch for ever.
+    """
+
+    system: SwitchedSystem
+    count: np.ndarray
+    half: np.ndarray
+    forward: np.ndarray
+    backward: np.ndarray
+    contact: np.ndarray
+    bernstein: np.ndarray
+    entry: np.ndarray
+    leave: np.ndarray
+    step: np.ndarray
+    stiffness: np.ndarray
+    limits: np.ndarray
+    slack: np.ndarray
+
+
+ZONE_FLOWS = types.NamedTuple(
+    (SWITCHED_SYSTEM, types.int64[::1], ARRAY, FOUR, FOUR, CUBE, CUBE, CUBE, CUBE, CUBE, MATRIX, MATRIX, ARRAY),
+    ZoneFlows,
+)
+
+
+@kernel(_I(_I), inline=True, borrows=True)
+def padded(size):
+    """A number of components, rounded up to a multiple of four."""
+    return (size + 3) // 4 * 4
+
+
+@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _I), inner=True)
+def new_flows(system, room):
+    """Room for the flows of a system, in so many intervals."""
+    size = 2 * system.vectors.shape[1]
+    columns, rows, width = size + 1, 3 * room, padded(size)
+    return ZoneFlows(
+        system,
+        np.zeros(1, np.int64),
+        np.zeros(1),
+        np.zeros((rows, COEFFICIENTS, columns, width)),
+        np.zeros((rows, COEFFICIENTS, size, width)),
+        np.zeros((rows, columns, COEFFICIENTS)),
+        np.zeros((rows, columns, COEFFICIENTS)),
+        np.zeros((rows, columns, width)),
+        np.zeros((rows, columns, width)),
+        np.zeros((rows, columns, width)),
+        np.zeros((room, COEFFICIENTS)),
+        np.empty((3, 2)),
+        np.empty(1),
+    )
+
+
+@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True, borrows=True)
+def apply_map(maps, row, state, image):
+    """Fill image (padded) with maps[row] applied to a state, both of them different arrays."""
+    columns = maps.shape[1] - 1
+    for r in range(0, maps.shape[2], 4):
+        t0, t1, t2, t3 = (
+            maps[row, columns, r],
+            maps[row, columns, r + 1],
+            maps[row, columns, r + 2],
+            maps[row, columns, r + 3],
+        )
+        for c in range(columns):
+            z = state[c]
+            t0 += maps[row, c, r] * z
+            t1 += maps[row, c, r + 1] * z
+            t2 += maps[row, c, r + 2] * z
+            t3 += maps[row, c, r + 3] * z
+        image[r], image[r + 1], image[r + 2], image[r + 3] = t0, t1, t2, t3
+
+
+@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True, borrows=True)
+def combine(table, row, state, coefficients):
+    """Fill in the sixteen coefficients of lambda of the motion of a state, from `contact` or `bernstein`."""
+    columns = table.shape[1] - 1
+    for r in range(0, COEFFICIENTS, 4):
+        t0, t1, t2, t3 = (
+            table[row, columns, r],
+            table[row, columns, r + 1],
+            table[row, columns, r + 2],
+            table[row, columns, r + 3],
+        )
+        for c in range(columns):
+            z = state[c]
+            t0 += table[row, c, r] * z
+            t1 += table[row, c, r + 1] * z
+            t2 += table[row, c, r + 2] * z
+            t3 += table[row, c, r + 3] * z
+        coefficients[r], coefficients[r + 1], coefficients[r + 2], coefficients[r + 3] = t0, t1, t2, t3
+
+
+@kernel(types.void(FOUR, _I, _I, _F, MATRIX), borrows=True)
+def matrix_at(table, row, first, at, matrix):
+    """Fill columns from `first` on of matrix (columns, padded) with the values of `forward` or `backward` at u."""
+    square = at * at
+    for c in range(first, table.shape[2]):
+        for r in range(0, table.shape[3], 4):
+            # Even and odd powers apart: two short chains of products instead of one long one.
+            e0, e1, e2, e3 = 0.0, 0.0, 0.0, 0.0
+            o0, o1, o2, o3 = 0.0, 0.0, 0.0, 0.0
+            for j in range(COEFFICIENTS - 2, -1, -2):
+                e0 = e0 * square + table[row, j, c, r]
+                e1 = e1 * square + table[row, j, c, r + 1]
+                e2 = e2 * square + table[row, j, c, r + 2]
+                e3 = e3 * square + table[row, j, c, r + 3]
+                o0 = o0 * square + table[row, j + 1, c, r]
+                o1 = o1 * square + table[row, j + 1, c, r + 1]
+                o2 = o2 * square + table[row, j + 1, c, r + 2]
+                o3 = o3 * square + table[row, j + 1, c, r + 3]
+            matrix[c, r], matrix[c, r + 1] = e0 + at * o0, e1 + at * o1
+            matrix[c, r + 2], matrix[c, r + 3] = e2 + at * o2, e3 + at * o3
+
+
+class _Work(NamedTuple):
+    """Series about the middle of an interval: s (19,), g (19, n), columns of Phi and p (18, 2 n + 1, 2 n), what the
+    contact sees of them (18, 2 n + 1), rows of Gamma (18, 2 n, 2 n) and their products with q (18, 2 n)."""
+
+    stiffness: np.ndarray
+    g: np.ndarray
+    columns: np.ndarray
+    contact: np.ndarray
+    rows: np.ndarray
+    products: np.ndarray
+
+
+_WORK = types.NamedTuple((ARRAY, MATRIX, CUBE, MATRIX, CUBE, MATRIX), _Work)
+
+
+@kernel(types.void(SWITCHED_SYSTEM, _I, _WORK), borrows=True)
+def _columns(system, zone, work):
+    """Series of Phi and p in a zone, s and g being filled in."""
+    n = system.vectors.shape[1]
+    size, first, second = 2 * n, (n if zone != 0 else 0), 2 * n
+    matrices, vectors, z, contact = system.matrices, system.vectors, work.columns, work.contact
+    varied = zone != 0 and system.variation.shape[0] > 0
+    z[0, :, :] = 0.0
+    for c in range(size):
+        z[0, c, c] = 1.0
+    for j in range(_TERMS - 1):
+        scale = 1.0 / (j + 1.0)
+        for c in range(size + 1):
+            seen, product = 0.0, 0.0
+            for i in range(n):
+                seen += vectors[0, i] * z[j, c, i]
+            contact[j, c] = seen
+            if varied:
+                for i in range(j + 1):
+                    product += work.stiffness[i] * contact[j - i, c]
+            for i in range(n):
+                value = work.g[j, i] if c == size else 0.0
+                if varied:
+                    value -= vectors[2, i] * product
+                for l in range(n):
+                    value -= matrices[first + i, l] * z[j, c, l] + matrices[second + i, l] * z[j, c, n + l]
+                z[j + 1, c, i] = scale * z[j, c, n + i]
+                z[j + 1, c, n + i] = scale * value
+
+
+@kernel(types.void(SWITCHED_SYSTEM, _I, _WORK), borrows=True)
+def _rows(system, zone, work):
+    """Series of Gamma = (a, b) in a zone: a' = b S + s (b q) w, b' = b D - a."""
+    n = system.vectors.shape[1]
+    size, first, second = 2 * n, (n if zone != 0 else 0), 2 * n
+    matrices, vectors, z, products = system.matrices, system.vectors, work.rows, work.products
+    varied = zone != 0 and system.variation.shape[0] > 0
+    z[0, :, :] = 0.0
+    for r in range(size):
+        z[0, r, r] = 1.0
+    for j in range(_TERMS - 1):
+        scale = 1.0 / (j + 1.0)
+        for r in range(size):
+            product = 0.0
+            if varied:
+                seen = 0.0
+                for i in range(n):
+                    seen += z[j, r, n + i] * vectors[2, i]
+                products[j, r] = seen
+                for i in range(j + 1):
+                    product += work.stiffness[i] * products[j - i, r]
+            for l in range(n):
+                left, right = product * vectors[0, l], -z[j, r, l]
+                for i in range(n):
+                    left += z[j, r, n + i] * matrices[first + i, l]
+                    right += z[j, r, n + i] * matrices[second + i, l]
+                z[j + 1, r, l], z[j + 1, r, n + l] = scale * left, scale * right
+
+
+@kernel(_F(CUBE, _F, _F, _F), borrows=True)
+def _allowed(series, half, tolerance, length):
+    """Half an interval for which the two terms beyond the polynomials are below the tolerance, by the try `half`.
+
+    Of every column its largest term is the scale, for the last one of an affine map at least a length.
+    """
+    smallest = math.inf
+    for c in range(series.shape[1]):
+        scale = length if c == series.shape[2] else 1.0
+        power, rest = 1.0, 0.0
+        for j in range(_TERMS):
+            largest = 0.0
+            for i in range(series.shape[2]):
+                largest = max(largest, abs(series[j, c, i]))
+            if j < COEFFICIENTS:
+                scale = max(scale, largest * power)
+            else:
+                rest += largest * power
+            power *= half
+        if not rest <= tolerance * scale:
+            smallest = min(smallest, half * (tolerance * scale / rest) ** (1.0 / COEFFICIENTS))
+    return smallest
+
+
+@kernel(types.void(ZONE_FLOWS, _I, _I, _WORK), inner=True)
+def _store(flows, zone, k, work):
+    """Keep the flow of a zone in one interval."""
+    vectors = flows.system.vectors
+    n, half = vectors.shape[1], flows.half[0]
+    size, row, power = 2 * n, (zone % 3) * flows.count[0] + k, 1.0
+    for j in range(COEFFICIENTS):
+        for c in range(size + 1):
+            seen = 0.0
+            for r in range(size):
+                value = power * work.columns[j, c, r]
+                flows.forward[row, j, c, r] = value
+                if r < n:
+                    seen += vectors[0, r] * value
+                if c < size:
+                    flows.backward[row, j, c, r] = power * work.rows[j, r, c]
+            flows.contact[row, c, j] = seen
+        flows.stiffness[k, j] = power * work.stiffness[j]
+        power *= half
+    for c in range(size + 1):
+        for i in range(COEFFICIENTS):
+            total = 0.0
+            for j in range(COEFFICIENTS):
+                total += _BERNSTEIN[i, j] * flows.contact[row, c, j]
+            flows.bernstein[row, c, i] = total
+    matrix_at(flows.forward, row, 0, 1.0, flows.leave[row])
+    # m = Gamma(-1) (z - p(-1))
+    entry, step = flows.entry[row], flows.step[row]
+    matrix_at(flows.backward, row, 0, -1.0, entry)
+    matrix_at(flows.forward, row, size, -1.0, step)
+    for r in range(size):
+        total = 0.0
+        for c in range(size):
+            total -= entry[c, r] * step[size, c]
+        entry[size, r] = total
+
+
+@kernel(types.void(ZONE_FLOWS, _I), borrows=True)
+def _join(flows, zone):
+    """Fill in `step` from `leave` of an interval and `entry` of the next."""
+    count, size = flows.count[0], flows.forward.shape[2] - 1
+    for k in range(count - 1):
+        row = (zone % 3) * count + k
+        for c in range(size + 1):
+            for r in range(size):
+                total = flows.entry[row + 1, size, r] if c == size else 0.0
+                for i in range(size):
+                    total += flows.entry[row + 1, i, r] * flows.leave[row, c, i]
+                flows.step[row, c, r] = total
+
+
+@kernel(types.void(ZONE_FLOWS, _F), borrows=True)
+def _fill_limits(flows, tolerance):
+    numbers, limits = flows.system.numbers, flows.limits
+    low, high = numbers[LOW], numbers[HIGH]
+    flows.slack[0] = max(1e-3 * tolerance, 4e-16) * numbers[LENGTH]
+    limits[0, 0], limits[0, 1] = low, high
+    limits[1, 0], limits[1, 1] = (-math.inf if numbers[ONE_ZONE] != 0.0 else high), math.inf
+    limits[2, 0], limits[2, 1] = -math.inf, low
+
+
+@kernel(ZONE_FLOWS(ZONE_FLOWS, SWITCHED_SYSTEM, _I), inner=True)
+def _fitted(flows, system, count):
+    """The tables for another system and so many intervals, or new ones if they have no room for it."""
+    if 3 * count > flows.contact.shape[0]:
+        return new_flows(system, count)
+    return ZoneFlows(
+        system,
+        flows.count,
+        flows.half,
+        flows.forward,
+        flows.backward,
+        flows.contact,
+        flows.bernstein,
+        flows.entry,
+        flows.leave,
+        flows.step,
+        flows.stiffness,
+        flows.limits,
+        flows.slack,
+    )
+
+
+@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _F, ZONE_FLOWS), inner=True)
+def zone_flows(system, tolerance, flows):
+    """The flows of a system under its load.
+
+    Parameters
+    ----------
+    system : SwitchedSystem
+    tolerance : float
+        Truncation error over an interval relative to the state, or to the length of the system if that is larger.
+    flows : ZoneFlows
+        Of the same number of coordinates; overwritten if it has room enough.
+
+    Returns
+    -------
+    ZoneFlows
+        The one given or a new one. `count` is 0 where the period needs more than MOST_INTERVALS intervals or the
+        series are not finite.
+    """
+    n, span = system.vectors.shape[1], 2.0 * math.pi / system.numbers[FREQUENCY]
+    size, length = 2 * n, system.numbers[LENGTH]
+    work = _Work(
+        np.zeros(_TERMS + 1),
+        np.zeros((_TERMS + 1, n)),
+        np.empty((_TERMS, size + 1, size)),
+        np.empty((_TERMS, size + 1)),
+        np.empty((_TERMS, size, size)),
+        np.empty((_TERMS, size)),
+    )
+    zones = 1 if system.numbers[ONE_ZONE] != 0.0 else (2 if system.numbers[LOW] == -math.inf else 3)
+    count, k = 1, 0
+    while k < count:
+        half = 0.5 * span / count
+        allowed = math.inf
+        for index in range(zones):
+            zone = 1 - index
+            fill_sources(system, zone, (2 * k + 1) * half, work.stiffness, work.g)
+            _columns(system, zone, work)
+            _rows(system, zone, work)
+            allowed = min(allowed, _allowed(work.columns, half, tolerance, length))
+            allowed = min(allowed, _allowed(work.rows, half, tolerance, length))
+            if not allowed >= half:
+                break
+            if k == 0 and index == 0:
+                flows = _fitted(flows, system, count)
+                flows.count[0], flows.half[0] = count, half
+            _store(flows, zone, k, work)
+        if allowed >= half:
+            k += 1
+            continue
+        more = 0.5 * span / allowed
+        if not more <= MOST_INTERVALS:
+            flows.count[0] = 0
+            return flows
+        count, k = max(count + 1, int(math.ceil(more))), 0
+    for index in range(zones):
+        _join(flows, 1 - index)
+    _fill_limits(flows, tolerance)
+    return flows
