@@ -10,7 +10,7 @@ from pipeline.config.allowed import allowed
 __all__ = ["Configuration"]
 
 #: Fewer periods leave no window over which a Lyapunov exponent says anything.
-FEWEST_PERIODS = 500
+FEWEST_PERIODS = 800
 _MOST = 10**6
 
 

@@ -26,7 +26,7 @@ CLASSES = (
     ("1T", (222, 235, 247)),
     ("not settled", (198, 198, 198)),
     ("2T", (230, 159, 0)),
-    ("3T to 8T", (0, 150, 110)),
+    ("3T and longer", (0, 150, 110)),
     ("quasi-periodic", (0, 100, 170)),
     ("chaotic", (138, 20, 20)),
     ("unbounded", (0, 0, 0)),
@@ -45,7 +45,7 @@ def class_of(kind: np.ndarray) -> np.ndarray:
     """Number in `CLASSES` of kinds of attractors; -1 for none."""
     table = np.full(len(AttractorKind), -1)
     table[AttractorKind.PERIOD_1], table[AttractorKind.UNSETTLED], table[AttractorKind.PERIOD_2] = 0, 1, 2
-    table[AttractorKind.PERIOD_3 : AttractorKind.PERIOD_8 + 1] = 3
+    table[AttractorKind.PERIOD_3 : AttractorKind.PERIOD_LONGER + 1] = 3
     table[AttractorKind.QUASI_PERIODIC], table[AttractorKind.CHAOTIC], table[AttractorKind.UNBOUNDED] = 4, 5, 6
     return table[kind]
 

@@ -77,11 +77,13 @@ def grid_of(plan: Plan, options: Attractors) -> Grid:
 def search_of(options: Attractors):
     """The solver's settings.
 
-    Of the periods that a start may take, a fifth is for settling and the rest for the watch over the Lyapunov exponent.
+    The periods that a start may take are for settling and for the watch over the Lyapunov exponent, in the proportion
+    of the solver's own settings.
     """
     from solver.timedomain import AttractorSearch
 
-    transient = options.max_periods // 5
+    usual = AttractorSearch()
+    transient = options.max_periods * usual.transient // (usual.transient + usual.watched)
     return AttractorSearch(
         starts=options.starts, transient=transient, watched=options.max_periods - transient, room=_ROOM
     )

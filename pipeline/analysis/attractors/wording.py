@@ -13,7 +13,7 @@ def attractor_name(kind: int, impact: int) -> str:
 
     Examples
     --------
-    >>> attractor_name(2, 1), attractor_name(11, -1)
+    >>> attractor_name(2, 1), attractor_name(12, -1)
     ('2T/1', 'unbounded')
     """
     name = AttractorKind(kind).label.replace("_", "-")

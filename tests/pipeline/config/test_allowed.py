@@ -46,7 +46,7 @@ def test_values_outside_are_refused_and_the_ends_are_not(section, name, bounds):
 
 
 def test_there_are_ranges():
-    assert len(BOUNDED) > 25
+    assert len(BOUNDED) > 15
     assert sentence_of(Figures, "dpi") == "from 30 to 1200" and sentence_of(Figures, "curves") == ""
     assert sentence_of(Check, "seed") == "from 0 to 2^31 - 1"
 
