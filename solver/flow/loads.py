@@ -111,7 +111,8 @@ def loaded_system_at(parameters, parameter_slope, p):
     for l in range(load.shape[0]):
         for i in range(n):
             length = max(length, abs(load[l, i]))
-    numbers[LENGTH] = length
+    # Without gaps and loads no length is better than another.
+    numbers[LENGTH] = length if length > 0.0 else 1.0
     # Harmonics that vanish, or that no force feels, need not be summed in every step.
     felt = False
     for i in range(n):

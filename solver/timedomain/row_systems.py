@@ -70,8 +70,8 @@ class RowSystems:
         At rest under the mean load with the front contact closed; nan beyond 2 n.
     box : (X, 2) array
         Half widths of the default box of random states about 0: of the coordinates, 3 times the largest gap plus the
-        deflection that the sum of the load amplitudes gives in permanent contact; of the speeds, as much times the
-        frequency of the softest mode in contact or, where that is lower, Omega.
+        deflection that the sum of the load amplitudes gives in permanent contact, or 1 without both; of the speeds, as
+        much times the frequency of the softest mode in contact or, where that is lower, Omega.
     gaps : (X, 2) array
         Ends of the dead zone of lambda.
     omega : (X,) array
@@ -126,6 +126,7 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
         deflection = np.max(np.abs(_solved(closed, sizes)), axis=1)
         largest = np.maximum(np.abs(high), np.where(np.isfinite(low), np.abs(low), 0.0))
         reach = 3.0 * largest + np.maximum(largest, deflection)
+        reach = np.where(reach > 0.0, reach, 1.0)
         modes = np.sqrt(np.abs(np.linalg.eigvals(closed)))
         modes = np.where(modes > 1e-9 * np.max(modes, axis=1, initial=1.0)[:, None], modes, np.inf)
         slowest = np.minimum(np.min(modes, axis=1), group.numbers[:, FREQUENCY])
@@ -215,12 +216,14 @@ def _states(group: _Alike, cell: np.ndarray, motions: np.ndarray, period: int) -
     stiffness = free[:, None] + 1j * rates[:, :, None, None] * damping[:, None]
     stiffness = stiffness - (rates**2)[:, :, None, None] * np.eye(n)
     amplitude = np.zeros_like(right)
+    held = np.linalg.cond(free) < 1e12
     amplitude[:, 1:] = np.linalg.solve(stiffness[:, 1:], right[:, 1:, :, None])[..., 0]
-    # The mean: lambda is imposed, and the contact force balances what remains along h.
+    amplitude[held, 0] = np.linalg.solve(free[held], right[held, 0].real[..., None])[..., 0]
+    # Elsewhere the mean of lambda is imposed, and the contact force balances what remains along h.
     bordered = np.zeros((count, n + 1, n + 1))
     bordered[:, :n, :n], bordered[:, :n, n], bordered[:, n, :n] = free, group.vectors[cell, 1], group.vectors[cell, 0]
     rights = np.column_stack([right[:, 0].real, motions[:, 0]])
-    amplitude[:, 0] = _solved(bordered, rights)[:, :n]
+    amplitude[~held, 0] = _solved(bordered[~held], rights[~held])[:, :n]
     speeds = np.real(1j * rates[:, :, None] * amplitude).sum(axis=1)
     return np.concatenate([amplitude.real.sum(axis=1), speeds], axis=1)
 

@@ -58,6 +58,9 @@ _WAIT, _LONGEST_WAIT = 4, 128
 # Longest period that is looked for, from how many sections on, and how near a return must be: the motion has arrived.
 _MOST_PERIODS, _ENOUGH, _EXACT, _APART = 64, 160, 1e-6, 1e-4
 
+# How far a motion is moved that stays on an unstable orbit, as a share of the length.
+_NUDGE = 1e-3
+
 # A motion this near to an orbit, as a share of the length, that has come so much nearer is taken to end there; one that
 # has come a little nearer may do so.
 _NEAR_ENOUGH, _NEARER, _LITTLE = 0.2, 0.7, 0.97
@@ -238,8 +241,8 @@ def _repeats(system, sections, now):
 def _approached(system, known, sections):
     """Slot of a stable orbit that a motion slowly ends on: near, and nearer at half the pace of its multipliers.
 
-    -1 where there is none, _PERHAPS where it may be approaching one. A growth so close to 0 looks like that of a torus; the largest distance over many sections does not feel where in
-    its slow beat the motion happens to be.
+    -1 where there is none, _PERHAPS where it may be approaching one. A growth so close to 0 looks like that of a torus;
+    the largest distance over many sections does not feel where in its slow beat the motion happens to be.
     """
     count, answer = sections.shape[0], -1
     for slot in range(known.count[0]):
@@ -285,7 +288,21 @@ def settle_state(flows, known, state, limits, memory, orbit, room):
         The slot that it ends in, or FAILED or NO_ROOM.
     """
     slot = _follow(flows, known, state, limits.transient, limits, memory, orbit, room)
+    if slot == -1 and _stands_still(flows.system, memory.kept, limits.transient - 1):
+        # It repeats, and is recognised as nothing stable: a nudge shows where it goes.
+        for i in range(state.shape[0]):
+            state[i] += _NUDGE * flows.system.numbers[LENGTH]
+        slot = _follow(flows, known, state, limits.transient, limits, memory, orbit, room)
     return slot if slot != -1 else _watch(flows, known, state, limits, memory, orbit, room)
+
+
+@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), borrows=True)
+def _stands_still(system, kept, now):
+    """Whether a motion repeats after up to eight periods."""
+    for period in range(1, HIGHEST_PERIOD + 1):
+        if distance(system, kept[now % _KEPT], kept[(now - period) % _KEPT]) < _EXACT * system.numbers[LENGTH]:
+            return True
+    return False
 
 
 @kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)

@@ -67,6 +67,46 @@ def test_public_names_are_found_where_they_are_defined():
         from solver import no_such_name  # noqa: F401
 
 
+def test_a_kernel_that_borrows_arrays_neither_makes_nor_returns_one():
+    @kernel(types.void(ARRAY), borrows=True)
+    def double(values):
+        for i in range(values.shape[0]):
+            values[i] *= 2.0
+
+    @kernel(types.void(MATRIX), borrows=True)
+    def double_rows(values):
+        for row in range(values.shape[0]):
+            double(values[row])
+
+    @kernel(types.void(MATRIX))
+    def apply(values):
+        double_rows(values)
+
+    values = np.arange(6.0).reshape(2, 3)
+    apply(values)
+    np.testing.assert_array_equal(values, 2.0 * np.arange(6.0).reshape(2, 3))
+
+    @kernel(ARRAY(ARRAY), borrows=True)
+    def returns(values):
+        return values
+
+    @kernel(ARRAY(ARRAY), inner=True)
+    def made(values):
+        return values.copy()
+
+    @kernel(types.void(ARRAY), borrows=True)
+    def calls(values):
+        made(values)[0] = 1.0
+
+    @kernel(types.void(ARRAY), borrows=True)
+    def allocates(values):
+        np.empty(values.shape[0])[0] = 1.0
+
+    for refused, error in ((returns, TypeError), (calls, TypeError), (allocates, Exception)):
+        with pytest.raises(error):
+            refused(np.zeros(3))
+
+
 def test_kernels_divide_as_numpy_does():
     @kernel(types.void(ARRAY, ARRAY))
     def divide(over, under):
