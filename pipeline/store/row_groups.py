@@ -1,10 +1,12 @@
 """Groups that are too long in the making to be lost: written block of rows by block of rows beside the store.
 
 Such a group is whole like any other once it is in the store. Until then it is in a folder beside it, which another run
-goes on with. The chunk of one array, the mark, is written last and taken away first, so that a block is either whole
-there or computed again. Where a chunk of a finished group is damaged, the group goes back there (`set_aside`).
+goes on with. There each block is one file that has the chunks of all arrays, so that it is as it was or as it shall
+be, whatever interrupts; when all blocks are done, they become the chunks of the arrays. Where a chunk of a finished
+group is damaged, the group goes back there (`set_aside`), and what is sound of it is kept.
 """
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,17 +18,20 @@ import zarr
 from pipeline.errors import DamagedError
 from pipeline.plan.row_blocks import Block, RowBlocks
 from pipeline.store.array_layout import MOST_TEXT, ArrayLayout
-from pipeline.store.chunk_files import encoded, read_chunk
+from pipeline.store.chunk_files import ChunkError, decoded, encoded, read_chunk
 from pipeline.store.codecs import COMPRESSORS
 from pipeline.store.documents import document, listed_in
-from pipeline.store.durable import move_whole, write_all
+from pipeline.store.durable import move_whole, write_all, write_whole
 from pipeline.store.groups import remove_group, unfinished
 from pipeline.store.identity import read_layout
 from pipeline.store.names import GROUP_FILE, METADATA
-from pipeline.store.removal import remove_file, remove_known
+from pipeline.store.removal import remove_known
 from pipeline.store.template import consolidate
 
 __all__ = ["RowArray", "RowGroup", "set_aside"]
+
+#: The folder of blocks.
+_PACKED = "packed"
 
 
 @dataclass(frozen=True)
@@ -78,8 +83,6 @@ class RowGroup:
         Names of the dimensions of these rows, the layers first.
     arrays : dict
         Name -> RowArray: what is written of a block.
-    mark : str
-        The one of them that says that a block is whole.
     places : dict
         Coordinates: name -> (dims, values, attributes).
     attributes : dict
@@ -91,7 +94,6 @@ class RowGroup:
     rows: RowBlocks
     dims: tuple[str, ...]
     arrays: dict[str, RowArray]
-    mark: str
     places: dict[str, tuple]
     attributes: dict
 
@@ -189,17 +191,12 @@ class RowGroup:
             Name -> (rows, ...) array; texts as objects.
         """
         try:
-            # Most that are not there have no mark either.
-            names = [self.mark, *(name for name in self.arrays if name != self.mark)]
-            found = {name: self._read(block, name) for name in names}
-        except DamagedError:
+            chunks = self._packed(block) if self._pack(block).exists() else self._unpacked(block)
+            found = {name: decoded(chunks[name], layout) for name, layout in self.layouts.items()}
+        except (OSError, ValueError, KeyError, TypeError, ChunkError):
             return None
-        return {name: found[name] for name in self.arrays}
-
-    def _read(self, block: Block, name: str) -> np.ndarray:
-        layout, sizes = self.layouts[name], self.arrays[name].sizes
-        (file,) = layout.files(*self.rows.place(block))
-        return read_chunk(self.folder, file, layout).reshape(self.rows.size, *sizes)[: block.stop - block.start]
+        rows = block.stop - block.start
+        return {name: values.reshape(self.rows.size, *self.arrays[name].sizes)[:rows] for name, values in found.items()}
 
     def write(self, block: Block, values: Mapping[str, np.ndarray]) -> None:
         """Write all arrays of a block; it is on the disk when this returns.
@@ -210,12 +207,25 @@ class RowGroup:
         values : mapping
             Name -> (rows, ...) array.
         """
-        contents = {self._file(block, name): self._encoded(name, values[name]) for name in self.arrays}
-        mark = self._file(block, self.mark)
-        remove_file(mark)
-        last = {mark: contents.pop(mark)}
-        write_all(contents)
-        write_all(last)
+        chunks = {name: self._encoded(name, values[name]) for name in self.arrays}
+        head = json.dumps({name: len(chunk) for name, chunk in chunks.items()}).encode()
+        write_whole(self._pack(block), b"".join([head, b"\n", *chunks.values()]))
+
+    def _pack(self, block: Block) -> Path:
+        return self.folder / _PACKED / "c" / "/".join(map(str, self.rows.chunk_of(block)))
+
+    def _packed(self, block: Block) -> dict[str, bytes]:
+        """The chunks that the file of a block has."""
+        head, _, content = self._pack(block).read_bytes().partition(b"\n")
+        chunks, start = {}, 0
+        for name, size in json.loads(head).items():
+            chunks[name] = content[start : start + size]
+            start += size
+        return chunks
+
+    def _unpacked(self, block: Block) -> dict[str, bytes]:
+        """The chunks of a block in a group that was finished once."""
+        return {name: self._file(block, name).read_bytes() for name in self.arrays}
 
     def _file(self, block: Block, name: str) -> Path:
         (file,) = self.layouts[name].files(*self.rows.place(block))
@@ -228,7 +238,8 @@ class RowGroup:
         return encoded(values.ravel(), self.layouts[name])
 
     def finish(self, summary: Mapping[str, tuple[RowArray, np.ndarray]]) -> None:
-        """Add arrays that only the whole group tells, and move it into the store, in place of what was there.
+        """Make chunks of all blocks, add arrays that only the whole group tells, and put it into the store, in place
+        of what was there.
 
         Parameters
         ----------
@@ -241,6 +252,9 @@ class RowGroup:
             If rows of the plane went missing meanwhile.
         """
         read_layout(self.store)
+        for block in self.rows.all:
+            if self._pack(block).exists():
+                write_all({self._file(block, name): chunk for name, chunk in self._packed(block).items()})
         group, contents = zarr.open_group(self.folder, mode="r+", use_consolidated=False), {}
         for name, (array, values) in summary.items():
             remove_known(self.folder / name, GROUP_FILE)
@@ -251,6 +265,8 @@ class RowGroup:
                 here = np.asarray(values, array.numpy_type)[self.rows.place(block)]
                 contents[self.folder / file] = encoded(here.ravel(), layout)
         write_all(contents)
+        # Not before: what is half made is made from them again.
+        remove_known(self.folder / _PACKED, GROUP_FILE)
         remove_group(self.store, self.name)
         move_whole(self.folder, self.store / self.name)
         consolidate(self.store)

@@ -37,9 +37,6 @@ __all__ = [
 ]
 
 GROUP = "attractors"
-#: Says that a block is whole: written last.
-_MARK = "rounds"
-
 _NAN = float("nan")
 #: Of every attractor of a cell: name -> type, value where there is none, what it is, unit.
 NUMBERS = {
@@ -122,7 +119,7 @@ def group_of(path: Path, grid: Grid, options: Attractors, made_from: bytes) -> R
         **settings,
     }
     arrays = _arrays(grid)
-    return RowGroup(path, GROUP, grid.blocks, dims[:-1], arrays, _MARK, places, attributes)
+    return RowGroup(path, GROUP, grid.blocks, dims[:-1], arrays, places, attributes)
 
 
 def _settings(options: Attractors) -> dict:
@@ -183,7 +180,7 @@ def _arrays(grid: Grid) -> dict[str, RowArray]:
         ),
         "failures": cell("int32", 0, "starts that could not be integrated", "1"),
         "message": array((), (), "str", "", "why the row failed, else empty"),
-        _MARK: array((), (), "int16", -1, "last round of the row; -1: it failed"),
+        "rounds": array((), (), "int16", -1, "last round of the row; -1: it failed"),
     }
 
 
@@ -213,7 +210,7 @@ def values_of_row(group: RowGroup, row: AttractorRow, sizes: np.ndarray, rounds:
         values[name][...] = getattr(row, name)
     known = (row.kind != AttractorKind.NONE) & (row.starts > 0)[:, None]
     values["share"][known] = (row.hits / np.maximum(row.starts, 1)[:, None])[known]
-    values["size"][...], values[_MARK][...] = sizes, rounds
+    values["size"][...], values["rounds"][...] = sizes, rounds
     return values
 
 

@@ -1,5 +1,6 @@
 """A group written block by block: whole in the store or not there, gone on with after any interruption."""
 
+import contextlib
 import os
 
 import numpy as np
@@ -8,7 +9,7 @@ import zarr
 
 from pipeline import store
 from pipeline.plan.row_blocks import RowBlocks
-from pipeline.store import groups
+from pipeline.store import groups, row_groups
 from pipeline.store.row_groups import RowArray, RowGroup
 from tests.pipeline.planes import small_plan, small_store
 
@@ -29,7 +30,7 @@ def path(tmp_path):
 
 def group_of(path, rows=ROWS, dims=("p",), made="a"):
     places = {"p": (("p",), np.arange(float(rows.of_layer)), {"long_name": "p"})}
-    return RowGroup(path, "attractors", rows, dims, ARRAYS, "rounds", places, {"made_from": made, "starts": 4})
+    return RowGroup(path, "attractors", rows, dims, ARRAYS, places, {"made_from": made, "starts": 4})
 
 
 def values_of(block):
@@ -72,32 +73,47 @@ def test_a_block_is_whole_or_not_there(path):
     again = group_of(path)
     again.begin()
     assert all(again.read(block) is not None for block in ROWS.all)
-    block = ROWS.all[1]
-    os.truncate(group.folder / "mean/c/1/0/0", 7)
-    assert again.read(block) is None and again.read(ROWS.all[0]) is not None
-    again.write(block, values_of(block))
-    assert again.read(block) is not None
-    (group.folder / "rounds/c/1").unlink()
-    assert again.read(block) is None
+    file = group.folder / "packed/c/1"
+    sound = file.read_bytes()
+    for place in range(0, len(sound), 7):
+        harmed = bytearray(sound)
+        harmed[place] ^= 4
+        file.write_bytes(harmed)
+        assert again.read(ROWS.all[1]) is None, place
+    for size in (0, 5, len(sound) // 2, len(sound) - 1):
+        file.write_bytes(sound[:size])
+        assert again.read(ROWS.all[1]) is None
+    assert again.read(ROWS.all[0]) is not None
+    file.unlink()
+    assert again.read(ROWS.all[1]) is None
+    again.write(ROWS.all[1], values_of(ROWS.all[1]))
+    assert again.read(ROWS.all[1]) is not None and file.read_bytes() == sound
 
 
-def test_an_interrupted_write_leaves_no_mixture(path, monkeypatch):
-    from pipeline.store import row_groups
-
+@pytest.mark.parametrize("writes", [0, 1, 3, 4])
+def test_an_interrupted_finish_is_made_again(path, monkeypatch, writes):
     group = group_of(path)
     write_all(group)
-    block = ROWS.all[2]
-    honest = row_groups.write_all
+    honest, left = row_groups.write_all, [writes]
 
     def ended(contents):
-        files = dict(list(contents.items())[:1])
-        honest(files)
-        raise KeyboardInterrupt
+        left[0] -= 1
+        honest(dict(list(contents.items())[: 1 if left[0] < 0 else None]))
+        if left[0] < 0:
+            raise KeyboardInterrupt
 
-    monkeypatch.setattr(row_groups, "write_all", ended)
-    with pytest.raises(KeyboardInterrupt):
-        group.write(block, values_of(block))
-    assert group.read(block) is None and group.read(ROWS.all[0]) is not None
+    with monkeypatch.context() as patch:
+        patch.setattr(row_groups, "write_all", ended)
+        with contextlib.suppress(KeyboardInterrupt):
+            finish(group)
+    assert group.is_finished == (writes == 4)
+    if writes < 4:
+        group.begin()
+        assert all(group.read(block) is not None for block in ROWS.all)
+        finish(group)
+    told = zarr.open_group(path / "attractors", mode="r")
+    assert told["kind"][:, 0, 0].tolist() == list(range(7)) and store.find_damage(path) == []
+    assert not (path / "attractors/packed").exists()
 
 
 def test_another_group_is_begun_anew(path):
