@@ -19,7 +19,15 @@ from solver.flow.zone_flows import ZONE_FLOWS, new_flows, zone_flows
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, number_array, whole_number
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    finite_number,
+    frequency,
+    instance_of,
+    number_array,
+    whole_number,
+)
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis
@@ -191,7 +199,18 @@ class AttractorRow:
     failures: np.ndarray
 
     def gains(self, round: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Columns (K,), kinds (K,) and states (K, m) of the settled attractors found in one round."""
+        """Columns (K,), kinds (K,) and states (K, m) of the bounded attractors found in one round.
+
+        Parameters
+        ----------
+        round : int
+
+        Raises
+        ------
+        ParameterError
+            If it is no round.
+        """
+        whole_number("round", round, 0, 2**15 - 1)
         columns, slots = np.nonzero((self.round == round) & (self.kind >= 1) & (self.kind <= CHAOTIC))
         return columns, self.kind[columns, slots], self.state[columns, slots]
 
@@ -539,9 +558,7 @@ def find_attractors(
     motions = np.empty((columns, 0, 3)) if motions is None else number_array("motions", motions)
     if motions.ndim != 3 or motions.shape[0] != columns or motions.shape[2] % 2 == 0 or motions.shape[2] < 3:
         raise ParameterError("motions", motions.shape, f"of shape ({columns}, S, 2 H + 1)")
-    keys = np.arange(columns, dtype=np.uint64) if keys is None else np.asarray(keys)
-    if keys.shape != (columns,) or keys.dtype.kind not in "iu":
-        raise ParameterError("keys", keys, f"{columns} whole numbers")
+    keys = np.arange(columns) if keys is None else _whole_numbers("keys", keys, columns)
     row = _RowSearch(systems, search, motions.shape[1])
     randoms = random_states(systems, keys.astype(np.uint64), search.starts)
     row.start(motion_states(systems, motions, period), randoms, period)
@@ -557,6 +574,21 @@ def _checked_row(system, axis: str, values, omega: float | None) -> RowSystems:
     # One place is no range, and as good as two.
     check_axis(system, axis, low, high if high > low else math.nextafter(low, math.inf), omega)
     return row_systems(system, axis, values, omega)
+
+
+def _whole_numbers(name: str, values, count: int | None, highest: int | None = None, lowest: int = 0) -> np.ndarray:
+    """So many whole numbers within bounds."""
+    array = np.asarray(values)
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu") or count not in (None, array.size):
+        raise ParameterError(name, values, f"{'' if count is None else f'{count} '}whole numbers")
+    if array.size and (array.min() < lowest or (highest is not None and array.max() > highest)):
+        raise ParameterError(name, values, f"at least {lowest}" + ("" if highest is None else f", at most {highest}"))
+    return array
+
+
+def _is_padded_state(state: np.ndarray) -> bool:
+    count = np.count_nonzero(np.isfinite(state))
+    return count >= 2 and count % 2 == 0 and bool(np.all(np.isfinite(state[:count]) & ~np.isinf(state[-1])))
 
 
 def _known_row(systems: RowSystems, search: AttractorSearch, row: AttractorRow) -> _RowSearch:
@@ -608,14 +640,14 @@ def settle(
         If an argument is not allowed.
     """
     search = AttractorSearch() if search is None else instance_of("search", search, AttractorSearch)
-    systems = _checked_row(system, "omega", [omega], None)
+    systems = _checked_row(system, "omega", [frequency(omega)], None)
     states = finite_array("states", states, (None, systems.size))
     if known is None:
         found = _RowSearch(systems, search, 0)
-    elif instance_of("known", known, AttractorRow).kind.shape[0] == 1:
-        found = _known_row(systems, search, known)
     else:
-        raise ParameterError("known", f"a row of {len(known.kind)} cells", "a row of one cell")
+        if len(instance_of("known", known, AttractorRow).kind) != 1:
+            raise ParameterError("known", f"a row of {len(known.kind)} cells", "a row of one cell")
+        found = _known_row(systems, search, known)
     return found.result_from(states)
 
 
@@ -661,7 +693,11 @@ def continue_attractors(
     instance_of("row", row, AttractorRow)
     round = whole_number("round", round, int(row.round.max(initial=0)) + 1, 2**15 - 1)
     found = _known_row(systems, search, row)
-    columns, kinds, states = np.asarray(columns), np.asarray(kinds), np.asarray(states, dtype=float)
+    columns = _whole_numbers("columns", columns, None, systems.values.size - 1)
+    kinds = _whole_numbers("kinds", kinds, columns.size, CHAOTIC, 1)
+    states = number_array("states", states)
+    if states.ndim != 2 or len(states) != columns.size or not all(map(_is_padded_state, states)):
+        raise ParameterError("states", states, f"{columns.size} states: y and y', then nan")
     for i in np.unique(columns).tolist():
         here = columns == i
         _, slots, _ = found.seek(i, round, kinds=kinds[here], brought=found.adapted(i, states[here]))

@@ -75,6 +75,8 @@ class RowSystems:
     gaps : (X, 2) array
         Ends of the dead zone of lambda.
     omega : (X,) array
+    alike : tuple
+        The systems as arrays, those of one number of coordinates together.
     """
 
     parameters: np.ndarray
@@ -94,7 +96,18 @@ class RowSystems:
 
 
 def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, omega: float | None) -> RowSystems:
-    """The systems of a row; arguments as of `solver.timedomain.attractors.find_attractors`, checked before."""
+    """The systems of a row; what is given has been checked.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    axis : str
+        What changes along the row.
+    values : (X,) array
+        Of the axis.
+    omega : float or None
+        The mesh frequency, unless it is the axis.
+    """
     parameters, slope = packed(system, axis, omega, 1, 1)
     degrees = np.empty(values.size, np.int64)
     _count(parameters, slope, values, degrees)
@@ -140,8 +153,18 @@ def _solved(matrices: np.ndarray, rights: np.ndarray) -> np.ndarray:
 
 
 def random_states(row: RowSystems, keys: np.ndarray, count: int) -> np.ndarray:
-    """Uniform states (X, count, m) in the box of each cell, from a key (X,) of each; nan beyond 2 n.
+    """Uniform states (X, count, m) in the box of each cell; nan beyond 2 n.
 
+    Parameters
+    ----------
+    row : RowSystems
+    keys : (X,) uint64 array
+        Seed of each cell.
+    count : int
+        States in each cell.
+
+    Notes
+    -----
     The numbers are those of SplitMix64 at key, key + golden ratio, ... (G. L. Steele, D. Lea, C. H. Flood, "Fast
     splittable pseudorandom number generators", OOPSLA 2014), so that a cell's do not depend on its neighbours.
     """

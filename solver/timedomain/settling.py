@@ -118,7 +118,17 @@ MEMORY = types.NamedTuple(
 
 
 def new_memory(size: int, room: int, watched: int) -> Memory:
-    """Room for a motion of states (m,) among so many attractors."""
+    """Room for a motion.
+
+    Parameters
+    ----------
+    size : int
+        Numbers m of a state.
+    room : int
+        Attractors that it may end on.
+    watched : int
+        Sections over which it may be watched.
+    """
     return Memory(
         np.empty(size),
         np.empty(room),
