@@ -1,16 +1,17 @@
 """How far the map's label n/I can be trusted, cell by cell, by the attractors of the cell itself.
 
 First every stable motion that the label counts is looked for among the attractors. It is *there* if an attractor
-repeats after the map's period, in the same impact state, with mean and amplitude within a tolerance; *in another impact
-state* if one such attractor differs in that state alone. Two motions are never the same attractor. If none is like it,
-where the motion leads to decides: to an attractor that does not repeat after the map's period (2T, a torus, chaos,
-unbounded), to another period-1 motion, or it is not settled and nothing is known. Then, the first that holds:
+repeats after the map's period in the same impact state, and either has its mean and amplitude within a tolerance or is
+what the motion leads to; *in another impact state* if that is all that differs. Two motions are never the same
+attractor. If none is left for it, where the motion leads to decides: to an attractor that does not repeat after the
+map's period (2T, a torus, chaos, unbounded), to one that another motion is, or it is not settled and nothing is known.
+A label does not tell amplitudes: how far these are off is the `deviation` of a cell. Then, the first that holds:
 
 | what was found | credibility |
 | --- | --- |
 | no label, or the row failed | unchecked |
 | a motion is not there and leads to what does not repeat | not a period-1 motion |
-| a motion is not there and leads to another period-1 motion | wrong count |
+| a motion is not there and leads to what another motion is | wrong count |
 | the label counts none, and there is a period-1 attractor | wrong count |
 | a motion is there in another impact state | wrong impact state |
 | of a motion nothing is known | unchecked |
@@ -122,22 +123,25 @@ class Cells:
         return np.where(known, domain_code(n, np.bitwise_or.reduce(states, axis=-1)), 0)
 
 
-def judge(cells: Cells, tolerance: float, within: tuple[int, int]) -> np.ndarray:
+def judge(cells: Cells, tolerance: float, within: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     """Judge every cell.
 
     Parameters
     ----------
     cells : Cells
     tolerance : float
-        How far mean and amplitude may be off, as a share of `cells.size`.
+        How far mean and amplitude may be off for a motion to be known again, as a share of `cells.size`.
     within : (int, int)
         Rows and columns within which a label may be shifted; see `reach`.
 
     Returns
     -------
-    (P, X) int8 array of `Credibility`
+    credibility : (P, X) int8 array
+        `Credibility`.
+    deviation : (P, X) array
+        By how much mean or amplitude of a motion is off at most, as a share of `cells.size`; nan unless all are there.
     """
-    there, other_state, claimed = _matched(cells, tolerance)
+    there, other_state, claimed, off = _matched(cells, tolerance)
     missing = cells.stable & ~there & ~other_state
     end = np.take_along_axis(cells.kind, cells.leads.clip(0).astype(np.int64), axis=-1)
     unknown = missing & ((cells.leads < 0) | (end == AttractorKind.NONE) | (end == AttractorKind.UNSETTLED))
@@ -162,31 +166,38 @@ def judge(cells: Cells, tolerance: float, within: tuple[int, int]) -> np.ndarray
     near = _near(cells.label, true, within) & _near(true, cells.label, within)
     wrong = (Credibility.WRONG_COUNT, Credibility.WRONG_IMPACT_STATE, Credibility.MORE_MOTIONS_EXIST)
     result[np.isin(result, wrong) & (true != 0) & (true != cells.label) & near] = Credibility.SHIFTED
-    return result
+    known = ~no_label & ~none_stable & ~np.any(missing, axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return result, np.where(known, np.max(off, axis=-1) / cells.size, np.nan)
 
 
-def _matched(cells: Cells, tolerance: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Motions (P, X, S) that are among the attractors, those that differ in the impact state alone, and the attractors
-    (P, X, A) that they are."""
+def _matched(cells: Cells, tolerance: float) -> tuple[np.ndarray, ...]:
+    """Motions (P, X, S) that are among the attractors, those that differ in the impact state alone, the attractors
+    (P, X, A) that they are, and how far (P, X, S) mean or amplitude is off."""
     claimed = np.zeros(cells.kind.shape, bool)
     there, other_state = np.zeros(cells.stable.shape, bool), np.zeros(cells.stable.shape, bool)
-    room = tolerance * cells.size[..., None]
+    apart, room = np.zeros(cells.stable.shape), tolerance * cells.size[..., None]
+    slots = np.arange(cells.kind.shape[-1])
     for same_state, found in ((True, there), (False, other_state)):
-        for s in range(cells.stable.shape[-1]):
-            mean, amplitude, impact = (array[..., s, None] for array in (cells.mean, cells.amplitude, cells.impact))
-            with np.errstate(invalid="ignore"):
-                off = np.maximum(np.abs(cells.found_mean - mean), np.abs(cells.found_amplitude - amplitude))
-                alike = cells.repeats & ~claimed & (off <= room)
-            alike &= (cells.found_impact == impact) == same_state
-            alike &= (cells.stable & ~there)[..., s, None]
-            # The one that it leads to, where several are like it, else the nearest.
-            off = np.where(alike, off, np.inf)
-            off = np.where(np.arange(off.shape[-1]) == cells.leads[..., s, None], np.where(alike, -1.0, np.inf), off)
-            best = np.argmin(off, axis=-1)[..., None]
-            hit = np.take_along_axis(alike, best, axis=-1)
-            np.put_along_axis(claimed, best, np.take_along_axis(claimed, best, axis=-1) | hit, axis=-1)
-            found[..., s] = hit[..., 0]
-    return there, other_state, claimed
+        for led in (False, True):
+            for s in range(cells.stable.shape[-1]):
+                open_ = (cells.stable & ~there & ~other_state)[..., s, None]
+                if not np.any(open_):
+                    continue
+                mean, amplitude, impact = (array[..., s, None] for array in (cells.mean, cells.amplitude, cells.impact))
+                leads = slots == cells.leads[..., s, None]
+                with np.errstate(invalid="ignore"):
+                    off = np.maximum(np.abs(cells.found_mean - mean), np.abs(cells.found_amplitude - amplitude))
+                    alike = cells.repeats & ~claimed & open_ & (leads if led else off <= room)
+                alike &= (cells.found_impact == impact) == same_state
+                # The one that it leads to, where several are like it, else the nearest.
+                rank = np.where(alike, np.where(leads, -1.0, off), np.inf)
+                best = np.argmin(rank, axis=-1)[..., None]
+                hit = np.take_along_axis(alike, best, axis=-1)
+                np.put_along_axis(claimed, best, np.take_along_axis(claimed, best, axis=-1) | hit, axis=-1)
+                found[..., s] |= hit[..., 0]
+                apart[..., s] = np.where(hit, np.take_along_axis(off, best, axis=-1), apart[..., s, None])[..., 0]
+    return there, other_state, claimed, apart
 
 
 def reach(rows: np.ndarray, columns: np.ndarray, lengths: tuple[float, float], delta: float) -> tuple[int, int]:

@@ -21,7 +21,7 @@ MEANINGS = {
     Credibility.CONFIRMED: "each motion of the label is an attractor, and no other was found",
     Credibility.MORE_MOTIONS_EXIST: "the label's motions are real, and other attractors coexist with them",
     Credibility.WRONG_IMPACT_STATE: "a motion of the label is real, in another impact state",
-    Credibility.WRONG_COUNT: "a motion of the label is not there: it leads to another period-1 motion",
+    Credibility.WRONG_COUNT: "two motions of the label lead to one, or it counts none and there is one",
     Credibility.NOT_A_PERIOD_1_MOTION: "a motion of the label is not there: it leads to 2T, a torus, chaos, or grows",
     Credibility.SHIFTED: "both labels are right within the tolerance in place: the boundary lies elsewhere",
     Credibility.UNCHECKED: "a motion did not settle, or the row failed",
@@ -90,6 +90,11 @@ def result_lines(path: Path, plan: Plan, found) -> Iterator[str]:
         counts = {kind: number for kind, number in label_lines(labels, judged)[-1].counts.items() if number}
         parts = zip(percents(list(counts.values())), counts, strict=True)
         yield f"labels of the map: {', '.join(f'{share} {kind.words}' for share, kind in parts)}"
+        far = int(np.sum((judged == Credibility.CONFIRMED) & (found.deviation.values > found.attrs["tolerance"])))
+        yield (
+            f"of the confirmed cells, {far} have a motion whose mean or amplitude is off by more than "
+            f"{found.attrs['tolerance']:g} of gap + static deflection"
+        )
     yield found.attrs["bound"]
 
 
@@ -123,8 +128,9 @@ def _markdown(path: Path, plan: Plan, found, lines: list[Line], name: str) -> st
             f"{text[0].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"
             for text in result_lines(path, plan, found)
         ),
-        f"A motion of the map is an attractor if mean and amplitude agree within {told['tolerance']:g} of gap + static "
-        f"deflection; a label is shifted within {told['delta']:g} of the length of either axis.",
+        f"A motion of the map is known again among the attractors if mean and amplitude agree within "
+        f"{told['tolerance']:g} of gap + static deflection, or if it leads there; a label is shifted within "
+        f"{told['delta']:g} of the length of either axis.",
         f"A start took at most {told['max_periods']} forcing periods; seed {told['seed']}.",
         *(f"{kind.words.capitalize()}: {text}." for kind, text in MEANINGS.items()),
     ]

@@ -41,14 +41,14 @@ def summary_of(path: Path, group: RowGroup, grid: Grid, options: Attractors) -> 
     """
     shape = (*grid.blocks.shape, len(grid.columns))
     judged, combinations = np.zeros(shape, np.int8), np.zeros(shape, np.int32)
-    count = np.zeros(shape, np.uint8)
+    count, off = np.zeros(shape, np.uint8), np.full(shape, np.nan)
     known: dict[tuple, int] = {}
     for layer, found in _layers(group):
         here = layer if len(shape) == 3 else ...
         cells = cells_of(path, grid, 0 if layer is None else layer, found)
         x, p = grid.plan.sweep, grid.plan.parameter
         within = reach(grid.p, grid.x, (p.high - p.low, x.high - x.low), options.delta)
-        judged[here] = judge(cells, options.tolerance, within)
+        judged[here], off[here] = judge(cells, options.tolerance, within)
         count[here] = np.sum(cells.settled & (cells.kind != AttractorKind.UNBOUNDED), axis=-1)
         combinations[here] = _combinations(cells, known)
     # Numbers of labels must not depend on where they were met.
@@ -73,10 +73,20 @@ def summary_of(path: Path, group: RowGroup, grid: Grid, options: Attractors) -> 
             _array(grid, "int8", 0, "how far the map's label can be trusted", **store.flags(Credibility)),
             judged,
         ),
+        "deviation": (
+            _array(
+                grid,
+                "float64",
+                float("nan"),
+                "by how much mean or amplitude of a motion of the map is off at most, as a share of size",
+                units="1",
+            ),
+            off,
+        ),
     }
 
 
-def _array(grid: Grid, dtype: str, fill: int, long_name: str, **more) -> RowArray:
+def _array(grid: Grid, dtype: str, fill: float, long_name: str, **more) -> RowArray:
     return RowArray(grid.dims[-1:], (len(grid.columns),), dtype, fill, {"long_name": long_name, **more})
 
 

@@ -77,8 +77,13 @@ CASES = {
     "one of two leads to 2T": (cell([LOW, HIGH], [ONE, TWO]), Credibility.NOT_A_PERIOD_1_MOTION),
     "one is lost, another not settled": (cell([LOW, HIGH], [TWO, LOST]), Credibility.NOT_A_PERIOD_1_MOTION),
     "two lead to one": (cell([LOW, HIGH], [ONE], [0, 0]), Credibility.WRONG_COUNT),
-    "far off": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 0)]), Credibility.WRONG_COUNT),
-    "far off in the mean": (cell([LOW], [(Kind.PERIOD_1, 1.4, 0.4, 0)]), Credibility.WRONG_COUNT),
+    "far off, and it leads there": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 0)]), Credibility.CONFIRMED),
+    "far off, and it leads to what another is": (
+        cell([LOW, HIGH], [ONE, (Kind.PERIOD_1, 1.2, 1.5, 1)], [0, 0]),
+        Credibility.WRONG_COUNT,
+    ),
+    "far off, and nothing is known": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 0)], [-1]), Credibility.UNCHECKED),
+    "far off, in another state": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 1)]), Credibility.WRONG_IMPACT_STATE),
     "two motions alike are not one attractor": (cell([LOW, LOW], [ONE], [0, 0]), Credibility.WRONG_COUNT),
     "none counted, one there": (cell([], [ONE]), Credibility.WRONG_COUNT),
     "none counted, 2T there": (cell([], [TWO]), Credibility.MORE_MOTIONS_EXIST),
@@ -100,7 +105,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_every_line_of_the_table(name):
     cells, expected = CASES[name]
-    assert Credibility(judge(cells, 0.05, (0, 0)).item()) is expected
+    assert Credibility(judge(cells, 0.05, (0, 0))[0].item()) is expected
 
 
 def test_every_class_but_shifted_is_among_the_cases():
@@ -118,20 +123,20 @@ def test_a_boundary_that_lies_elsewhere_is_shifted_and_nothing_farther_away():
     too_early = cell([LOW, HIGH], [ONE], [0, 0])  # the map says two already
     cells = row_of(right_one, right_one, too_early, too_early, too_early, right_two, right_two)
     shifted, wrong, fine = Credibility.SHIFTED, Credibility.WRONG_COUNT, Credibility.CONFIRMED
-    assert judge(cells, 0.05, (0, 1))[0].tolist() == [fine, fine, wrong, wrong, wrong, fine, fine]
-    assert judge(cells, 0.05, (0, 2))[0].tolist() == [fine, fine, wrong, shifted, wrong, fine, fine]
-    assert judge(cells, 0.05, (0, 3))[0].tolist() == [fine, fine, shifted, shifted, shifted, fine, fine]
+    assert judge(cells, 0.05, (0, 1))[0][0].tolist() == [fine, fine, wrong, wrong, wrong, fine, fine]
+    assert judge(cells, 0.05, (0, 2))[0][0].tolist() == [fine, fine, wrong, shifted, wrong, fine, fine]
+    assert judge(cells, 0.05, (0, 3))[0][0].tolist() == [fine, fine, shifted, shifted, shifted, fine, fine]
     # Along the rows it is the same.
     turned = Cells(*(np.swapaxes(value, 0, 1) for name, value in vars(cells).items() if name != "period"))
-    assert judge(turned, 0.05, (2, 0))[:, 0].tolist() == [fine, fine, wrong, shifted, wrong, fine, fine]
+    assert judge(turned, 0.05, (2, 0))[0][:, 0].tolist() == [fine, fine, wrong, shifted, wrong, fine, fine]
     # Both labels must change sides: where the map's never becomes true, nothing is shifted.
-    assert judge(row_of(right_one, too_early, too_early), 0.05, (0, 3))[0].tolist() == [fine, wrong, wrong]
+    assert judge(row_of(right_one, too_early, too_early), 0.05, (0, 3))[0][0].tolist() == [fine, wrong, wrong]
 
 
 def test_what_is_no_label_is_never_shifted():
     two = cell([LOW], [TWO])
     cells = row_of(cell([LOW], [ONE]), two, cell([LOW, HIGH], [ONE, OTHER]))
-    assert judge(cells, 0.05, (0, 3))[0, 1] == Credibility.NOT_A_PERIOD_1_MOTION
+    assert judge(cells, 0.05, (0, 3))[0][0, 1] == Credibility.NOT_A_PERIOD_1_MOTION
 
 
 def test_how_far_a_label_may_be_shifted():
@@ -139,3 +144,12 @@ def test_how_far_a_label_may_be_shifted():
     assert reach(rows, columns, (0.5, 1.95), 0.02) == (4, 8)
     assert reach(rows[::2], columns[::4], (0.5, 1.95), 0.02) == (2, 2)
     assert reach(rows[:1], columns, (0.5, 1.95), 0.0) == (0, 0)
+
+
+def test_how_far_motions_are_off():
+    far = cell([LOW, HIGH], [ONE, (Kind.PERIOD_1, 1.3, 1.5, 1)])
+    off = judge(far, 0.05, (0, 0))[1].item()
+    assert off == pytest.approx(0.3 / 2.0)
+    assert judge(cell([LOW], [ONE]), 0.05, (0, 0))[1].item() == pytest.approx(0.01 / 2.0)
+    for cells in (cell([LOW], [TWO]), cell([], [ONE], label=0), cell([], [])):
+        assert np.isnan(judge(cells, 0.05, (0, 0))[1].item())
