@@ -1,4 +1,4 @@
-"""`python -m benchmarks [quick] [FILE]`: every figure of speed in one run, as a table and as JSON (make bench)."""
+"""`python -m benchmarks [quick] [FILE]`: every figure of speed in one run, as a table, as JSON and in docs/speed.md (make bench)."""
 
 import os
 import sys
@@ -12,7 +12,7 @@ os.environ.update({f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "
 from benchmarks.commands import measure_commands
 from benchmarks.measurement import FULL, QUICK
 from benchmarks.numerics import measure_numerics
-from benchmarks.report import document, table, write
+from benchmarks.report import PAGE, document, fill, table, write
 
 _FILE = Path("outputs/bench.json")
 
@@ -28,6 +28,9 @@ def main(arguments: list[str]) -> None:
     write(found, file)
     print(table(found))
     print(f"\n{file.resolve()}")
+    if not quick:
+        fill(found, PAGE)
+        print(PAGE.resolve())
 
 
 if __name__ == "__main__":

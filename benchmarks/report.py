@@ -9,9 +9,12 @@ from pathlib import Path
 
 from benchmarks.measurement import Measurement
 
-__all__ = ["SCHEMA", "document", "table", "write"]
+__all__ = ["PAGE", "SCHEMA", "document", "fill", "table", "write"]
 
 SCHEMA = 1
+#: The page of the site that has the table of a whole run.
+PAGE = Path(__file__).parents[1] / "docs/speed.md"
+_FROM, _TO = "<!-- from here on by make bench -->\n", "<!-- to here -->\n"
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "xarray", "dask", "distributed", "matplotlib")
 _BASELINES = ("fsolve", "runge_kutta")
 
@@ -47,7 +50,7 @@ def _processor() -> str:
 
 
 def table(found: dict) -> str:
-    """For a terminal and for the README: Markdown."""
+    """For a terminal and for the site: Markdown."""
     lines = [
         "| what | measured | lowest–highest (n) | fsolve takes | Runge–Kutta takes |",
         "| --- | --- | --- | --- | --- |",
@@ -80,3 +83,12 @@ def write(found: dict, file: Path) -> None:
     """Write the JSON."""
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+def fill(found: dict, page: Path) -> None:
+    """Put the table of a run into a page, between its two marks."""
+    before, _, rest = page.read_text(encoding="utf-8").partition(_FROM)
+    _, _, after = rest.partition(_TO)
+    versions = ", ".join(f"{name} {version}" for name, version in found["versions"].items())
+    text = f"\n{table(found)}\n\nMeasured {found['made'][:10]} with {versions}.\n\n"
+    page.write_text(f"{before}{_FROM}{text}{_TO}{after}", encoding="utf-8")

@@ -48,6 +48,7 @@ def measure(folder: Path, columns: int, rows: int, layers: int | None, limit: fl
         f"store.name={name}",
         "store.max_points=4096",
         "stages=[sweep]",
+        "cluster.workers=2",
     ]
     # Into a file: a pipe that nobody reads would stop the run.
     with (folder / f"{name}.log").open("w") as log:

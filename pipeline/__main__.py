@@ -133,8 +133,11 @@ def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
     from pipeline.errors import ConfigurationError
     from pipeline.run.libraries import load_zarr
+    from pipeline.stages import STAGES
 
-    load_zarr()
+    asked = {stage for settings in all_settings for stage in settings.config.stages}
+    if any(entry.reads_arrays for entry in STAGES if entry.name in asked):
+        load_zarr()
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce
 
@@ -176,7 +179,9 @@ def _attempt(run, job, workforce, reporter) -> int:
 def _explained(job, error: Exception) -> str:
     """What to say of an error: damage of a store, if there is any, or what the system said; others are ours."""
     from pipeline import store
+    from pipeline.run.libraries import load_zarr
 
+    load_zarr()
     # Stages that need several planes read all stores of the folder.
     for path in [job.store_path, *sorted(set(job.store_path.parent.glob("*.zarr")) - {job.store_path})]:
         if path.exists() and (found := store.damage_error(path)) is not None:

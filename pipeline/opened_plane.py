@@ -283,7 +283,7 @@ class OpenPlane:
         -------
         tuple of pipeline.analysis.margins.distances.Margin
             Up to four, by distance as a share of the axis: `name` of the parameter, `kind` of boundary, `place`,
-            `distance`, and `beyond`, the code of the label on the other side (0 for planes of higher order).
+            `distance`, and `beyond`, the code of the label on the other side (0 where it is not decided).
 
         Raises
         ------
@@ -301,8 +301,7 @@ class OpenPlane:
         if self.stored.boundaries is None:
             raise StoreError(f"{self.path} has no boundaries: run stages=[boundaries] first")
         arcs, design = boundaries_of(self.stored.boundaries.curves), Design(x, p, x, x)
-        labelled = self.plan.solver["balance"] == "describing_function"
-        row, column = (line_through(arcs, self.plan, design, axis, labelled) for axis in (P, X))
+        row, column = (line_through(arcs, self.plan, design, axis) for axis in (P, X))
         found = [margin for margin in margins_of_axis(row, column, self.plan, design) if margin.place is not None]
         widths = {axis.name: axis.high - axis.low for axis in (self.plan.sweep, self.plan.parameter)}
         return tuple(sorted(found, key=lambda margin: margin.distance / widths[margin.name]))

@@ -33,7 +33,8 @@ _HOMES = {
     "model.contact_system": ("ContactSystem", "gear_system"),
     "model.gear_model": ("GEOMETRIC", "SCALAR_PARAMETERS", "Model"),
     "rows.row": ("Row", "sweep_row"),
-    "rows.seeds": ("LinearSeeds", "ProvenSeeds", "RowError"),
+    "rows.seeds": ("LiftedSeeds", "LinearSeeds", "ProvenSeeds"),
+    "rows.span": ("RowError",),
 }
 _HOME_OF = {name: f"solver.{module}" for module, names in _HOMES.items() for name in names}
 

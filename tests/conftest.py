@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +17,10 @@ from tests.made_once import share
 # The same examples in every run: a test that fails once fails again, and no folder of examples is left behind.
 settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)
 settings.load_profile("bevelmap")
+
+# Sources are compiled once and not by each of the hundreds of processes of the tests, whatever is set around them.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 if TYPE_CHECKING:
     from solver import Model

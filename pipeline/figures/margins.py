@@ -1,4 +1,4 @@
-"""A design point on its map: operating range, tolerances, the largest safe box, the ways to the nearest boundaries."""
+"""A design point on its map: operating range, tolerances, the largest box, the ways to the nearest boundaries."""
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
@@ -144,5 +144,6 @@ def _entries(answer) -> list[Entry]:
     if _hits(answer):
         entries.append(Entry("nearest boundary", line=_WAY, mark=_HIT))
     if answer.box is not None:
-        entries.append(Entry("largest safe box" if answer.label else "box without boundary", area=_BOX))
-    return entries
+        entries.append(Entry(f"largest box of {answer.label}", area=_BOX))
+    verified = "not verified" if answer.doubts else "and integration"
+    return [*entries, Entry(f"labels: {answer.known[0].source},"), Entry(verified)]

@@ -7,7 +7,7 @@ import numpy as np
 from pipeline import figures
 from pipeline.analysis import margins
 from pipeline.figures import stage as figures_stage
-from pipeline.run.job import Job
+from pipeline.run.job import Job, command
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
@@ -27,7 +27,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     begin = perf_counter()
     design = margins.design_of(settings.config.margins, job.plan)
     try:
-        found = margins.answer(path, job.plan, design)
+        found = margins.answer(path, job.plan, design, command(settings, "stages=[attractors]"))
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         reporter.error(f"margins in {path} cannot be told: {' '.join(str(error).split())}")
         return 1

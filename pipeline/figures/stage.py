@@ -32,7 +32,7 @@ def _draw(job: Job, workforce: Workforce, folder: Path) -> list[Path]:
     if not workforce.has_local_workers or job.plan.parameter2 is not None:
         return figures.draw(job.store_path, folder, **options)
     tasks, drawn = [(job.store_path, folder, options, name) for name in figures.NAMES], {}
-    for task, result in workforce.run(figures.draw_named, tasks):
+    for task, result in workforce.run_beside(figures.draw_named, tasks):
         if isinstance(result, Exception):
             raise result
         drawn[task[-1]] = result

@@ -1,5 +1,9 @@
 """From a plan to the objects of the solver: balance, continuation, seeds, the gear at a place, one row."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from pipeline.plan.plan import Plan
 from pipeline.plan.thermal import thermal_pair
 from solver import (
@@ -7,17 +11,19 @@ from solver import (
     Broyden,
     Continuation,
     DescribingFunction,
+    LiftedSeeds,
     LinearSeeds,
     Model,
     Newton,
     ParameterError,
     ProvenSeeds,
-    Row,
-    sweep_row,
 )
 from solver.model.mesh_damping import MESH_DAMPING
 from solver.model.parameter_path import ParameterPath, place_on
-from solver.rows.seeds import Seeds
+
+if TYPE_CHECKING:
+    from solver import Row
+    from solver.rows.seeds import Seeds
 
 __all__ = [
     "BALANCES",
@@ -77,8 +83,6 @@ def seeds_of(settings: dict) -> Seeds:
     if settings["certify"] == "none":
         return LinearSeeds()
     if settings["balance"] == "galerkin":
-        from solver.rows.lifted_seeds import LiftedSeeds
-
         if settings["certify"] == "all":
             raise ParameterError("certify", "all", "none or columns for solver=hb: only first order can be proven")
         return LiftedSeeds(settings["certify_columns"])
@@ -124,6 +128,9 @@ def point_of(plan: Plan, row: float, column: float) -> tuple[Model, float]:
 
 def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds) -> Row:
     """One row of the plane, with whatever balance; raises as `solver.sweep_row` does."""
+    # Most of the solver, which a plan can do without.
+    from solver import sweep_row
+
     omega = value if plan.parameter.name == "omega" else plan.omega
     model = model_at(plan, value, plan.sweep.low)
     return sweep_row(

@@ -14,6 +14,7 @@ from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_ax
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import cycle_note
 from pipeline.plan.thermal import thermal_numbers
+from pipeline.plan.unfelt import unfelt_harmonics
 from solver import SCALAR_PARAMETERS, GearPair, ParameterError, Scales
 
 __all__ = ["asked_numbers", "check_numbers", "gear_of", "plan", "warnings"]
@@ -201,7 +202,8 @@ def _key_of(error, plan: Plan) -> str:
 
 
 def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
-    """What is allowed but worth a line: stiffness that turns negative, and mesh damping that breaks the physics.
+    """What is allowed but worth a line: stiffness that turns negative, harmonics that the balance does not feel, mesh
+    damping that breaks the physics.
 
     Parameters
     ----------
@@ -222,6 +224,8 @@ def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
         lines.append(
             f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical"
         )
+    if (unfelt := unfelt_harmonics(plan)) is not None:
+        lines.append(unfelt.sentence)
     names = {axis.name for axis in plan.axes}
     changed = any(name in names or (settings and settings.overridden(f"gear.{name}")) for name in _DAMPING_PARTS)
     if settings is not None and settings.choices["gear"] == "published" and not changed:

@@ -9,6 +9,7 @@ from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.sweep import compute
 from pipeline.run.workforce import Workforce
+from pipeline.store.repair import repair
 
 __all__ = ["STAGE"]
 
@@ -35,7 +36,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not config.check.repair:
         reporter.line(f"check: {what}; the same command with check.repair=true mends them")
         return 1
-    store.repair(path, damage)
+    repair(path, damage)
     status = _again(job, workforce, reporter) if blocks else 0
     left = store.find_damage(path)
     for name in groups:

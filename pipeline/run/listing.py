@@ -37,8 +37,10 @@ def _table(found, reporter: Reporter) -> None:
     from pipeline.store.listing import TITLES
 
     table = Table(box=None, header_style="bold", pad_edge=False)
-    for title in TITLES:
-        table.add_column(title, overflow="fold")
+    # Names are what one types: other columns give way first.
+    widths = [min(max(len(entry.name) for entry in found.entries), 24), *[None] * (len(TITLES) - 1)]
+    for title, width in zip(TITLES, widths, strict=True):
+        table.add_column(title, overflow="fold", min_width=width)
     for entry in found.entries:
         # As text, so that nothing in a name is taken for markup.
         table.add_row(*map(Text, entry.cells))

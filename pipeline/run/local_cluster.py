@@ -8,10 +8,7 @@ out.
 
 import contextlib
 import logging
-import signal
-import sys
 import tempfile
-import threading
 from collections.abc import Iterator
 
 import dask
@@ -20,6 +17,7 @@ from distributed import Nanny, Scheduler, Security, SpecCluster, Worker
 from distributed.system import MEMORY_LIMIT
 
 from pipeline.run.libraries import with_own_dask
+from pipeline.run.processes import deaf_to_interrupts, main_module_hidden
 
 __all__ = ["local_cluster"]
 
@@ -76,9 +74,9 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
     # Workers import and read what is in their folders; dask's usual place for them may belong to somebody else.
     folders = tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True)
     with folders as folder, with_own_dask():
-        with _deaf_to_interrupts(), _main_module_hidden():
+        with deaf_to_interrupts(), main_module_hidden():
             cluster = _started(workers, memory, dashboard, folder)
-        with contextlib.closing(cluster), _main_module_hidden():
+        with contextlib.closing(cluster), main_module_hidden():
             yield cluster
 
 
@@ -110,34 +108,3 @@ def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecClu
             security=security,
             silence_logs=logging.CRITICAL,
         )
-
-
-@contextlib.contextmanager
-def _main_module_hidden() -> Iterator[None]:
-    """Processes started inside do not run the user's script again, as they would to find what is defined there.
-
-    Workers are given functions of this package alone, and a script without `if __name__ == "__main__"` would start
-    itself without end.
-    """
-    main = sys.modules["__main__"]
-    kept = {name: vars(main).pop(name) for name in ("__spec__", "__file__") if name in vars(main)}
-    main.__spec__ = None
-    try:
-        yield
-    finally:
-        vars(main).update(kept)
-
-
-@contextlib.contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes started inside ignore what a terminal sends to all: stopping them is this process's business."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
-    handlers = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)

@@ -1,4 +1,7 @@
-"""Preparing and running the stages that were asked for. Checks come first and write nothing."""
+"""Preparing and running the stages that were asked for. Checks come first and write nothing.
+
+What not every stage needs is imported where it is: zarr and most of the solver take longer than the shortest stages.
+"""
 
 import contextlib
 import os
@@ -13,15 +16,12 @@ from pipeline.plan.differences import by_key, differences, of_typed
 from pipeline.plan.layers import layer_of, of_layer
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
-from pipeline.plane.result import result_line
-from pipeline.plane.stored import StoredPlane
 from pipeline.run.cluster_settings import check_cluster
 from pipeline.run.job import Job, command, other_numbers
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
 from pipeline.stages import STAGES
-from pipeline.store.extraction import extract_layer
 from pipeline.store.lock import holding
 
 __all__ = ["prepare", "run_plane_stages", "run_shared_stages", "stored_plan"]
@@ -167,8 +167,10 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     alone = any(stage.writes for stage in stages) and _is_writable(_existing(job.store_path.parent))
     if not (makes or alone):
         return _run_with_result(stages, job, workforce, reporter)
+    from pipeline.store.repair import remove_left_overs
+
     with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
-        store.remove_left_overs(job.store_path)
+        remove_left_overs(job.store_path)
         # What was checked before a wait may have become another store.
         job = prepare(job.settings) if waited else job
         _take_out_layer(job, reporter)
@@ -178,8 +180,12 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 def _run_with_result(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run stages, and where they were about the map say at the end what it tells."""
     status = _run(stages, job, workforce, reporter)
-    if any(stage.tells_map for stage in stages) and (text := result_line(StoredPlane(job.store_path, job.plan))):
-        reporter.line(f"{job.settings.store_name}: {text}")
+    if any(stage.tells_map for stage in stages):
+        from pipeline.plane.result import result_line
+        from pipeline.plane.stored import StoredPlane
+
+        if text := result_line(StoredPlane(job.store_path, job.plan)):
+            reporter.line(f"{job.settings.store_name}: {text}")
     return status
 
 
@@ -188,6 +194,8 @@ def _take_out_layer(job: Job, reporter: Reporter) -> None:
     anew = job.settings.config.store.overwrite and job.asks("sweep")
     if job.layer is None or job.store_path.exists() or not job.layer.volume.exists() or anew:
         return
+    from pipeline.store.extraction import extract_layer
+
     extract_layer(job.layer, job.store_path, job.plan, job.settings.store_name, job.settings.yaml())
     reporter.line(f"layer: {job.settings.store_name} taken out of {job.layer.volume} into {job.store_path}")
 

@@ -53,12 +53,16 @@ def csv_text(header: Sequence, lines: Iterable[Sequence]) -> str:
 
 
 def escaped(text: str) -> str:
-    """Text that no reader of Markdown takes for markup; underscores inside words are safe."""
+    """Text that no reader of Markdown takes for markup; underscores inside words are none."""
     return _MARKUP.sub(lambda match: f"\\{match[0]}", text)
 
 
+def _cell(text: str) -> str:
+    return escaped(text).replace("\n", "<br>")
+
+
 def pipes(headings: Sequence[str], rows: Iterable[Sequence[str]], numbers_from: int | None = None) -> str:
-    """A pipe table of plain text.
+    """A pipe table of plain text; lines of a cell are kept.
 
     Parameters
     ----------
@@ -76,5 +80,5 @@ def pipes(headings: Sequence[str], rows: Iterable[Sequence[str]], numbers_from: 
     """
     left = len(headings) if numbers_from is None else numbers_from
     ruler = ["---"] * left + ["---:"] * (len(headings) - left)
-    lines = [map(escaped, headings), ruler, *(map(escaped, cells) for cells in rows)]
+    lines = [map(escaped, headings), ruler, *(map(_cell, cells) for cells in rows)]
     return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

@@ -22,8 +22,10 @@ from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
 
-#: Cells of first order that one core computes in half a second.
-_FEW_CELLS = 16_000
+#: Cells of first order that one core computes in about the time in which two workers start and do the same.
+_FEW_CELLS = 100_000
+#: What drawing takes longest to import.
+_FIGURES = tuple(f"pipeline.figures.{module}" for module in ("map", "curves", "backbone", "output"))
 #: Failed rows, and rows with notes, that are listed in full.
 _LISTED = 10
 
@@ -57,7 +59,10 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
     warm_up_for(job, reporter)
-    workforce = _enough(job, blocks, workforce)
+    everybody, workforce = workforce, _enough(job, blocks, workforce)
+    alone = workforce is not everybody
+    if alone:
+        _expect_figures(job, everybody)
     where = workforce.start()
     open_log(job, reporter)
     if present:
@@ -69,7 +74,16 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
     reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")
-    return compute(job, blocks, workforce, reporter, perf_counter() - begin)
+    status = compute(job, blocks, workforce, reporter, perf_counter() - begin)
+    if not alone:
+        _expect_figures(job, everybody)
+    return status
+
+
+def _expect_figures(job: Job, workforce: Workforce) -> None:
+    """What draws is loaded while boundaries are traced, and of a small plane while its rows are computed."""
+    if job.asks("figures") and job.plan.parameter2 is None:
+        workforce.expect(_FIGURES)
 
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:

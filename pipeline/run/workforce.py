@@ -5,10 +5,11 @@ Tasks are independent and write their own results; only small receipts come back
 
 import contextlib
 import logging
+import os
 import pickle
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from queue import SimpleQueue
 
@@ -61,7 +62,7 @@ class Workforce:
     def __init__(self, config: Cluster, say: Callable[[str], None] = lambda text: None):
         self.config = config
         self._say = say
-        self._connection = self._admission = None
+        self._connection = self._admission = self._helpers = None
         self._open = contextlib.ExitStack()
         self._seen: tuple[float, dict[str, int]] = -_COUNT_EVERY, {}
 
@@ -70,7 +71,7 @@ class Workforce:
 
     def __exit__(self, *error):
         # An interrupt ends workers at once.
-        self._connection = None
+        self._connection = self._helpers = None
         return self._open.__exit__(*error)
 
     def start(self) -> str:
@@ -255,10 +256,34 @@ class Workforce:
         workers = self._workers(now=True)
         return bool(workers) and not self._admission.allowed(workers)
 
+    def expect(self, modules: Sequence[str]) -> None:
+        """Have processes of this machine load modules that `run_beside` will need, while this one goes on.
+
+        Workers do, where there are some already; otherwise helpers, which start sooner.
+        """
+        if self.config.kind != "local" or (os.cpu_count() or 1) < 2 or self._helpers is not None:
+            return
+        from pipeline.run.helpers import Helpers, load
+
+        if self._connection is not None:
+            submit, answers = self._connection.submit, SimpleQueue()
+            places = [{"workers": [worker], "allow_other_workers": False} for worker in self._workers(now=True)]
+            # Kept, since dask drops what nobody waits for.
+            self._loading = [submit(answers, load, tuple(modules), **place) for place in places]
+            return
+        # Without a process to spare all is done here.
+        with contextlib.suppress(OSError):
+            self._helpers = self._open.enter_context(contextlib.closing(Helpers(modules)))
+
+    def run_beside(self, function: Callable, tasks: Iterable[tuple]) -> Iterator[tuple[tuple, object]]:
+        """`run` on processes of this machine that have been started for something else, if `has_local_workers`."""
+        beside = self if self._connection is not None else self._helpers
+        return beside.run(function, tasks)
+
     @property
     def has_local_workers(self) -> bool:
-        """Whether worker processes of this machine, which share its files, run already."""
-        return self.config.kind == "local" and self._connection is not None
+        """Whether processes of this machine, which share its files, run already."""
+        return self.config.kind == "local" and (self._connection is not None or self._helpers is not None)
 
     @property
     def size(self) -> int:

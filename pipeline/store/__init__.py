@@ -1,42 +1,32 @@
 """The store of a plane: a zarr group whose template is written first and filled block by block.
 
 Only the task that owns a block writes its chunks, `status` last, so that a block is either complete or computed again.
+
+Names are loaded when they are first used: what a store says of itself is read without zarr, which takes long to import.
 """
 
-from pipeline.store.attributes import axis_attributes, flags, label_flags
-from pipeline.store.blocks import RowValues, kept_rows, pending_blocks, read_rows, row_values, write_block
-from pipeline.store.identity import check, read_layout, read_plan, refuse_foreign, store_path
-from pipeline.store.inspection import damage_error, find_damage
-from pipeline.store.repair import remove_left_overs, repair
-from pipeline.store.states import COMPLETE, FAILED, PENDING, failures, notes, proven_cells, statuses
-from pipeline.store.template import consolidate, create
+import importlib
 
-__all__ = [
-    "COMPLETE",
-    "FAILED",
-    "PENDING",
-    "RowValues",
-    "axis_attributes",
-    "check",
-    "consolidate",
-    "create",
-    "damage_error",
-    "failures",
-    "find_damage",
-    "flags",
-    "kept_rows",
-    "label_flags",
-    "notes",
-    "pending_blocks",
-    "proven_cells",
-    "read_layout",
-    "read_plan",
-    "read_rows",
-    "refuse_foreign",
-    "remove_left_overs",
-    "repair",
-    "row_values",
-    "statuses",
-    "store_path",
-    "write_block",
-]
+_HOMES = {
+    "attributes": ("axis_attributes", "flags", "label_flags"),
+    "blocks": ("RowValues", "kept_rows", "pending_blocks", "read_rows", "row_values", "write_block"),
+    "identity": ("check", "read_layout", "read_plan", "refuse_foreign", "store_path"),
+    "inspection": ("damage_error", "find_damage"),
+    "outcomes": ("failures", "notes", "proven_cells", "statuses"),
+    "states": ("COMPLETE", "FAILED", "PENDING"),
+    "template": ("consolidate", "create"),
+}
+_HOME_OF = {name: f"{__name__}.{module}" for module, names in _HOMES.items() for name in names}
+
+__all__ = sorted(_HOME_OF)
+
+
+def __getattr__(name: str):
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = globals()[name] = getattr(importlib.import_module(_HOME_OF[name]), name)
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *__all__})

@@ -11,25 +11,16 @@ import zarr
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import MOST_TEXT
-from pipeline.store.arrays import arrays_of, row_layouts, status_layout
-from pipeline.store.chunk_files import encoded, read_chunk
+from pipeline.store.arrays import arrays_of, row_layouts
+from pipeline.store.block_states import is_stored, read_states, write_states
+from pipeline.store.chunk_files import read_chunk
 from pipeline.store.codecs import every_chunk
-from pipeline.store.durable import settle, write_whole
+from pipeline.store.durable import settle
 from pipeline.store.removal import remove_file
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
 
-__all__ = [
-    "RowValues",
-    "is_stored",
-    "kept_rows",
-    "pending_blocks",
-    "read_rows",
-    "read_states",
-    "row_values",
-    "write_block",
-    "write_states",
-]
+__all__ = ["RowValues", "kept_rows", "pending_blocks", "read_rows", "row_values", "write_block"]
 
 #: Array name -> the entries of one row.
 RowValues = dict[str, np.ndarray]
@@ -116,27 +107,6 @@ def pending_blocks(path: Path, plan: Plan, done: tuple[int, ...] = (COMPLETE,)) 
     return [block for block in plan.blocks if not np.all(np.isin(read_states(path, plan, block), done))]
 
 
-def is_stored(path: Path, plan: Plan, block: Block) -> bool:
-    """Whether rows of a block are stored, complete or failed; raises as `read_states`."""
-    return bool(np.any(read_states(path, plan, block) != PENDING))
-
-
-def read_states(path: Path, plan: Plan, block: Block) -> np.ndarray:
-    """State of every row of a block, by its chunk of `status`; pending where there is none, which was never written.
-
-    Raises
-    ------
-    DamagedError
-        If that chunk is damaged.
-    """
-    status = status_layout(plan)
-    (file,) = status.files(*plan.place(block))
-    count = block.stop - block.start
-    if not (path / file).exists():
-        return np.full(count, PENDING, np.uint8)
-    return read_chunk(path, file, status).reshape(-1)[:count]
-
-
 def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> None:
     """Write one block, the only writer of its chunks; they are on the disk before `status` says so, and then it is.
 
@@ -167,21 +137,6 @@ def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> 
         array[place] = np.stack([row[name] for row in rows])
     settle([path / file for file in files.values()])
     write_states(path, plan, block, np.array([row["status"] for row in rows]))
-
-
-def write_states(path: Path, plan: Plan, block: Block, states: np.ndarray | int) -> None:
-    """Write the state of every row of a block, on the disk when this returns.
-
-    Parameters
-    ----------
-    path : Path
-    plan : Plan
-    block : Block
-    states : (rows,) ndarray or int
-    """
-    status = status_layout(plan)
-    (file,) = status.files(*plan.place(block))
-    write_whole(path / file, encoded(np.broadcast_to(states, block.stop - block.start), status))
 
 
 def _fill_raster(values: RowValues, row: Row) -> None:

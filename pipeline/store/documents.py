@@ -5,7 +5,7 @@ from pathlib import Path
 
 from pipeline.store.names import METADATA
 
-__all__ = ["document", "listed_in", "read_json"]
+__all__ = ["document", "document_of", "listed_in", "read_json"]
 
 #: Three times what the widest plane of this program needs.
 _MOST_BYTES = 2**21
@@ -25,6 +25,11 @@ def read_json(file: Path) -> dict | None:
 def document(file: Path) -> dict | None:
     """A metadata file without what is gathered from others; None if it cannot be read."""
     return _alone(read_json(file))
+
+
+def document_of(content: bytes) -> dict:
+    """The same of a file that this program has made."""
+    return _alone(json.loads(content))
 
 
 def listed_in(path: Path) -> dict[str, dict | None]:

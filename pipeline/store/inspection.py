@@ -4,23 +4,23 @@ Metadata is compared with the template that the store's own plan makes; every ch
 added group must be there and agree with its checksum.
 """
 
-import contextlib
-import tempfile
+import functools
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
 from pipeline.errors import DamagedError, StoreError
-from pipeline.plan.plan import Plan
+from pipeline.plan.plan import Plan, plan_of
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.arrays import axes_in_store, layouts_of, row_layouts
-from pipeline.store.blocks import is_stored
+from pipeline.store.block_states import is_stored
 from pipeline.store.chunk_files import fault_of, read_chunk
 from pipeline.store.damage import Damage, damaged
-from pipeline.store.documents import document
+from pipeline.store.documents import document, document_of
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import Layout, group_faults, listing_faults
 from pipeline.store.names import METADATA, ROWS
-from pipeline.store.template import create_again
+from pipeline.store.template import template_files
 
 __all__ = ["damage_error", "find_damage", "template_of"]
 
@@ -34,31 +34,33 @@ def find_damage(path: Path) -> list[Damage]:
         If there is no store, neither of the two places that say what it holds can be read, or there are links or
         foreign arrays in it.
     """
-    with template_of(path) as (plan, template):
-        layout = Layout.of(path, plan)
-        found = [*listing_faults(layout), *_metadata(layout, template), *_axes(layout), *_rows(layout)]
-        for group in layout.groups:
-            found += _group(layout, group)
+    plan, template = template_of(path)
+    layout = Layout.of(path, plan)
+    found = [*listing_faults(layout), *_metadata(layout, template), *_axes(layout), *_rows(layout)]
+    for group in layout.groups:
+        found += _group(layout, group)
     return list({damage.file: damage for damage in reversed(found)}.values())[::-1]
 
 
-@contextlib.contextmanager
-def template_of(path: Path) -> Iterator[tuple[Plan, Path]]:
-    """The plan of a store, and what the store would be with no row, made elsewhere for as long as it is needed."""
+def template_of(path: Path) -> tuple[Plan, dict[str, bytes]]:
+    """The plan of a store, and what its files would hold if it had no row."""
     attributes = root_attributes(path)
-    plan = plan_from(attributes, path)
-    with tempfile.TemporaryDirectory(prefix="bevelmap-") as folder:
-        template = Path(folder) / path.name
-        create_again(template, plan, attributes)
-        yield plan, template
+    return plan_from(attributes, path), _template(json.dumps(attributes))
 
 
-def _metadata(layout: Layout, template: Path) -> Iterator[Damage]:
+@functools.lru_cache(maxsize=4)
+def _template(attributes: str) -> dict[str, bytes]:
+    """It is asked for before and after a repair."""
+    told = json.loads(attributes)
+    return template_files(plan_of(json.loads(told["numbers"])), told)
+
+
+def _metadata(layout: Layout, template: dict[str, bytes]) -> Iterator[Damage]:
     """Metadata of the plane that is missing or says something else, the root's list of it included."""
     root = document(layout.path / METADATA)
     for name in ("", ROWS, *layouts_of(layout.plan)):
         file = f"{name}/{METADATA}".lstrip("/")
-        there, wanted = document(layout.path / file), document(template / file)
+        there, wanted = document(layout.path / file), document_of(template[file])
         if there is None:
             yield Damage(file, "cannot be read" if file in layout.files else "is missing")
         elif there != wanted:

@@ -15,7 +15,7 @@ from pipeline.errors import DamagedError, StoreError
 from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.arrays import layouts_of, row_layouts
-from pipeline.store.blocks import read_states
+from pipeline.store.block_states import read_states
 from pipeline.store.chunk_files import ChunkError, claim_of
 from pipeline.store.damage import Damage, damaged
 from pipeline.store.documents import document, listed_in

@@ -11,16 +11,16 @@ import numpy as np
 
 from pipeline.errors import ConfigurationError, DamagedError, StoreError, shown
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
-from pipeline.store import COMPLETE, FAILED
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import validate_layout
 from pipeline.store.names import METADATA
+from pipeline.store.states import COMPLETE, FAILED
 
 __all__ = ["TITLES", "Entry", "Listing", "columns", "listing"]
 
 _USUAL = "published"
 _SHOWN = 2
-TITLES = ("store", "plane", "gear", "status", "size", "hash", "age", "groups")
+TITLES = ("store", "plane", "gear", "solver", "status", "size", "hash", "age", "groups")
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,7 @@ class Entry:
     name: str
     plane: str
     gear: str
+    solver: str
     status: str
     size: int
     digest: str
@@ -44,6 +45,7 @@ class Entry:
             self.name,
             self.plane,
             self.gear,
+            self.solver,
             self.status,
             _size(self.size),
             self.digest,
@@ -106,15 +108,26 @@ def _described(path: Path, attributes: dict) -> Entry:
     except StoreError:
         status, groups = "not allowed: stages=[check] says why", ()
     plane = " x ".join(f"{axis.name} {axis.num}" for axis in plan.axes)
-    return _entry(path, attributes, status, plane, _gear(plan), groups)
+    return _entry(path, attributes, status, plane, _gear(plan), _solver(plan), groups)
 
 
-def _entry(path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?", groups=()) -> Entry:
+def _solver(plan: Plan) -> str:
+    """By what balance, and of which order."""
+    order, period = plan.solver["order"], plan.solver["period"]
+    if plan.solver["balance"] == "describing_function":
+        return "first order"
+    return f"hb order {order}" + (f" period {period}" if period != 1 else "")
+
+
+def _entry(
+    path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?", solver: str = "?", groups=()
+) -> Entry:
     said = attributes or {}
     return Entry(
         path.name.removesuffix(".zarr"),
         plane,
         gear,
+        solver,
         status,
         _bytes(path),
         str(said.get("configuration_hash", "?"))[:16],

@@ -7,13 +7,13 @@ damaged groups are taken out, so that their stages make them again, or of those 
 from collections.abc import Collection
 from pathlib import Path
 
-from pipeline.store.arrays import axes_in_store, layouts_of, row_layouts
-from pipeline.store.blocks import write_states
+from pipeline.store.arrays import row_layouts
+from pipeline.store.block_states import write_states
 from pipeline.store.damage import Damage
 from pipeline.store.durable import write_whole
 from pipeline.store.groups import take_away
 from pipeline.store.inspection import template_of
-from pipeline.store.names import ADDED, IN_BLOCKS, LEFT_OVER, METADATA, ROWS, STORE_FILE, files_of
+from pipeline.store.names import ADDED, IN_BLOCKS, LEFT_OVER, STORE_FILE, files_of
 from pipeline.store.removal import remove_file
 from pipeline.store.row_groups import set_aside
 from pipeline.store.states import PENDING
@@ -33,13 +33,10 @@ def repair(path: Path, damage: Collection[Damage]) -> None:
     """
     files, blocks = {item.file for item in damage}, {item.block for item in damage if item.block is not None}
     groups = {item.group for item in damage}
-    with template_of(path) as (plan, template):
-        layouts = layouts_of(plan)
-        metadata = [f"{name}/{METADATA}" for name in (ROWS, *layouts)]
-        axes = [file for name in axes_in_store(plan) for file in layouts[name].files()]
-        for file in (METADATA, *metadata, *axes):
-            if file in files:
-                write_whole(path / file, (template / file).read_bytes())
+    plan, template = template_of(path)
+    for file in template:
+        if file in files:
+            write_whole(path / file, template[file])
     for group in ADDED:
         if group in groups and group in IN_BLOCKS:
             set_aside(path, group)

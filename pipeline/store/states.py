@@ -1,39 +1,5 @@
-"""States of rows. Rows of a volume are numbered through, layer by layer."""
+"""States of rows, as `status` has them."""
 
-from pathlib import Path
-
-import numpy as np
-import zarr
-
-__all__ = ["COMPLETE", "FAILED", "PENDING", "failures", "notes", "proven_cells", "statuses"]
+__all__ = ["COMPLETE", "FAILED", "PENDING"]
 
 PENDING, COMPLETE, FAILED = 0, 1, 2
-
-
-def statuses(path: Path) -> np.ndarray:
-    """State of every row."""
-    return zarr.open_group(path, mode="r")["status"][...].ravel()
-
-
-def proven_cells(path: Path) -> tuple[int, int] | None:
-    """Number of cells whose solutions are proven to be all, and of all cells; None where proofs are not asked for."""
-    root = zarr.open_group(path, mode="r")
-    if "certified" not in root:
-        return None
-    certified = root["certified"][...][root["status"][...] == COMPLETE]
-    return int(np.sum(certified == 1)), root["certified"].size
-
-
-def notes(path: Path) -> list[tuple[int, str]]:
-    """Complete rows in which something could not be decided, and what."""
-    root = zarr.open_group(path, mode="r")
-    messages, complete = root["message"][...].ravel(), root["status"][...].ravel() == COMPLETE
-    return [(int(row), str(messages[row])) for row in np.flatnonzero(complete) if messages[row]]
-
-
-def failures(path: Path) -> list[tuple[int, str]]:
-    """Failed rows and their reasons."""
-    root = zarr.open_group(path, mode="r")
-    rows = np.flatnonzero(root["status"][...] == FAILED)
-    messages = root["message"][...].ravel() if rows.size else []
-    return [(int(row), str(messages[row])) for row in rows]

@@ -7,7 +7,7 @@ from importlib import metadata
 from pathlib import Path
 
 import zarr
-from zarr.core.buffer import default_buffer_prototype
+from zarr.core.buffer import Buffer, default_buffer_prototype
 from zarr.storage import MemoryStore
 
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
@@ -19,7 +19,7 @@ from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of
 from pipeline.store.removal import remove_known
 from pipeline.store.seal import sealed
 
-__all__ = ["consolidate", "create", "create_again"]
+__all__ = ["consolidate", "create", "template_files"]
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "numcodecs", "xarray", "dask", "distributed")
 
@@ -37,30 +37,43 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
     configuration : str
         The resolved configuration in YAML.
     """
-    create_again(
-        path,
-        plan,
-        sealed(
-            {
-                "Conventions": "CF-1.11",
-                "title": f"Solution domain {name}: {' x '.join(axis.name for axis in plan.axes)}",
-                "bevelmap_schema": SCHEMA_VERSION,
-                "configuration": configuration,
-                "numbers": json.dumps(plan.numbers, sort_keys=True),
-                "configuration_hash": plan.digest,
-                "versions": _versions(),
-                "created": datetime.now(UTC).isoformat(timespec="seconds"),
-            }
-        ),
+    attributes = sealed(
+        {
+            "Conventions": "CF-1.11",
+            "title": f"Solution domain {name}: {' x '.join(axis.name for axis in plan.axes)}",
+            "bevelmap_schema": SCHEMA_VERSION,
+            "configuration": configuration,
+            "numbers": json.dumps(plan.numbers, sort_keys=True),
+            "configuration_hash": plan.digest,
+            "versions": _versions(),
+            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        }
     )
-
-
-def create_again(path: Path, plan: Plan, attributes: dict) -> None:
-    """Write the template with the attributes that a store of this plan has already; see `create`."""
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.template")
     remove_known(draft, STORE_FILE)
-    root = zarr.create_group(draft, zarr_format=3, attributes=attributes)
+    for file, content in template_files(plan, attributes).items():
+        (draft / file).parent.mkdir(parents=True, exist_ok=True)
+        (draft / file).write_bytes(content)
+    move_whole(draft, path)
+
+
+def template_files(plan: Plan, attributes: dict) -> dict[str, bytes]:
+    """What the files of a store hold that has no rows.
+
+    Parameters
+    ----------
+    plan : Plan
+    attributes : dict
+        What its root says of it, sealed.
+
+    Returns
+    -------
+    dict
+        Name in the store -> content.
+    """
+    files = {}
+    root = zarr.create_group(MemoryStore(files), zarr_format=3, attributes=attributes)
     # A branch point's position is a coordinate; a plain variable would be hidden by the plane's axis of that name.
     # What the root says is kept twice: without it, nobody could tell what a damaged store holds.
     root.create_group(ROWS, attributes={"coordinates": plan.sweep.name, "plane": attributes})
@@ -85,21 +98,25 @@ def create_again(path: Path, plan: Plan, attributes: dict) -> None:
             dimension_names=layouts[name].dims,
             attributes=spec["attributes"],
         )
-    consolidate(draft)
-    move_whole(draft, path)
+    return _consolidated(files)
 
 
 def consolidate(path: Path) -> None:
     """Gather the metadata of all arrays in one file, which makes opening fast."""
     # In memory, so that the file is replaced by a whole one that is on the disk.
-    files = [name for name in files_of(path) if Path(name).name == METADATA]
+    names = [name for name in files_of(path) if Path(name).name == METADATA]
     buffer = default_buffer_prototype().buffer
-    copy = {name: buffer.from_bytes((path / name).read_bytes()) for name in files}
+    files = {name: buffer.from_bytes((path / name).read_bytes()) for name in names}
+    write_whole(path / METADATA, _consolidated(files)[METADATA])
+
+
+def _consolidated(files: dict[str, Buffer]) -> dict[str, bytes]:
+    """Files by their names in a store, the metadata of all gathered in the root's."""
     with warnings.catch_warnings():
         # zarr warns that consolidated metadata is not yet part of the format's third version; xarray reads it.
         warnings.filterwarnings("ignore", message="Consolidated metadata", category=UserWarning)
-        zarr.consolidate_metadata(MemoryStore(copy))
-    write_whole(path / METADATA, copy[METADATA].to_bytes())
+        zarr.consolidate_metadata(MemoryStore(files))
+    return {name: content.to_bytes() for name, content in files.items()}
 
 
 def _versions() -> dict[str, str]:

@@ -102,7 +102,7 @@ ZONE_FLOWS = types.NamedTuple(
 )
 
 
-@kernel(_I(_I), inline=True, borrows=True)
+@kernel(_I(_I), inline=True)
 def padded(size):
     """A number of components, rounded up to a multiple of four."""
     return (size + 3) // 4 * 4
@@ -130,7 +130,7 @@ def new_flows(system, room):
     )
 
 
-@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True, borrows=True)
+@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True)
 def apply_map(maps, row, state, image):
     """Fill image (padded) with maps[row] applied to a state, both of them different arrays."""
     columns = maps.shape[1] - 1
@@ -150,7 +150,7 @@ def apply_map(maps, row, state, image):
         image[r], image[r + 1], image[r + 2], image[r + 3] = t0, t1, t2, t3
 
 
-@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True, borrows=True)
+@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True)
 def combine(table, row, state, coefficients):
     """Fill in the sixteen coefficients of lambda of the motion of a state, from `contact` or `bernstein`."""
     columns = table.shape[1] - 1
@@ -170,7 +170,7 @@ def combine(table, row, state, coefficients):
         coefficients[r], coefficients[r + 1], coefficients[r + 2], coefficients[r + 3] = t0, t1, t2, t3
 
 
-@kernel(types.void(FOUR, _I, _I, _F, MATRIX), borrows=True)
+@kernel(types.void(FOUR, _I, _I, _F, MATRIX), inner=True)
 def matrix_at(table, row, first, at, matrix):
     """Fill columns from `first` on of matrix (columns, padded) with the values of `forward` or `backward` at u."""
     square = at * at
@@ -207,7 +207,7 @@ class _Work(NamedTuple):
 _WORK = types.NamedTuple((ARRAY, MATRIX, CUBE, MATRIX, CUBE, MATRIX), _Work)
 
 
-@kernel(types.void(SWITCHED_SYSTEM, _I, _WORK), borrows=True)
+@kernel(types.void(SWITCHED_SYSTEM, _I, _WORK), inner=True)
 def _columns(system, zone, work):
     """Series of Phi and p in a zone, s and g being filled in."""
     n = system.vectors.shape[1]
@@ -237,7 +237,7 @@ def _columns(system, zone, work):
                 z[j + 1, c, n + i] = scale * value
 
 
-@kernel(types.void(SWITCHED_SYSTEM, _I, _WORK), borrows=True)
+@kernel(types.void(SWITCHED_SYSTEM, _I, _WORK), inner=True)
 def _rows(system, zone, work):
     """Series of Gamma = (a, b) in a zone: a' = b S + s (b q) w, b' = b D - a."""
     n = system.vectors.shape[1]
@@ -266,7 +266,7 @@ def _rows(system, zone, work):
                 z[j + 1, r, l], z[j + 1, r, n + l] = scale * left, scale * right
 
 
-@kernel(_F(CUBE, _F, _F, _F), borrows=True)
+@kernel(_F(CUBE, _F, _F, _F), inner=True)
 def _allowed(series, half, tolerance, length):
     """Half an interval for which the two terms beyond the polynomials are below the tolerance, by the try `half`.
 
@@ -327,7 +327,7 @@ def _store(flows, zone, k, work):
         entry[size, r] = total
 
 
-@kernel(types.void(ZONE_FLOWS, _I), borrows=True)
+@kernel(types.void(ZONE_FLOWS, _I), inner=True)
 def _join(flows, zone):
     """Fill in `step` from `leave` of an interval and `entry` of the next."""
     count, size = flows.count[0], flows.forward.shape[2] - 1
@@ -341,7 +341,7 @@ def _join(flows, zone):
                 flows.step[row, c, r] = total
 
 
-@kernel(types.void(ZONE_FLOWS, _F), borrows=True)
+@kernel(types.void(ZONE_FLOWS, _F), inner=True)
 def _fill_limits(flows, tolerance):
     numbers, limits = flows.system.numbers, flows.limits
     low, high = numbers[LOW], numbers[HIGH]

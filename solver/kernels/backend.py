@@ -1,4 +1,4 @@
-"""What numba makes of kernels. The only module that imports numba; it is imported when the first kernel is needed.
+"""What numba makes of kernels. Only this module and `lowering` import numba, when the first kernel is needed.
 
 Numba by itself optimises and compiles every function alone, and then again within each of its callers. Here a kernel is
 typed and lowered once (`_Lowered`); it is optimised and compiled only as part of what Python calls or hands on
@@ -14,7 +14,7 @@ from pathlib import Path
 import llvmlite
 import numba
 import numpy as np
-from numba.core import compiler, errors, typing
+from numba.core import compiler, compiler_machinery, errors, typed_passes, typing, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.imputils import lower_constant
@@ -24,6 +24,8 @@ from numba.core.serialize import dumps
 from numba.core.typing.typeof import Purpose
 from numba.extending import models, register_model, typeof_impl
 
+from solver.kernels import lowering
+from solver.kernels.lowering import KernelLowering, call_of, calling_kernels, owns_arrays
 from solver.kernels.store import kernel_store
 
 __all__ = ["address_of", "callable_of"]
@@ -55,10 +57,33 @@ class _Callable(JITCodeLibrary):
         super()._optimize_final_module()
 
 
-class _Compiler(compiler.Compiler):
+#: What numba does with a kernel: as much of its usual course as kernels need, which have no closures and no generators.
+_PASSES = (
+    untyped_passes.TranslateByteCode,
+    untyped_passes.FixupArgs,
+    untyped_passes.IRProcessing,
+    untyped_passes.GenericRewrites,
+    untyped_passes.ReconstructSSA,
+    typed_passes.NopythonTypeInference,
+    typed_passes.PreLowerStripPhis,
+    typed_passes.IRLegalization,
+    typed_passes.AnnotateTypes,
+    KernelLowering,
+    typed_passes.NoPythonBackend,
+)
+
+
+class _Compiler(compiler.CompilerBase):
     """Numba's compiler; symbols are named after contents, so that two of one name from several processes are equal."""
 
     content = ""
+
+    def define_pipelines(self):
+        passes = compiler_machinery.PassManager("kernel")
+        for one in _PASSES:
+            passes.add_pass(one, one.__name__)
+        passes.finalize()
+        return [passes]
 
     def _compile_bytecode(self):
         self.state.func_id.unique_name = f"{self.state.func_id.func_qualname}${self.content[:32]}"
@@ -89,8 +114,8 @@ class _KernelType(numba.types.Callable, numba.types.Opaque):
         """The kernel for one signature, without machine code."""
         if signature not in self._lowered:
             flags, context = compiler.Flags(), cpu_target.target_context
-            chosen = {"forceinline": self._kernel.inline, "_nrt": not self._kernel.borrows}
-            cpu_target.options.parse_as_flags(flags, {**_OPTIONS, **chosen})
+            options = {"forceinline": self._kernel.inline, "_nrt": owns_arrays(self._kernel)}
+            cpu_target.options.parse_as_flags(flags, {**_OPTIONS, **options})
             flags.no_compile = True
             library = _Lowered(context.codegen(), self._kernel.__qualname__)
             made = _Compiler(
@@ -98,30 +123,10 @@ class _KernelType(numba.types.Callable, numba.types.Opaque):
             )
             made.content = self._kernel.content
             result = made.compile_extra(self._kernel.__wrapped__)
-            if self._kernel.borrows:
-                _refuse_arrays(self._kernel, result)
-            context.insert_user_function(self.get_impl_key(signature), result.fndesc, [library])
+            implemented = call_of(result.fndesc, library)
+            context.insert_func_defn([(implemented, self.get_impl_key(signature), signature.args)])
             self._lowered[signature] = result
         return self._lowered[signature]
-
-
-def _refuse_arrays(kernel, result: compiler.CompileResult) -> None:
-    """Raise TypeError if a kernel that borrows its arrays would have to release one, or returns one."""
-    calls = result.type_annotation.calltypes.items()
-    made = [signature for call, signature in calls if getattr(call, "op", "") == "call" and _is_kernel(call, result)]
-    for signature in (result.signature, *made):
-        if _holds_array(signature.return_type):
-            raise TypeError(f"{kernel!r} borrows its arrays, so none may be returned: {signature.return_type}")
-
-
-def _is_kernel(call, result: compiler.CompileResult) -> bool:
-    return isinstance(result.type_annotation.typemap[call.func.name], _KernelType)
-
-
-def _holds_array(what) -> bool:
-    if isinstance(what, numba.types.BaseTuple):
-        return any(map(_holds_array, what))
-    return isinstance(what, numba.types.Buffer)
 
 
 register_model(_KernelType)(models.OpaqueModel)
@@ -203,7 +208,7 @@ def _compiled(kernel, signature, name: str) -> compiler.CompileResult:
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
     lowered = _kernel_type(kernel).lowered(signature)
-    context = lowered.target_context
+    context = calling_kernels(lowered.target_context)
     library = _Callable(context.codegen(), lowered.fndesc.qualname)
     library.enable_object_caching()
     library.add_linking_library(lowered.library)
@@ -235,7 +240,8 @@ def _surroundings() -> str:
     """What compiled code depends on beside the kernel."""
     settings = [getattr(numba.config, name) for name in ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK")]
     versions = sys.version, numba.__version__, llvmlite.__version__, np.__version__
-    return repr((versions, cpu_target.target_context.codegen().magic_tuple(), settings, Path(__file__).read_bytes()))
+    sources = [Path(file).read_bytes() for file in (__file__, lowering.__file__)]
+    return repr((versions, cpu_target.target_context.codegen().magic_tuple(), settings, sources))
 
 
 def _entry_name(kernel, signature) -> str:

@@ -42,13 +42,13 @@ class Kernel:
     ----------
     function : function
     signatures : tuple of solver.kernels.types.Declared
-    inline, inner, borrows : bool
+    inline, inner : bool
         As for `kernel`.
     """
 
-    def __init__(self, function: Callable, signatures: tuple, inline: bool, inner: bool, borrows: bool = False):
+    def __init__(self, function: Callable, signatures: tuple, inline: bool, inner: bool):
         functools.update_wrapper(self, function)
-        self.signatures, self.inline, self.inner, self.borrows = signatures, inline, inner, borrows
+        self.signatures, self.inline, self.inner = signatures, inline, inner
 
     def __repr__(self):
         return f"<kernel {self.__module__}.{self.__qualname__}>"
@@ -86,7 +86,7 @@ class Kernel:
     def content(self) -> str:
         """Digest of everything that the compiled kernel depends on within this package."""
         text = described_code(self.__wrapped__, Kernel)
-        names = (self.__module__, self.__qualname__, repr(self.signatures), self.inline, self.borrows)
+        names = (self.__module__, self.__qualname__, repr(self.signatures), self.inline)
         return hashlib.sha256(repr((names, text)).encode()).hexdigest()
 
     @functools.cached_property
@@ -106,7 +106,7 @@ def _backend():
     return backend
 
 
-def kernel(*signatures, inline: bool = False, inner: bool = False, borrows: bool = False):
+def kernel(*signatures, inline: bool = False, inner: bool = False):
     """Compile a function for what is declared, without the interpreter, and cache the result on disk.
 
     Parameters
@@ -117,10 +117,6 @@ def kernel(*signatures, inline: bool = False, inner: bool = False, borrows: bool
         Let LLVM inline the function at every call (small functions of the inner loop). It is then an inner one.
     inner
         The function is called by other kernels: it is compiled with them and is part of what they keep on disk.
-    borrows
-        The function works in arrays that its caller holds: it makes none, and neither it nor a kernel that it calls
-        returns one. References are not counted then, which for a tuple of arrays takes longer than a short function
-        itself. It is an inner one.
 
     Returns
     -------
@@ -128,4 +124,4 @@ def kernel(*signatures, inline: bool = False, inner: bool = False, borrows: bool
         Decorator. Division by zero gives inf or nan as in NumPy; no fast-math, so results do not depend on how
         the compiler groups sums.
     """
-    return lambda function: Kernel(function, signatures, inline, inner or inline or borrows, borrows)
+    return lambda function: Kernel(function, signatures, inline, inner or inline)

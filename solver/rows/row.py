@@ -1,6 +1,5 @@
 """One row of a plane: its branches, the solutions at the row's grid values, and whether these are proven to be all."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -15,9 +14,9 @@ from solver.harmonic.describing_function import DescribingFunction
 from solver.model.checks import ascending_grid, has_methods, instance_of
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
-from solver.rows.crossings import crossings
-from solver.rows.seeds import Branches, ProvenSeeds, Seeds, missing_degree, proven_solutions
-from solver.rows.span import BROKEN, RowSpan
+from solver.rows.degree import missing_degree
+from solver.rows.seeds import Branches, ProvenSeeds, Seeds, proven_solutions
+from solver.rows.span import BROKEN, RowSpan, ends_for
 from solver.stability import assess
 from solver.stability.bifurcations import KnownMotions, locate_bifurcations
 from solver.stability.multipliers import TESTS
@@ -168,7 +167,7 @@ def sweep_row(
     omega : float, optional
         The frequency, > 0; needed unless it is the axis.
     continuation : Continuation, optional
-    seeds : ProvenSeeds, LinearSeeds or solver.rows.lifted_seeds.LiftedSeeds, optional
+    seeds : ProvenSeeds, LinearSeeds or LiftedSeeds, optional
         How branches are found; `ProvenSeeds` unless given, which prove the solutions at every grid value.
         `LiftedSeeds` are for the Galerkin balance.
     balance : Balance, optional
@@ -193,8 +192,8 @@ def sweep_row(
     check_axis(instance_of("model", model, Model), axis, float(grid[0]), float(grid[-1]), omega)
     low, high = float(grid[0]), float(grid[-1])
     span = RowSpan(balance, model, axis, low, high, None if axis == "omega" else float(omega), continuation)
-    found = seeds.branches(span, grid)
-    return _described(span, grid, found, _raster(span, grid, found))
+    branches = seeds.branches(span, grid)
+    return _described(span, grid, branches, _raster(span, grid, branches))
 
 
 class _Raster(NamedTuple):
@@ -208,21 +207,21 @@ class _Raster(NamedTuple):
     notes: tuple[str, ...]
 
 
-def _raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
-    return _traced_raster(span, grid, found) if found.solutions is None else _proven_raster(span, grid, found)
+def _raster(span: RowSpan, grid: np.ndarray, branches: Branches) -> _Raster:
+    return _traced_raster(span, grid, branches) if branches.solutions is None else _proven_raster(span, grid, branches)
 
 
-def _proven_raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
+def _proven_raster(span: RowSpan, grid: np.ndarray, branches: Branches) -> _Raster:
     """The solutions that enumeration proves, and where it is undecided those that branches pass besides.
 
     What enumeration and continuation do not agree on is not certified.
     """
-    solutions, notes = found.solutions, []
-    column, place = np.nonzero(solutions.stable >= 0)
-    columns, unknowns, stable = [column], [solutions.motions[column, place]], [solutions.stable[column, place]]
+    solutions, notes = branches.solutions, []
+    column, slot = np.nonzero(solutions.stable >= 0)
+    columns, unknowns, stable = [column], [solutions.motions[column, slot]], [solutions.stable[column, slot]]
     undecided, contradicted = solutions.proof == Proof.UNDECIDED, solutions.proof == Proof.CONTRADICTION
-    untraced, unknown = np.any((solutions.stable >= 0) & ~found.on_curve, axis=1), np.zeros(grid.size, bool)
-    for stray in found.strays:
+    untraced, unknown = np.any((solutions.stable >= 0) & ~branches.on_curve, axis=1), np.zeros(grid.size, bool)
+    for stray in branches.strays:
         decided = ~undecided[stray.column]
         unknown[stray.column[decided]] = True
         columns.append(stray.column[~decided])
@@ -235,15 +234,15 @@ def _proven_raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
         (unknown, "A branch passes where enumeration proves that there is no solution."),
     ):
         notes += _note(span, grid, flags, sentence)
-    is_open = (solutions.above != Above.EMPTY) | _between(grid, found.curves, EndReason.AMPLITUDE_CEILING, False)
+    is_open = (solutions.above != Above.EMPTY) | _between(grid, branches.curves, EndReason.AMPLITUDE_CEILING, False)
     certified = (solutions.proof == Proof.PROVEN) & ~untraced & ~unknown
     parts = (np.concatenate(part) for part in (columns, unknowns, stable))
     return _Raster(*parts, is_open, certified.astype(np.int8), tuple(notes))
 
 
-def _traced_raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
+def _traced_raster(span: RowSpan, grid: np.ndarray, branches: Branches) -> _Raster:
     """The solutions that the branches pass; open where these do not add up, and beside places where one breaks off."""
-    met = [crossings(span, curve, grid) for curve in found.curves]
+    met = [span.crossings(curve, grid) for curve in branches.curves]
     column = np.concatenate([np.empty(0, np.int64), *(part.column for part in met)])
     unknowns = np.concatenate([np.empty((0, span.problem.unknowns)), *(part.unknowns for part in met)])
     stable = np.concatenate([np.empty(0, np.int8), *(part.stable for part in met)])
@@ -251,29 +250,29 @@ def _traced_raster(span: RowSpan, grid: np.ndarray, found: Branches) -> _Raster:
     for part in met:
         unreached[part.unreached] = True
     notes = _note(span, grid, unreached, "A branch passes, but its solution could not be computed.")
-    between = _between(grid, found.curves, EndReason.AMPLITUDE_CEILING, True)
-    if found.by_enumeration and np.any(between):
+    between = _between(grid, branches.curves, EndReason.AMPLITUDE_CEILING, True)
+    if branches.by_enumeration and np.any(between):
         between[between] = proven_solutions(span, grid[between]).above != Above.EMPTY
     is_open = missing_degree(span, grid, met) | between
-    is_open |= _between(grid, found.curves, EndReason.AMPLITUDE_CEILING, False)
+    is_open |= _between(grid, branches.curves, EndReason.AMPLITUDE_CEILING, False)
     for reason in BROKEN:
-        is_open |= _between(grid, found.curves, reason, False)
+        is_open |= _between(grid, branches.curves, reason, False)
     return _Raster(column, unknowns, stable, is_open | unreached, np.full(grid.size, -1, np.int8), tuple(notes))
 
 
-def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster) -> Row:
+def _described(span: RowSpan, grid: np.ndarray, branches: Branches, raster: _Raster) -> Row:
     """The row, its solutions sorted by amplitude, with their states and their stability."""
     b = grid if span.axis == "b" else np.full(grid.size, span.model.b)
     amplitude = np.linalg.norm(raster.unknowns[:, list(span.balance.fundamental)], axis=1)
     order = np.lexsort((raster.unknowns[:, 0], amplitude, raster.column))
     column, unknowns, stable = raster.column[order], raster.unknowns[order], raster.stable[order]
     counts = np.bincount(column, minlength=grid.size)
-    place = np.arange(column.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    slot = np.arange(column.size) - np.repeat(np.cumsum(counts) - counts, counts)
     shape = (grid.size, max(int(counts.max(initial=0)), 1))
 
     def arranged(values, empty):
         result = np.full((*shape, *values.shape[1:]), empty, values.dtype)
-        result[column, place] = values
+        result[column, slot] = values
         return result
 
     motions = arranged(unknowns, np.nan)
@@ -285,7 +284,9 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
         kind, modulus, tests = stability.kind.astype(np.int8), stability.modulus, stability.tests
     parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
     known = KnownMotions(grid[column], unknowns, tests)
-    located = [locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in found.curves]
+    located = [
+        locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in branches.curves
+    ]
     return Row(
         span.balance,
         span.axis,
@@ -299,7 +300,7 @@ def _described(span: RowSpan, grid: np.ndarray, found: Branches, raster: _Raster
         arranged(modulus, np.nan),
         raster.open.astype(np.int8),
         raster.certified,
-        (*found.notes, *raster.notes, *(note for _, notes in located for note in notes)),
+        (*branches.notes, *raster.notes, *(note for _, notes in located for note in notes)),
     )
 
 
@@ -312,23 +313,13 @@ def _note(span: RowSpan, grid: np.ndarray, flags: np.ndarray, sentence: str) -> 
     return [f"At {span.axis} = {values[0]:.9g}{more}: {sentence}"]
 
 
-def _ends(curves: tuple[Curve, ...], reason: EndReason) -> Iterator[float]:
-    """Axis values at which curves end for one reason."""
-    return (
-        curve.points[place, -1]
-        for curve in curves
-        for end, place in zip(curve.ends, (0, -1), strict=True)
-        if end is reason and len(curve.points)
-    )
-
-
 def _between(grid: np.ndarray, curves: tuple[Curve, ...], reason: EndReason, all_between: bool) -> np.ndarray:
     """The grid values on both sides of every place at which a curve ends for one reason, (X,) bool.
 
     With `all_between` also those between the first and the last of these.
     """
     flags = np.zeros(grid.size, bool)
-    right = np.searchsorted(grid, np.fromiter(_ends(curves, reason), dtype=float))
+    right = np.searchsorted(grid, np.array([y[-1] for y in ends_for(curves, reason)], dtype=float))
     beside = np.concatenate([right - 1, right]).clip(0, grid.size - 1)
     flags[beside] = True
     if all_between and beside.size:

@@ -1,10 +1,11 @@
-"""Where the branches of a first-order row start, and when it has them all.
+"""Where the branches of a row start, and when it has them all.
 
-`ProvenSeeds` enumerates all solutions at many values of the swept parameter, and traces from every solution that no
-branch passes yet. `LinearSeeds` starts from the linear pair without backlash at both ends, which is what continuation
-alone can do. The dead zone is a bounded change of a linear force, so the signs of det J over all solutions at a point
-add up to the sign of the linear system's determinant; where they do not, a branch is missing or lies above the
-amplitude ceiling. What order H does is in `solver.rows.lifted_seeds`.
+At first order `ProvenSeeds` enumerates all solutions at many values of the swept parameter, and traces from every
+solution that no branch passes yet. `LinearSeeds` starts from the linear pair without backlash at both ends, which is
+what continuation alone can do, and where the degree does not add up. At order H nothing is proven: `LiftedSeeds`
+corrects every proven first-order solution at evenly spaced values to order H, and so motions of one harmonic at a few
+amplitudes and phases; where the degree does not add up, the solution that grows out of the linear one is added. On a
+multiple of the forcing period, guesses carry subharmonics as well, and branches are switched where one crosses.
 """
 
 import dataclasses
@@ -13,29 +14,22 @@ from typing import Protocol
 
 import numpy as np
 
-from solver.continuation.continuation import Curve, EndReason
+from solver.continuation.on_curve import Crossings
+from solver.continuation.solution_curve import Curve
 from solver.enumeration.solutions import Proof, RowSolutions, enumerate_values
 from solver.model.checks import ParameterError, ascending_grid, instance_of, whole_number
-from solver.rows.crossings import Crossings, Known, crossings
-from solver.rows.span import RowError, RowSpan, ends_notes, runs
+from solver.rows.coverage import CorrectedCoverage, Coverage, ProvenCoverage
+from solver.rows.degree import grown_solution
+from solver.rows.span import RowError, RowSpan, runs
 
-__all__ = [
-    "Branches",
-    "LinearSeeds",
-    "ProvenSeeds",
-    "Seeds",
-    "grown_solution",
-    "missing_degree",
-    "proven_solutions",
-    "spread_columns",
-]
+__all__ = ["Branches", "LiftedSeeds", "LinearSeeds", "ProvenSeeds", "Seeds", "proven_solutions", "spread_columns"]
 
-_PROBES = 97
-_PASSES = 4
-_SAME = 1e-6
-_SEED_STEP = 0.25
-# Points and refused steps after which a row stops tracing what is missing: a second or two.
-_MOST_STEPS = 200_000
+#: Of `LinearSeeds`: values at which the degree is looked at, how often, and when two solutions are one.
+_PROBES, _PASSES, _SAME = 97, 4, 1e-6
+#: Of guesses at order H: every so many values of the axis, amplitudes in units of lambda's size, and number of phases.
+_EVERY, _AMPLITUDES, _PHASES = 14, (0.7, 1.6), 4
+#: Amplitudes of the subharmonics that are added to known motions, and the smallest step where such are followed.
+_SUBHARMONICS, _SMALLEST_STEP = (0.2, 0.6), 1e-5
 
 
 @dataclass(frozen=True)
@@ -112,18 +106,18 @@ class ProvenSeeds:
         if not span.balance.truncated:
             raise ParameterError("seeds", self, f"LiftedSeeds for {span.balance}, whose solutions nothing proves")
         if self.every_column:
-            probes, place = spread_columns(grid, self.columns)
+            probes, at = spread_columns(grid, self.columns)
         else:
-            probes, place = np.linspace(span.low, span.high, self.columns), np.empty(0, np.int64)
-        coverage = _Coverage(span, probes, proven_solutions(span, probes))
+            probes, at = np.linspace(span.low, span.high, self.columns), np.empty(0, np.int64)
+        coverage = ProvenCoverage(span, probes, proven_solutions(span, probes))
         coverage.complete()
         if not self.every_column:
             return Branches(coverage.curves, notes=coverage.notes, by_enumeration=True)
         return Branches(
             coverage.curves,
-            coverage.solutions.take(place),
-            coverage.on_curve[place],
-            tuple(_at_columns(met, place) for met in coverage.met),
+            coverage.solutions.take(at),
+            coverage.on_curve[at],
+            tuple(_at_columns(met, at) for met in coverage.met),
             coverage.notes,
             by_enumeration=True,
         )
@@ -149,113 +143,24 @@ def spread_columns(grid: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarr
     -------
     values : (P,) array
         Ascending.
-    place : (X,) int array
+    at : (X,) int array
         Where the grid values are among them.
     """
     gaps = np.diff(grid)
     widest = (grid[-1] - grid[0]) / (columns - 1)
     parts = np.ceil(gaps / widest * (1.0 - 1e-9)).astype(np.int64).clip(1)
-    place = np.concatenate([[0], np.cumsum(parts)])
-    values = np.interp(np.arange(place[-1] + 1), place, grid)
-    values[place] = grid
-    return values, place
+    at = np.concatenate([[0], np.cumsum(parts)])
+    values = np.interp(np.arange(at[-1] + 1), at, grid)
+    values[at] = grid
+    return values, at
 
 
-class _Coverage:
-    """Which proven solutions the branches found so far pass through.
-
-    Attributes
-    ----------
-    solutions : RowSolutions
-    on_curve : (P, S) bool array
-    curves : tuple of Curve
-    met : tuple of Crossings
-        Where each of them meets the probes.
-    notes : tuple of str
-    """
-
-    def __init__(self, span: RowSpan, probes: np.ndarray, solutions: RowSolutions):
-        self._span, self._probes = span, probes
-        self.solutions = solutions
-        self._known = Known(solutions.motions, solutions.stable, (solutions.proof == Proof.PROVEN).astype(np.int8))
-        self._found: list[tuple[Curve, Crossings]] = []
-        self._lost: list[np.ndarray] = []
-        self._given_up = False
-
-    @property
-    def curves(self) -> tuple[Curve, ...]:
-        return tuple(curve for curve, _ in self._found)
-
-    @property
-    def met(self) -> tuple[Crossings, ...]:
-        return tuple(met for _, met in self._found)
-
-    @property
-    def on_curve(self) -> np.ndarray:
-        return np.logical_or.reduce([met.on_curve for met in self.met], initial=False, axis=0) | np.zeros(
-            self.solutions.stable.shape, bool
-        )
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        sentences = ends_notes(self._span, self.curves)
-        if self._lost:
-            more = f" and {len(self._lost) - 1} more solutions" if len(self._lost) > 1 else ""
-            sentences.append(f"No branch can be followed from {self._span.place(self._lost[0])}{more}.")
-        if self._given_up:
-            sentences.append(f"Tracing was given up after {_MOST_STEPS} steps.")
-        return tuple(sentences)
-
-    def complete(self) -> None:
-        """Trace branches until one passes through every solution, or nothing more can be traced."""
-        missing, steps = self.solutions.stable >= 0, 0
-        while True:
-            columns = np.flatnonzero(np.any(missing, axis=1))
-            if not columns.size:
-                return
-            if steps > _MOST_STEPS:
-                self._given_up = True
-                return
-            # The ends first.
-            column = columns[-1] if columns[-1] == missing.shape[0] - 1 and columns[0] != 0 else columns[0]
-            place = int(np.argmax(missing[column]))
-            missing[column, place] = False
-            curve, met = self._trace(int(column), place)
-            steps += len(curve.points) + curve.refused
-            missing &= ~met.on_curve
-
-    def _trace(self, column: int, place: int) -> tuple[Curve, Crossings]:
-        """Follow the branch through one solution and keep it, unless it is a part of one that is known."""
-        y = np.append(self.solutions.motions[column, place], self._probes[column])
-        curve = self._span.traced(y)
-        met = crossings(self._span, curve, self._probes, self._known)
-        if len(curve.points) < 2:
-            self._lost.append(y)
-            return curve, met
-        met.on_curve[column, place] = True
-        # Regular points lie on one branch. Curves share solutions where a corrector failed or steps became too small,
-        # which hid a part of one, or where a step jumped over a needle and joined two: then the others hold all of it.
-        for _, other in self._found:
-            shared = met.on_curve & other.on_curve
-            if np.any(shared) and np.sum(met.on_curve) - np.sum(shared) <= 1:
-                other.on_curve[column, place] = True
-                return curve, met
-        kept = [*self._found, (curve, met)]
-        for old in self._found:
-            if np.any(met.on_curve & old[1].on_curve):
-                rest = np.logical_or.reduce([other.on_curve for _, other in kept if other is not old[1]])
-                if not np.any(old[1].on_curve & ~rest):
-                    kept = [pair for pair in kept if pair[1] is not old[1]]
-        self._found = kept
-        return curve, met
-
-
-def _at_columns(met: Crossings, place: np.ndarray) -> Crossings:
+def _at_columns(met: Crossings, at: np.ndarray) -> Crossings:
     """What a curve passes at those of the probes that are grid values."""
-    column = np.searchsorted(place, met.column).clip(0, place.size - 1)
-    unreached = np.searchsorted(place, met.unreached).clip(0, place.size - 1)
-    here, there = place[column] == met.column, place[unreached] == met.unreached
-    return Crossings(column[here], met.unknowns[here], met.stable[here], unreached[there], met.on_curve[place])
+    column = np.searchsorted(at, met.column).clip(0, at.size - 1)
+    unreached = np.searchsorted(at, met.unreached).clip(0, at.size - 1)
+    here, there = at[column] == met.column, at[unreached] == met.unreached
+    return Crossings(column[here], met.unknowns[here], met.stable[here], unreached[there], met.on_curve[at])
 
 
 def proven_solutions(span: RowSpan, probes: np.ndarray) -> RowSolutions:
@@ -286,25 +191,20 @@ class LinearSeeds:
             If it is no row, or the grid is not ascending.
         """
         _checked(span, grid)
-        probes = np.linspace(span.low, span.high, _PROBES)
-        curves: list[Curve] = []
-        met: list[Crossings] = []
-        places = [span.low, span.high]
+        coverage, starts = Coverage(span, np.linspace(span.low, span.high, _PROBES)), [span.low, span.high]
         for _ in range(_PASSES):
-            before = len(curves)
-            for p in places:
-                curve = self._new_curve(span, p, curves)
+            before = len(coverage.branches)
+            for p in starts:
+                curve = self._new_curve(span, p, coverage.curves)
                 if curve is not None:
-                    curves.append(curve)
-                    met.append(crossings(span, curve, probes))
-            missing = missing_degree(span, probes, met)
-            places = [probes[(first + last) // 2] for first, last in runs(missing)]
-            if len(curves) == before or not places:
+                    coverage.branches.append((curve, span.crossings(curve, coverage.probes)))
+            starts = [coverage.probes[(first + last) // 2] for first, last in runs(coverage.missing())]
+            if len(coverage.branches) == before or not starts:
                 break
-        return Branches(tuple(curves))
+        return Branches(coverage.curves)
 
     @staticmethod
-    def _new_curve(span: RowSpan, p: float, curves: list[Curve]) -> Curve | None:
+    def _new_curve(span: RowSpan, p: float, curves: tuple[Curve, ...]) -> Curve | None:
         """The branch through the solution that grows out of the linear one at p, if it is a new one."""
         start = grown_solution(span, p)
         if start is None or any(_lies_on(span, curve, start) for curve in curves):
@@ -313,47 +213,95 @@ class LinearSeeds:
         return curve if len(curve.points) > 1 else None
 
 
-def grown_solution(span: RowSpan, p: float) -> np.ndarray | None:
-    """A solution at p, by continuing the backlash from 0; None if that leads above the amplitude ceiling."""
-    model, omega = span.model, span.omega
-    if span.axis == "omega":
-        omega = p
-    else:
-        model = model.replace(**{span.axis: p})
-    problem = span.balance.problem(model, "b", 0.0, model.b or 1.0, omega)
-    degree, unknowns = span.balance.linear_solution(problem, 0.0)
-    if degree == 0.0 or not np.all(np.isfinite(unknowns)):
-        return None
-    if model.b > 0.0:
-        strides = dataclasses.replace(span.continuation, parameter_step=_SEED_STEP)
-        curve = strides.trace(problem, np.append(unknowns, 0.0), 0.0, model.b)
-        if curve.ends[1] is not EndReason.RANGE_LEFT or curve.points[-1, -1] != model.b:
-            return None
-        unknowns = curve.points[-1, :-1]
-    return np.append(unknowns, p)
-
-
 def _lies_on(span: RowSpan, curve: Curve, start: np.ndarray) -> bool:
-    unknowns = crossings(span, curve, start[-1:]).unknowns
+    unknowns = span.crossings(curve, start[-1:]).unknowns
     gap = np.max(np.abs(unknowns - start[:-1]) / span.problem.scale[:-1], axis=1, initial=0.0)
     return bool(np.any(gap < _SAME))
 
 
-def missing_degree(span: RowSpan, grid: np.ndarray, met) -> np.ndarray:
-    """Whether the signs of det J over the solutions at each grid value fail to add up to the linear system's sign.
+@dataclass(frozen=True)
+class LiftedSeeds:
+    """Starts for a balance of order H, `solver.harmonic.galerkin.Galerkin`: see the module.
 
     Parameters
     ----------
-    span : RowSpan
-    grid : (X,) array
-    met : sequence of Crossings
-        What every curve passes there.
+    columns : int
+        Number of evenly spaced values, both ends included.
 
-    Returns
-    -------
-    (X,) bool array
+    Raises
+    ------
+    ParameterError
+        If `columns` is not a whole number from 2 to 1000000.
     """
-    degree = np.zeros(grid.size, dtype=np.int64)
-    for crossing in met:
-        np.add.at(degree, crossing.column, 2 * crossing.stable.astype(np.int64) - 1)
-    return degree != span.balance.degree(span.problem, grid)
+
+    columns: int = 197
+
+    def __post_init__(self):
+        whole_number("certify_columns", self.columns, 2, 10**6)
+
+    def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
+        """All branches found over the span.
+
+        Raises
+        ------
+        ParameterError
+            If the balance is the describing function, or the grid is not ascending.
+        """
+        _checked(span, grid)
+        if span.balance.truncated:
+            raise ParameterError("seeds", self, f"ProvenSeeds or LinearSeeds for {span.balance}")
+        probes = np.linspace(span.low, span.high, self.columns)
+        order = [0, self.columns - 1, *range(1, self.columns - 1)]
+        if span.balance.period > 1:
+            # Where subharmonics vanish the curve is singular: no use in creeping up to it.
+            settings = dataclasses.replace(
+                span.continuation, smallest_step=max(span.continuation.smallest_step, _SMALLEST_STEP)
+            )
+            span = dataclasses.replace(span, continuation=settings)
+        coverage = CorrectedCoverage(span, probes)
+        lifted = span.balance.lifted(proven_solutions(span, probes).motions)
+        single = _single_harmonics(span)
+        columns, starts = [], []
+        for rank, column in enumerate(order):
+            here = lifted[column][~np.isnan(lifted[column, :, 0])]
+            for some in (here, single) if rank % _EVERY == 0 else (here,):
+                columns += [column] * len(some)
+                starts.append(some)
+        coverage.add(np.array(columns), np.concatenate(starts))
+        if span.balance.period > 1:
+            for column in order[::_EVERY]:
+                starts = _with_subharmonics(span, coverage.motions(column))
+                coverage.add(np.full(len(starts), column), starts)
+        for first_missing, last_missing in runs(coverage.missing()):
+            column = (first_missing + last_missing) // 2
+            start = grown_solution(span, float(probes[column]))
+            if start is not None:
+                coverage.add(np.array([column]), start[None, :-1])
+        return Branches(coverage.curves, notes=coverage.notes)
+
+
+def _single_harmonics(span: RowSpan) -> np.ndarray:
+    """Guesses of the mean and one harmonic, (k, n)."""
+    size, phases = span.problem.scale[0], 2.0 * np.pi * np.arange(_PHASES) / _PHASES
+    starts = np.zeros((len(_AMPLITUDES), _PHASES, span.problem.unknowns))
+    starts[:, :, 0] = 0.5 * size
+    circle = np.column_stack([np.cos(phases), np.sin(phases)])
+    starts[:, :, list(span.balance.fundamental)] = size * np.multiply.outer(_AMPLITUDES, circle)
+    return starts.reshape(-1, span.problem.unknowns)
+
+
+def _with_subharmonics(span: RowSpan, known: np.ndarray) -> np.ndarray:
+    """Motions (m, n) with every one of their subharmonics, at a few sizes and phases, added: (k, n)."""
+    period, size = span.balance.period, span.problem.scale[0]
+    # Half a turn of the subharmonic is a motion one forcing period later.
+    phases = 2.0 * np.pi * np.arange(_PHASES) / _PHASES / period
+    added = [
+        (k, amplitude * size * np.array([np.cos(phase), np.sin(phase)]))
+        for k in range(1, period)
+        for amplitude in _SUBHARMONICS
+        for phase in phases
+    ]
+    starts = np.repeat(known[:, None], len(added), axis=1)
+    for i, (k, pair) in enumerate(added):
+        starts[:, i, 2 * k - 1 : 2 * k + 1] += pair
+    return starts.reshape(-1, span.problem.unknowns)

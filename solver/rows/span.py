@@ -7,12 +7,13 @@ from functools import cached_property
 import numpy as np
 
 from solver.continuation.continuation import Continuation, Curve, EndReason, Problem
+from solver.continuation.on_curve import Crossings, Known, curve_crossings
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
 from solver.model.gear_model import Model
 from solver.model.packing import axis_vectors
 
-__all__ = ["BROKEN", "RowError", "RowSpan", "ends_notes", "runs"]
+__all__ = ["BROKEN", "RowError", "RowSpan", "ends_for", "ends_notes", "runs"]
 
 
 class RowError(ArithmeticError):
@@ -58,9 +59,9 @@ class RowSpan:
 
     def corrected(self, starts: np.ndarray, iterations: int = 20) -> np.ndarray:
         """What Newton's method reaches from starts y = (u, p) at the same p, (k, n + 1); nan where nothing."""
-        found = self.problem.corrected_all(starts, self.continuation.corrector, max_iterations=iterations)
-        found[np.linalg.norm(found[:, 1:-1], axis=1) > self.continuation.amplitude_max] = np.nan
-        return found
+        solutions = self.problem.corrected_all(starts, self.continuation.corrector, max_iterations=iterations)
+        solutions[np.linalg.norm(solutions[:, 1:-1], axis=1) > self.continuation.amplitude_max] = np.nan
+        return solutions
 
     def traced(self, start: np.ndarray) -> Curve:
         """The whole branch through a solution y = (u, p), however it ends; fewer than two points if it has none."""
@@ -69,7 +70,11 @@ class RowSpan:
             return self.continuation.trace(self.problem, start, self.low, self.high, heading)
         return self.continuation.trace_both_ways(self.problem, start, self.low, self.high)
 
-    def place(self, y: np.ndarray) -> str:
+    def crossings(self, curve: Curve, grid: np.ndarray, known: Known | None = None) -> Crossings:
+        """Where one of the row's branches meets ascending grid values (X,), at which solutions may be known."""
+        return curve_crossings(self.problem, curve, grid, self.continuation, known)
+
+    def described(self, y: np.ndarray) -> str:
         """A solution y = (u, p) in words, for notes."""
         return f"{self.axis} = {y[-1]:.9g} with mean {y[0]:.6g}"
 
@@ -78,19 +83,24 @@ class RowSpan:
 BROKEN = (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT)
 
 
+def ends_for(curves: Iterable[Curve], reason: EndReason) -> list[np.ndarray]:
+    """The points (n + 1,) at which branches end for one reason."""
+    return [
+        curve.points[index]
+        for curve in curves
+        for end, index in zip(curve.ends, (0, -1), strict=True)
+        if end is reason and len(curve.points)
+    ]
+
+
 def ends_notes(span: RowSpan, curves: Iterable[Curve]) -> list[str]:
     """A sentence for every reason why branches of a row break off."""
     sentences = []
     for reason in BROKEN:
-        places = [
-            curve.points[place]
-            for curve in curves
-            for end, place in zip(curve.ends, (0, -1), strict=True)
-            if end is reason and len(curve.points)
-        ]
-        if places:
-            more = f" and at {len(places) - 1} more ends of branches" if len(places) > 1 else ""
-            sentences.append(f"{reason.sentence} It happened at {span.place(places[0])}{more}.")
+        ends = ends_for(curves, reason)
+        if ends:
+            more = f" and at {len(ends) - 1} more ends of branches" if len(ends) > 1 else ""
+            sentences.append(f"{reason.sentence} It happened at {span.described(ends[0])}{more}.")
     return sentences
 
 

@@ -23,7 +23,7 @@ _F, _I, _B = types.float64, types.int64, types.boolean
 _SMALLEST = 1e-8
 
 
-@kernel(types.void(ARRAY, _F), borrows=True)
+@kernel(types.void(ARRAY, _F), inner=True)
 def keep_right(hull, at):
     """Replace coefficients over [0, 1] by those over [at, 1] (de Casteljau)."""
     rest = 1.0 - at
@@ -32,7 +32,7 @@ def keep_right(hull, at):
             hull[j] = rest * hull[j] + at * hull[j + 1]
 
 
-@kernel(types.void(ARRAY, _F), borrows=True)
+@kernel(types.void(ARRAY, _F), inner=True)
 def keep_left(hull, at):
     """Replace coefficients over [0, 1] by those over [0, at]."""
     rest = 1.0 - at
@@ -41,7 +41,7 @@ def keep_left(hull, at):
             hull[j] = rest * hull[j - 1] + at * hull[j]
 
 
-@kernel(types.void(ARRAY, _F, _F, _F, _F, ARRAY), borrows=True)
+@kernel(types.void(ARRAY, _F, _F, _F, _F, ARRAY), inner=True)
 def restrict(hull, begin, end, left, right, piece):
     """Fill in the coefficients over [left, right], a part of [begin, end] that `hull` belongs to."""
     copy_into(piece, hull)
@@ -51,7 +51,7 @@ def restrict(hull, begin, end, left, right, piece):
         keep_right(piece, (left - begin) / (right - begin))
 
 
-@kernel(_B(ARRAY, _F, _F), inline=True, borrows=True)
+@kernel(_B(ARRAY, _F, _F), inline=True)
 def hull_within(hull, low, high):
     """Whether all coefficients lie within a range, and with them the polynomial; true where one is nan."""
     outside = False
@@ -60,7 +60,7 @@ def hull_within(hull, low, high):
     return not outside
 
 
-@kernel(types.Tuple((_I, _F))(ARRAY, _F, _F), borrows=True)
+@kernel(types.Tuple((_I, _F))(ARRAY, _F, _F), inner=True)
 def _crossings(hull, level, side):
     """How often the coefficients pass a level, and where the control polygon first does, as a share of the interval.
 
@@ -80,7 +80,7 @@ def _crossings(hull, level, side):
     return count, place
 
 
-@kernel(_F(ARRAY, _F, _F, _F, _F, _F), borrows=True)
+@kernel(_F(ARRAY, _F, _F, _F, _F, _F), inner=True)
 def _root(powers, level, side, left, right, guess):
     """The one place where a polynomial crosses a level in the direction `side`, between two times."""
     time = guess
@@ -107,7 +107,7 @@ def _root(powers, level, side, left, right, guess):
     return time
 
 
-@kernel(types.Tuple((_F, _I))(ARRAY, ARRAY, _F, ARRAY, _F, ARRAY), borrows=True)
+@kernel(types.Tuple((_F, _I))(ARRAY, ARRAY, _F, ARRAY, _F, ARRAY), inner=True)
 def first_exit_of_hull(hull, powers, begin, limits, slack, piece):
     """Where a polynomial first leaves a range over [begin, 1].
 
@@ -158,7 +158,7 @@ def first_exit_of_hull(hull, powers, begin, limits, slack, piece):
     return 1.0, 0
 
 
-@kernel(_F(ARRAY, _F, _F, _F), borrows=True)
+@kernel(_F(ARRAY, _F, _F, _F), inner=True)
 def _turning_value(powers, left, right, guess):
     """The value at the one extreme of a polynomial between two times."""
     time = guess
@@ -179,7 +179,7 @@ def _turning_value(powers, left, right, guess):
     return value
 
 
-@kernel(types.void(ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), borrows=True)
+@kernel(types.void(ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), inner=True)
 def widen_by_hull(hull, powers, begin, end, slack, extremes, piece):
     """Widen extremes (2,) to all values that a polynomial takes over [begin, end], where `hull` belongs to.
 

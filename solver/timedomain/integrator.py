@@ -46,7 +46,7 @@ class Zone(enum.IntEnum):
     FRONT = 1
 
 
-@kernel(_I(SWITCHED_SYSTEM, ARRAY), borrows=True)
+@kernel(_I(SWITCHED_SYSTEM, ARRAY), inner=True)
 def zone_of(system, state):
     """The zone that a state is in; on a border, the one that it moves into."""
     n = system.vectors.shape[1]

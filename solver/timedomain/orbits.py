@@ -66,7 +66,7 @@ def new_orbit(flows):
     )
 
 
-@kernel(_I(ZONE_FLOWS, _I, _F, ORBIT, MAP_ROOM), borrows=True)
+@kernel(_I(ZONE_FLOWS, _I, _F, ORBIT, MAP_ROOM), inner=True)
 def carry_orbit(flows, periods, ceiling, orbit, room):
     """Carry `orbit.end` over some periods, and the unit matrix in `orbit.tangents` with it; the status."""
     tangents = orbit.tangents
@@ -80,7 +80,7 @@ def carry_orbit(flows, periods, ceiling, orbit, room):
     return COMPLETE
 
 
-@kernel(_F(ARRAY, ARRAY), inline=True, borrows=True)
+@kernel(_F(ARRAY, ARRAY), inline=True)
 def _distance(left, right):
     largest = 0.0
     for i in range(left.shape[0]):
@@ -90,7 +90,7 @@ def _distance(left, right):
     return largest
 
 
-@kernel(_F(ARRAY), inline=True, borrows=True)
+@kernel(_F(ARRAY), inline=True)
 def _scale(state):
     largest = 1.0
     for i in range(state.shape[0]):
@@ -98,7 +98,7 @@ def _scale(state):
     return largest
 
 
-@kernel(_I(ZONE_FLOWS, ARRAY, _I, _F, _I, _I, _F, ORBIT, MAP_ROOM), borrows=True)
+@kernel(_I(ZONE_FLOWS, ARRAY, _I, _F, _I, _I, _F, ORBIT, MAP_ROOM), inner=True)
 def close_orbit(flows, state, periods, tolerance, iterations, halvings, ceiling, orbit, room):
     """The periodic orbit near a state.
 
@@ -165,7 +165,7 @@ def close_orbit(flows, state, periods, tolerance, iterations, halvings, ceiling,
     return CONVERGED if gap <= wanted else NOT_CONVERGED
 
 
-@kernel(types.void(ORBIT), inline=True, borrows=True)
+@kernel(types.void(ORBIT), inline=True)
 def _keep(orbit):
     """Rows of the tangents are columns of the matrix."""
     for i in range(orbit.matrix.shape[0]):
@@ -173,7 +173,7 @@ def _keep(orbit):
             orbit.matrix[i, j] = orbit.tangents[j, i]
 
 
-@kernel(_I(ZONE_FLOWS, ARRAY, _I, _F, _F, ORBIT, MAP_ROOM), borrows=True)
+@kernel(_I(ZONE_FLOWS, ARRAY, _I, _F, _F, ORBIT, MAP_ROOM), inner=True)
 def minimal_period(flows, state, periods, tolerance, ceiling, orbit, room):
     """The smallest divisor of so many periods after which an orbit of `close_orbit` repeats.
 

@@ -56,7 +56,7 @@ def _advance(system, states, tolerance, ceiling, sections, status):
                 sections[row, count, i] = states[row, i] if status[row] == COMPLETE else math.nan
 
 
-@kernel(types.void(ZONE_FLOWS, MATRIX, _I, _F, _F, MATRIX, MAP_ROOM), borrows=True)
+@kernel(types.void(ZONE_FLOWS, MATRIX, _I, _F, _F, MATRIX, MAP_ROOM), inner=True)
 def add_harmonics(flows, steps, count, start, base, sums, room):
     """Add the Fourier integrals of lambda over the steps of a period that starts at a time."""
     half, intervals = flows.half[0], flows.count[0]

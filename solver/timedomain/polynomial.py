@@ -23,7 +23,7 @@ _PAIR = types.UniTuple(types.float64, 2)
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
-@kernel(_PAIR(ARRAY, types.float64), borrows=True)
+@kernel(_PAIR(ARRAY, types.float64), inner=True)
 def evaluate(coefficients, time):
     """Value and slope of sum_k coefficients[k] time^k."""
     value, slope = coefficients[-1], 0.0
@@ -110,7 +110,7 @@ def first_exit(coefficients, step, low, high):
     return step, 0
 
 
-@kernel(types.void(*(ARRAY,) + (types.float64,) * 5, MATRIX), borrows=True)
+@kernel(types.void(*(ARRAY,) + (types.float64,) * 5, MATRIX), inner=True)
 def add_fourier(powers, begin, end, half, middle, base, sums):
     """Add the integrals of a polynomial times cos and sin of k base tau over a step.
 

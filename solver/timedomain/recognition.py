@@ -116,7 +116,7 @@ def new_known(room: int, size: int) -> Known:
     )
 
 
-@kernel(_F(SWITCHED_SYSTEM, ARRAY, ARRAY), inline=True, borrows=True)
+@kernel(_F(SWITCHED_SYSTEM, ARRAY, ARRAY), inline=True)
 def distance(system, one, other):
     """Distance of two states, speeds divided by Omega."""
     n, slower = one.shape[0] // 2, 1.0 / system.numbers[FREQUENCY]
@@ -126,7 +126,7 @@ def distance(system, one, other):
     return math.sqrt(total)
 
 
-@kernel(types.void(MATRIX, MATRIX, MATRIX), borrows=True)
+@kernel(types.void(MATRIX, MATRIX, MATRIX), inner=True)
 def _multiply(left, right, product):
     """product = left @ right, which must not be one of them."""
     n = left.shape[0]
@@ -138,13 +138,13 @@ def _multiply(left, right, product):
             product[i, j] = total
 
 
-@kernel(types.void(MATRIX, MATRIX), inline=True, borrows=True)
+@kernel(types.void(MATRIX, MATRIX), inline=True)
 def _copy_matrix(target, source):
     for i in range(target.shape[0]):
         copy_into(target[i], source[i])
 
 
-@kernel(_F(MATRIX, MATRIX, MATRIX), borrows=True)
+@kernel(_F(MATRIX, MATRIX, MATRIX), inner=True)
 def _growth(matrix, power, work):
     """Logarithm of the spectral radius, from the norms of the powers 2, 4, ... 2^40; both work arrays are overwritten.
 
@@ -170,7 +170,7 @@ def _growth(matrix, power, work):
     return logarithm
 
 
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, ARRAY), borrows=True)
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, ARRAY), inner=True)
 def _same_orbit(system, known, period, state):
     """Slot of the known orbit of q periods that passes through a state; -1 if none does."""
     limit = _SAME * system.numbers[LENGTH]
@@ -182,7 +182,7 @@ def _same_orbit(system, known, period, state):
     return -1
 
 
-@kernel(types.void(SWITCHED_SYSTEM, KNOWN, _I, _I), borrows=True)
+@kernel(types.void(SWITCHED_SYSTEM, KNOWN, _I, _I), inner=True)
 def _set_norms(system, known, slot, period):
     """P_j of a stable orbit, by doubling: the sum over returns is S + M^T S M + (M^2)^T [...] M^2 + ..."""
     size, square = known.points.shape[2], 1.0 / system.numbers[FREQUENCY] ** 2
@@ -229,7 +229,7 @@ def _set_norms(system, known, slot, period):
                 norms[j, i, k] = value
 
 
-@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, _F, _F, ORBIT, MAP_ROOM), borrows=True)
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, _F, _F, ORBIT, MAP_ROOM), inner=True)
 def try_orbit(flows, known, state, period, ceiling, apart, orbit, room):
     """Slot of the stable periodic orbit that Newton's method finds from a state, which becomes known if it was not.
 
@@ -285,7 +285,7 @@ def try_orbit(flows, known, state, period, ceiling, apart, orbit, room):
     return slot
 
 
-@kernel(_F(MATRIX, ARRAY), inline=True, borrows=True)
+@kernel(_F(MATRIX, ARRAY), inline=True)
 def _norm(matrix, vector):
     """Root of vector^T matrix vector."""
     total = 0.0
@@ -297,7 +297,7 @@ def _norm(matrix, vector):
     return math.sqrt(max(total, 0.0))
 
 
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, ARRAY, ARRAY, ARRAY, _COUNTS, MATRIX), borrows=True)
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, ARRAY, ARRAY, ARRAY, _COUNTS, MATRIX), inner=True)
 def recognised(system, known, before, after, entry, returns, work):
     """Slot of the periodic orbit that a motion is certain to end on; -1 if that is not known yet.
 
@@ -350,7 +350,7 @@ def recognised(system, known, before, after, entry, returns, work):
     return -1
 
 
-@kernel(_F(SWITCHED_SYSTEM, MATRIX, ARRAY, _I), borrows=True)
+@kernel(_F(SWITCHED_SYSTEM, MATRIX, ARRAY, _I), inner=True)
 def _nearest(system, sample, state, skipped):
     """Distance from a state to the nearest section of a sample, one of them left out."""
     least = math.inf
@@ -360,7 +360,7 @@ def _nearest(system, sample, state, skipped):
     return least
 
 
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, ARRAY, types.int64[:, ::1], _I), borrows=True)
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, ARRAY, types.int64[:, ::1], _I), inner=True)
 def within_sample(system, known, state, hits, count):
     """Slot of the attractor in whose sample the last sections of a motion lay; -1 if there is none.
 
@@ -379,7 +379,7 @@ def within_sample(system, known, state, hits, count):
     return -1
 
 
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, ARRAY), borrows=True)
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, ARRAY), inner=True)
 def keep_sample(system, known, kind, sample, rate, error, gaps):
     """Slot of an attractor that is known by a sample of its sections, and becomes known if it was not.
 
@@ -423,7 +423,7 @@ def keep_sample(system, known, kind, sample, rate, error, gaps):
     return slot
 
 
-@kernel(_F(ARRAY), borrows=True)
+@kernel(_F(ARRAY), inner=True)
 def _nine_tenths(values):
     """The number that a tenth of the values exceed; numpy's sort takes long to compile."""
     above = values.shape[0] // 10

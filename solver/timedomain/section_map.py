@@ -81,7 +81,7 @@ def new_room(flows):
     )
 
 
-@kernel(_I(ZONE_FLOWS), inline=True, borrows=True)
+@kernel(_I(ZONE_FLOWS), inline=True)
 def most_steps(flows):
     """Steps that a period may take: far more than a motion needs that does not rattle within rounding."""
     return 100 * flows.count[0] + 1000
@@ -93,7 +93,7 @@ def new_steps(flows):
     return np.empty((most_steps(flows), STATE + flows.backward.shape[3]))
 
 
-@kernel(_B(CUBE, _I, ARRAY, _F, _F), inline=True, borrows=True)
+@kernel(_B(CUBE, _I, ARRAY, _F, _F), inline=True)
 def _stays(table, row, state, low, high):
     """Whether lambda stays within a range over the whole interval: `combine` and `hull_within` in one."""
     columns, outside = table.shape[1] - 1, False
@@ -111,7 +111,7 @@ def _stays(table, row, state, low, high):
     return not outside
 
 
-@kernel(types.Tuple((_F, _I))(ZONE_FLOWS, _I, _I, _F, MAP_ROOM), inline=True, borrows=True)
+@kernel(types.Tuple((_F, _I))(ZONE_FLOWS, _I, _I, _F, MAP_ROOM), inline=True)
 def _end_of_step(flows, zone, row, begin, room):
     """Where the motion of `room.state` leaves a zone after `begin`, at the end of the interval otherwise; the side."""
     z, slack = zone % 3, flows.slack[0]
@@ -127,7 +127,7 @@ def _end_of_step(flows, zone, row, begin, room):
     return first_exit_of_hull(room.hull, room.powers, begin, flows.limits[z], slack, room.piece)
 
 
-@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True, borrows=True)
+@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True)
 def _carry_tangent(maps, row, tangent, image):
     """Carry a deviation (2 n,) by the linear part of a map."""
     size = tangent.shape[0]
@@ -139,7 +139,7 @@ def _carry_tangent(maps, row, tangent, image):
     copy_into(tangent, image)
 
 
-@kernel(types.void(MATRIX, ARRAY, ARRAY), inline=True, borrows=True)
+@kernel(types.void(MATRIX, ARRAY, ARRAY), inline=True)
 def _multiply(columns, vector, image):
     """Replace a vector (2 n,) by the sum of 2 n columns that it is the coefficients of."""
     size = vector.shape[0]
@@ -151,7 +151,7 @@ def _multiply(columns, vector, image):
     copy_into(vector, image)
 
 
-@kernel(types.void(ZONE_FLOWS, _I, _I, _F, MATRIX, MAP_ROOM), borrows=True)
+@kernel(types.void(ZONE_FLOWS, _I, _I, _F, MATRIX, MAP_ROOM), inner=True)
 def _change_zone(flows, row, after, at, tangents, room):
     """Describe the motion, and deviations with it, by the flow of another zone, whose row is `after`, from u on."""
     size, phi, gamma, state, image = flows.backward.shape[2], room.phi, room.gamma, room.state, room.image
@@ -175,7 +175,7 @@ def _change_zone(flows, row, after, at, tangents, room):
         _multiply(gamma, tangents[k], room.vector)
 
 
-@kernel(types.UniTuple(_I, 2)(ZONE_FLOWS, ARRAY, MATRIX, MATRIX, _F, MAP_ROOM), borrows=True)
+@kernel(types.UniTuple(_I, 2)(ZONE_FLOWS, ARRAY, MATRIX, MATRIX, _F, MAP_ROOM), inner=True)
 def carry_period(flows, state, tangents, steps, ceiling, room):
     """Carry a motion, and small deviations from it, from one section to the next.
 
@@ -241,7 +241,7 @@ def carry_period(flows, state, tangents, steps, ceiling, room):
     return TOO_MANY_STEPS, most_steps(flows)
 
 
-@kernel(types.void(ZONE_FLOWS, ARRAY, ARRAY), borrows=True)
+@kernel(types.void(ZONE_FLOWS, ARRAY, ARRAY), inner=True)
 def hull_of_step(flows, step, hull):
     """Fill in the Bernstein coefficients (16,) of lambda over one step."""
     combine(flows.bernstein, int(step[ROW]), step[STATE:], hull)
@@ -252,7 +252,7 @@ def hull_of_step(flows, step, hull):
         keep_left(hull, (end - begin) / (1.0 - begin))
 
 
-@kernel(types.void(ZONE_FLOWS, MATRIX, _I, ARRAY, MAP_ROOM), borrows=True)
+@kernel(types.void(ZONE_FLOWS, MATRIX, _I, ARRAY, MAP_ROOM), inner=True)
 def widen_over(flows, steps, count, extremes, room):
     """Widen the lowest and highest lambda (2,) to all that it takes over so many steps."""
     for s in range(count):

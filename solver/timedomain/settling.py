@@ -146,7 +146,7 @@ def new_memory(size: int, room: int, watched: int) -> Memory:
     )
 
 
-@kernel(types.void(MEMORY), borrows=True)
+@kernel(types.void(MEMORY), inner=True)
 def _forget(memory):
     """Nothing has been seen and tried yet."""
     memory.returns[:] = 0
@@ -155,7 +155,7 @@ def _forget(memory):
         memory.tries[period], memory.tries[HIGHEST_PERIOD + 1 + period] = 0, _WAIT
 
 
-@kernel(_I(KNOWN, _I), borrows=True)
+@kernel(_I(KNOWN, _I), inner=True)
 def _slot_of(known, kind):
     """The slot of what has no sections (unbounded and unsettled motions), which is taken if it was not; or NO_ROOM."""
     for slot in range(known.count[0]):
@@ -169,7 +169,7 @@ def _slot_of(known, kind):
     return slot
 
 
-@kernel(types.void(ZONE_FLOWS, KNOWN, MEMORY, _I, LIMITS, ORBIT, MAP_ROOM), borrows=True)
+@kernel(types.void(ZONE_FLOWS, KNOWN, MEMORY, _I, LIMITS, ORBIT, MAP_ROOM), inner=True)
 def _seek_return(flows, known, memory, now, limits, orbit, room):
     """Try Newton's method where the motion has stayed near itself for q periods; at most one orbit becomes known.
 
@@ -207,7 +207,7 @@ def _seek_return(flows, known, memory, now, limits, orbit, room):
                 return
 
 
-@kernel(types.UniTuple(_F, 2)(ARRAY, _I), borrows=True)
+@kernel(types.UniTuple(_F, 2)(ARRAY, _I), inner=True)
 def _batch_means(logarithms, count):
     """Mean growth of a deviation in a period and its standard error, from batches after the first periods."""
     per = (count - _TURNING) // _BATCHES
@@ -224,7 +224,7 @@ def _batch_means(logarithms, count):
     return mean, math.sqrt(variance / _BATCHES)
 
 
-@kernel(types.void(MATRIX, _I, MATRIX), borrows=True)
+@kernel(types.void(MATRIX, _I, MATRIX), inner=True)
 def spread_sample(sections, count, sample):
     """Fill a sample (128, m) with sections spread over the later ones, so that slow turns of a torus are seen whole."""
     for i in range(SAMPLE):
@@ -233,7 +233,7 @@ def spread_sample(sections, count, sample):
         copy_into(sample[i], sections[count - 1 - int(share * (count - _TURNING))])
 
 
-@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), borrows=True)
+@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), inner=True)
 def _repeats(system, sections, now):
     """Whether a motion has come to repeat itself after more than eight periods."""
     scale = system.numbers[LENGTH]
@@ -247,7 +247,7 @@ def _repeats(system, sections, now):
     return False
 
 
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, MATRIX), borrows=True)
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, MATRIX), inner=True)
 def _approached(system, known, sections):
     """Slot of a stable orbit that a motion slowly ends on: near, and nearer at half the pace of its multipliers.
 
@@ -276,7 +276,7 @@ def _approached(system, known, sections):
     return answer
 
 
-@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True)
 def settle_state(flows, known, state, limits, memory, orbit, room):
     """Follow a motion until it is known where it settles.
 
@@ -306,7 +306,7 @@ def settle_state(flows, known, state, limits, memory, orbit, room):
     return slot if slot != -1 else _watch(flows, known, state, limits, memory, orbit, room)
 
 
-@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), borrows=True)
+@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), inner=True)
 def _stands_still(system, kept, now):
     """Whether a motion repeats after up to eight periods."""
     for period in range(1, HIGHEST_PERIOD + 1):
@@ -315,7 +315,7 @@ def _stands_still(system, kept, now):
     return False
 
 
-@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True)
 def _follow(flows, known, state, periods, limits, memory, orbit, room):
     """As `settle_state`, over so many periods; -1 where the motion has not settled by then."""
     system = flows.system
@@ -336,7 +336,7 @@ def _follow(flows, known, state, periods, limits, memory, orbit, room):
     return -1
 
 
-@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), borrows=True)
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True)
 def _watch(flows, known, state, limits, memory, orbit, room):
     """Slot of what a motion does that has not settled, as `settle_state`, from the growth of a deviation."""
     system, size, tangent = flows.system, state.shape[0], memory.tangent
@@ -386,7 +386,7 @@ def _watch(flows, known, state, limits, memory, orbit, room):
     return _slot_of(known, UNSETTLED)
 
 
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, MEMORY), borrows=True)
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, MEMORY), inner=True)
 def _kept(system, known, kind, sample, mean, error, memory):
     """`keep_sample`, NO_ROOM where there is no slot left."""
     slot = keep_sample(system, known, kind, sample, mean, error, memory.gaps)

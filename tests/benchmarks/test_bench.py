@@ -10,7 +10,7 @@ from benchmarks.baselines import fsolve_sweep, residual, runge_kutta_sweep, ther
 from benchmarks.commands import measure_commands
 from benchmarks.measurement import FULL, QUICK, TINY, Baselines, Measurement, timed
 from benchmarks.numerics import measure_numerics
-from benchmarks.report import SCHEMA, document, table, write
+from benchmarks.report import PAGE, SCHEMA, document, fill, table, write
 from solver import sweep_row, uncondensed_balance
 from solver.timedomain import settle
 from tests.conftest import MODELS
@@ -73,6 +73,18 @@ def test_the_numerics_of_a_tiny_run_as_json_and_table(tmp_path):
     lines = table(found).splitlines()
     assert all(f"| {name}: " in "\n".join(lines) for name in NUMERICS)
     assert {line.count("|") for line in lines[:6]} == {6}
+
+
+def test_the_page_is_filled_and_filled_again(tmp_path):
+    page = tmp_path / "speed.md"
+    page.write_text(PAGE.read_text(encoding="utf-8"), encoding="utf-8")
+    begin, end = page.read_text(encoding="utf-8").split("## Large planes")
+    for seconds in (1.0, 2.0):
+        found = document([Measurement("new", "is measured", "s", (seconds,), {"fsolve": 30.0})], False, 1.0)
+        fill(found, page)
+        text = page.read_text(encoding="utf-8")
+        assert table(found) in text and text.count("| what |") == 1
+        assert text.startswith(begin.partition("| what |")[0].rstrip()) and text.endswith(end)
 
 
 @pytest.mark.slow

@@ -7,23 +7,34 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.analysis.margins.box import Box, largest_box
-from pipeline.analysis.margins.curves import Boundaries, P, X, boundaries_of
-from pipeline.analysis.margins.distances import Margin, margins_of_axis, margins_of_further, nearest_over_range
-from pipeline.analysis.margins.lines import Line, codes_along, divided
+from pipeline.analysis.margins.curves import BIFURCATIONS, Boundaries, P, X, boundaries_of
+from pipeline.analysis.margins.distances import (
+    Margin,
+    losses_of_axis,
+    margins_of_axis,
+    margins_of_further,
+    nearest_over_range,
+)
+from pipeline.analysis.margins.integration import integrated
+from pipeline.analysis.margins.knowledge import Known, doubts_of, order_words
+from pipeline.analysis.margins.lines import Line, codes_along, divided, row_along
 from pipeline.analysis.margins.options import Design
+from pipeline.analysis.margins.resonances import Resonance, resonances_in
 from pipeline.analysis.margins.worst import Corner, corners
 from pipeline.errors import StoreError
+from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
-from pipeline.plane.regions import stored_curves
 from pipeline.plane.stored import StoredPlane
 from solver import domain_label
+from solver.stability import Instability
 
-__all__ = ["SAFE", "Answer", "answer", "line_through"]
+__all__ = ["IN_CONTACT", "Answer", "answer", "line_through"]
 
 #: One motion, whose teeth never part.
-SAFE = "1/0"
-#: In so many rows and columns a safe box is looked at once more.
+IN_CONTACT = "1/0"
+#: In so many rows and columns a box is looked at once more.
 _CHECKED = 15
+_UNSTABLE = {Instability.PERIOD_DOUBLING: "period doubling", Instability.NEIMARK_SACKER: "Neimark-Sacker"}
 
 
 @dataclass(frozen=True)
@@ -35,18 +46,29 @@ class Answer:
     plan : Plan
     design : Design
     label : str
-        n/I at the point; empty where labels cannot be had.
+        n/I at the point, of the plane's own order; empty where it is not decided.
     row : Line
         The swept axis at the point's p.
     margins : tuple of Margin
+        To the nearest changes of label.
+    losses : tuple of Margin
+        To the nearest bifurcations of statically stable motions in both axes, as far as there are any.
     box : Box or None
-        The largest safe box around the operating range, or around the point alone where the range is not safe.
+        The largest box of `IN_CONTACT` around the operating range, or around the point alone where the range is not.
     boxed : Design
         What the box was asked to hold.
+    resonances : tuple of Resonance
+        Linear ones over which the box lies, ascending.
     corners : tuple of Corner
         Labels within the tolerances.
+    known : tuple of Known
+        Of the point; of the box, if there is one.
+    doubts : tuple of str
+        What keeps the label from being verified; none where integration found its motions, and no other, in all cells.
+    how : str
+        The command that integrates.
     notes : tuple of str
-        What these answers do and do not say.
+        What else these answers do and do not say.
     """
 
     plan: Plan
@@ -54,13 +76,24 @@ class Answer:
     label: str
     row: Line
     margins: tuple[Margin, ...]
+    losses: tuple[Margin, ...]
     box: Box | None
     boxed: Design
+    resonances: tuple[Resonance, ...]
     corners: tuple[Corner, ...]
+    known: tuple[Known, ...]
+    doubts: tuple[str, ...]
+    how: str
     notes: tuple[str, ...]
 
+    @property
+    def sentences(self) -> list[str]:
+        """What is known of the point and of the box, the command where something was not integrated, once."""
+        gaps = [one for one in self.known if not one.integrated]
+        return [one.sentence(self.how if gaps[:1] == [one] else "") for one in self.known]
 
-def answer(path: Path, plan: Plan, design: Design) -> Answer:
+
+def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractors]") -> Answer:
     """Ask a stored plane about a design point.
 
     Parameters
@@ -70,6 +103,8 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     plan : Plan
         The store's own.
     design : Design
+    how : str
+        The command that integrates this plane, for the reader.
 
     Raises
     ------
@@ -82,71 +117,114 @@ def answer(path: Path, plan: Plan, design: Design) -> Answer:
     if plane.boundaries is None:
         raise StoreError(f"{path} has no boundaries: run stages=[boundaries] first")
     boundaries = boundaries_of(plane.boundaries.curves)
-    first_order = plan.solver["balance"] == "describing_function"
-    row = line_through(boundaries, plan, design, P, first_order)
-    column = line_through(boundaries, plan, design, X, first_order)
+    bifurcations = boundaries_of(plane.boundaries.curves, BIFURCATIONS)
+    row, column = (line_through(boundaries, plan, design, held) for held in (P, X))
     label = domain_label(row.within(design.x, design.x)[0].code)
     margins = margins_of_axis(row, column, plan, design)
     if design.low < design.high:
         margins += nearest_over_range(boundaries, plan, design, design.p)
-    notes, found = [], []
-    if first_order:
-        for name in design.further:
-            margins += margins_of_further(plan, design, name)
-        found = corners(plan, design, stored_curves(plane))
-        if len(found) > 1:
-            notes.append(
-                "Further parameters are looked at with all of them at the ends of their tolerances; between "
-                "those nothing is proven."
-            )
-    else:
-        order = plan.solver["order"]
-        notes.append(
-            f"At order {order} solutions cannot be enumerated: "
-            "distances to the stored folds and grazings and the largest box free of them are given, "
-            "without labels, tolerances or parameters that are no axis of the plane."
+    for name in design.further:
+        margins += margins_of_further(plan, design, name)
+    found = corners(plan, design, plane)
+    box, boxed, notes = _box(Boundaries.joined(boundaries, bifurcations), plan, design, label)
+    rectangles = () if box is None else ((box.x, box.p),)
+    known = tuple(
+        Known(order_words(plan), label, integrated(path, plan, *ends), of_box)
+        for of_box, ends in (
+            (False, ((design.x, design.x), (design.p, design.p))),
+            *((True, one) for one in rectangles),
         )
-    box, boxed, said = _box(boundaries, plan, design, row, label, first_order)
-    return Answer(plan, design, label, row, tuple(margins), box, boxed, tuple(found), (*said, *notes))
+    )
+    return Answer(
+        plan,
+        design,
+        label,
+        row,
+        tuple(margins),
+        tuple(losses_of_axis(bifurcations, plan, design)),
+        box,
+        boxed,
+        _resonances(plan, box),
+        tuple(found),
+        known,
+        doubts_of(plane, design, known, bifurcations, rectangles),
+        how,
+        (*notes, *_limits(plan, found)),
+    )
 
 
-def line_through(boundaries: Boundaries, plan: Plan, design: Design, held: int, labelled: bool) -> Line:
+def line_through(boundaries: Boundaries, plan: Plan, design: Design, held: int) -> Line:
     """The line through the point along which the other axis than `held` (3: x, 4: p) changes."""
     axis, value = (plan.parameter, design.x) if held == X else (plan.sweep, design.p)
     ends = axis.low, axis.high
-    codes = codes_along(plan, axis.name, ends, design.x, design.p) if labelled else None
-    return divided(*boundaries.along(held, value), ends, codes)
+    return divided(*boundaries.along(held, value), ends, codes_along(plan, axis.name, ends, design.x, design.p))
 
 
-def _box(boundaries, plan, design, row, label, labelled) -> tuple[Box | None, Design, list[str]]:
+def _limits(plan: Plan, found: list[Corner]) -> list[str]:
+    """What these answers do not say."""
+    notes = []
+    if len(found) > 1:
+        notes.append(
+            "Further parameters are looked at with all of them at the ends of their tolerances; between those nothing "
+            "is proven."
+        )
+    if plan.solver["balance"] != "describing_function":
+        notes.append(
+            f"At order {plan.solver['order']} the motions are those of the branches that were found along lines of the "
+            "plane, and labels within the tolerances those of some of its rows: this is a search, not a proof."
+        )
+    return notes
+
+
+def _box(arcs, plan, design, label) -> tuple[Box | None, Design, list[str]]:
     """The largest box, what it holds, and what is to be said of it."""
     boxed, said = design, []
     name = plan.sweep.name
-    if labelled and label != SAFE:
-        return None, design, [f"There is no safe box: the design point's label is {label or 'not decided'}."]
-    if len(row.within(design.low, design.high)) > 1:
+    none = f"There is no box of {IN_CONTACT}: "
+    if label != IN_CONTACT:
+        return None, design, [f"{none}the label of the design point is {label or 'not decided'}."]
+    if unstable := _instability(plan, design):
+        return None, design, [f"{none}the motion of the design point is dynamically unstable ({unstable})."]
+    crossed, _ = arcs.along(P, design.p)
+    if np.any((crossed > design.low) & (crossed < design.high)):
         boxed = dataclasses.replace(design, low=design.x, high=design.x)
         said.append(
-            f"No safe box holds the operating range {name} = {design.low:g} ... {design.high:g}, which "
+            f"No box of {IN_CONTACT} holds the operating range {name} = {design.low:g} ... {design.high:g}, which "
             "boundaries cross; the box is the largest around the design point."
         )
-    box = largest_box(boundaries, plan, boxed)
+    box = largest_box(arcs, plan, boxed)
     if not box.area > 0.0:
-        return None, boxed, ["There is no safe box: the design point lies on a boundary."]
-    if labelled and (unlike := _unlike(plan, box)):
-        # Where a motion passes the amplitude ceiling no boundary is stored.
-        return None, boxed, [f"The largest box free of boundaries is not all {SAFE}: {unlike}."]
+        return None, boxed, [f"{none}the design point lies on a boundary."]
+    if unlike := _unlike(plan, box):
+        # Where a motion passes the amplitude ceiling, or a curve could not be followed, no boundary is stored.
+        return None, boxed, [f"The largest box free of stored boundaries is not all {IN_CONTACT}: {unlike}."]
     return box, boxed, said
 
 
+def _instability(plan: Plan, design: Design) -> str:
+    """How a statically stable motion of the design point is dynamically unstable; empty if none is."""
+    sweep = plan.sweep
+    row = row_along(plan, sweep.name, np.unique([sweep.low, design.x, sweep.high]), design.x, design.p)
+    here = np.searchsorted(row.grid, design.x)
+    kinds = row.instability[here][row.stable[here] == 1].tolist()
+    return ", ".join(words for kind, words in _UNSTABLE.items() if kind in kinds)
+
+
+def _resonances(plan: Plan, box: Box | None) -> tuple[Resonance, ...]:
+    """The linear resonances over which a box lies, of the gear in its middle row."""
+    if box is None or plan.sweep.name != "omega":
+        return ()
+    return tuple(resonances_in(model_at(plan, 0.5 * sum(box.p), box.x[0]), *box.x))
+
+
 def _unlike(plan: Plan, box: Box) -> str:
-    """Where a box has another label than the safe one, as far as rows and columns show; empty if nowhere."""
+    """Where a box has another label than it should, as far as rows and columns show; empty if nowhere."""
     inside = (np.arange(_CHECKED) + 0.5) / _CHECKED
     columns = box.x[0] + (box.x[1] - box.x[0]) * inside
     ends = plan.sweep.low, plan.sweep.high
     for p in box.p[0] + (box.p[1] - box.p[0]) * inside:
         codes = codes_along(plan, plan.sweep.name, ends, float(columns[0]), float(p))(columns)
         for x, code in zip(columns, codes.tolist(), strict=True):
-            if code and domain_label(code) != SAFE:
+            if code and domain_label(code) != IN_CONTACT:
                 return f"{domain_label(code)} at {plan.sweep.name} = {x:.6g}, {plan.parameter.name} = {p:.6g}"
     return ""

@@ -1,4 +1,4 @@
-"""The largest safe box: a rectangle of the plane, around a design point or range, into which no boundary reaches."""
+"""The largest box: a rectangle of the plane, around a design point or range, into which no boundary reaches."""
 
 from dataclasses import dataclass
 

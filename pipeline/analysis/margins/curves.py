@@ -9,13 +9,13 @@ import numpy as np
 from pipeline.analysis.boundaries.tracing import curves_through, to_store
 from pipeline.analysis.margins.lines import swept
 from pipeline.plan.axes import Axis
-from pipeline.plan.numerics import row_axis
+from pipeline.plan.numerics import balance_of, row_axis
 from pipeline.plan.plan import Plan
 from pipeline.plane.arcs import Arcs
 from solver import Event
-from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve
+from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, BoundaryCurve
 
-__all__ = ["Boundaries", "boundaries_of", "crossed", "part_of", "traced"]
+__all__ = ["BIFURCATIONS", "Boundaries", "boundaries_of", "crossed", "part_of", "traced"]
 
 #: Rows between which boundaries of a column are sought that cannot be swept itself.
 _ROWS = 9
@@ -27,7 +27,7 @@ _ENDS = ("start", "end", "leave", "arrive")
 
 @dataclass(frozen=True)
 class Boundaries:
-    """All arcs of a plane on whose two sides labels differ.
+    """Arcs of a plane on whose two sides something differs.
 
     Parameters
     ----------
@@ -44,6 +44,20 @@ class Boundaries:
         found = self.arcs.crossings(axis, np.array([value]))
         return found.points[:, X + P - axis], self.kinds[found.arc]
 
+    @staticmethod
+    def joined(*parts: "Boundaries") -> "Boundaries":
+        """All arcs of several."""
+        arcs = Arcs(*(np.concatenate([getattr(part.arcs, name) for part in parts]) for name in _ENDS))
+        return Boundaries(arcs, np.concatenate([part.kinds for part in parts]))
+
+    def kinds_in(self, x: tuple[float, float], p: tuple[float, float]) -> set[Event]:
+        """Of the arcs with a point in a closed rectangle, as far as five points an arc show."""
+        inside = np.zeros(self.kinds.size, bool)
+        for t in np.linspace(0.0, 1.0, 5):
+            at = self.arcs.at(slice(None), np.full(self.kinds.size, t))
+            inside |= (x[0] <= at[:, X]) & (at[:, X] <= x[1]) & (p[0] <= at[:, P]) & (at[:, P] <= p[1])
+        return {Event(int(kind)) for kind in np.unique(self.kinds[inside])}
+
     @cached_property
     def marked(self) -> tuple[np.ndarray, np.ndarray]:
         """Ends of arcs and where they turn round in x or p: places (k, 2), and the kinds (k,).
@@ -59,15 +73,19 @@ class Boundaries:
         return np.concatenate(places), np.concatenate(kinds)
 
 
-def boundaries_of(curves) -> Boundaries:
-    """The arcs of curves (`StoredCurve`) that part labels; bifurcations that leave n and I alone do not."""
-    shown = [curve for curve in curves if curve.kind in FOLDS_AND_GRAZINGS and len(curve.points) > 1]
+def boundaries_of(curves, kinds=FOLDS_AND_GRAZINGS) -> Boundaries:
+    """The arcs of curves (`StoredCurve`) of some kinds.
+
+    Folds and grazings part labels; bifurcations leave n and I alone, and part what is dynamically stable. Where a
+    motion is statically unstable, none of them counts but the fold.
+    """
+    shown = [curve for curve in curves if curve.kind in kinds and len(curve.points) > 1]
     flags = np.concatenate([np.empty(0, bool), *(curve.arc_shows for curve in shown)])
     arcs = Arcs(
         *(np.concatenate([np.empty((0, 5)), *(getattr(curve.arcs, name) for curve in shown)])[flags] for name in _ENDS)
     )
-    kinds = np.concatenate([np.empty(0, int), *(np.full(len(curve.points) - 1, curve.kind) for curve in shown)])
-    return Boundaries(arcs, kinds[flags])
+    numbers = np.concatenate([np.empty(0, int), *(np.full(len(curve.points) - 1, curve.kind) for curve in shown)])
+    return Boundaries(arcs, numbers[flags])
 
 
 def part_of(plan: Plan, x: tuple[float, float], p: tuple[float, float], rows: int = 2) -> Plan:
@@ -102,15 +120,15 @@ def traced(
     # Nothing is swept along a path: its columns add nothing.
     for value in window.sweep.values if isinstance(row_axis(plan), str) else ():
         points, kinds = swept(window, window.parameter.name, p, float(value), p[0])
-        along = np.column_stack([points[:, :3], np.full(len(points), value), points[:, 3]])
+        along = np.column_stack([points[:, :-1], np.full(len(points), value), points[:, -1]])
         starts += [(Event(int(kind)), point) for kind, point in zip(kinds, along, strict=True)]
-    return window, curves_through(window, starts)
+    return window, curves_through(window, starts, balance_of(plan.solver))
 
 
 def crossed(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> tuple[np.ndarray, np.ndarray]:
     """Where one of the plane's axes meets boundaries on its way through a place, and their kinds."""
     if axis == plan.sweep.name or isinstance(row_axis(plan), str):
         points, kinds = swept(plan, axis, ends, x, p)
-        return points[:, 3], kinds
+        return points[:, -1], kinds
     _, curves = traced(plan, (plan.sweep.low, plan.sweep.high), ends, _ROWS)
     return boundaries_of([to_store(curve) for curve in curves]).along(X, x)

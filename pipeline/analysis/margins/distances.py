@@ -14,7 +14,15 @@ from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
 from solver import Event
 
-__all__ = ["Margin", "across", "further_axis", "margins_of_axis", "margins_of_further", "nearest_over_range"]
+__all__ = [
+    "Margin",
+    "across",
+    "further_axis",
+    "losses_of_axis",
+    "margins_of_axis",
+    "margins_of_further",
+    "nearest_over_range",
+]
 
 #: How far from a boundary, relative to the axis, the label beyond is asked for: further where too close to be told.
 _STEPS = 10.0 ** np.arange(-7.0, -3.5)
@@ -108,6 +116,16 @@ def margins_of_axis(row: Line, column: Line, plan: Plan, design: Design) -> list
     return found
 
 
+def losses_of_axis(bifurcations: Boundaries, plan: Plan, design: Design) -> list[Margin]:
+    """To the nearest bifurcations in the plane's own axes; where there is none in a direction, nothing."""
+    row, column = (
+        divided(*bifurcations.along(held, value), (axis.low, axis.high), None)
+        for held, value, axis in ((P, design.p, plan.sweep), (X, design.x, plan.parameter))
+    )
+    found = [*_of_line(row, plan.sweep, design.x, None), *_of_line(column, plan.parameter, design.p, design.x)]
+    return [margin for margin in found if margin.place is not None]
+
+
 def margins_of_further(plan: Plan, design: Design, name: str) -> list[Margin]:
     """Those of the point and of the operating range in a parameter that is no axis.
 
@@ -120,7 +138,7 @@ def margins_of_further(plan: Plan, design: Design, name: str) -> list[Margin]:
     value, ends = nominal_value(plan, design.x, design.p, name), (axis.low, axis.high)
     points, kinds = swept(plan, name, ends, design.x, design.p)
     codes = codes_along(plan, name, ends, design.x, design.p)
-    found = _of_line(divided(points[:, 3], kinds, ends, codes), axis, value, design.x)
+    found = _of_line(divided(points[:, -1], kinds, ends, codes), axis, value, design.x)
     if design.low < design.high:
         crossing = across(plan, design, axis)
         _, curves = traced(crossing, (design.low, design.high), ends, _ROWS)
@@ -174,8 +192,6 @@ def _changed(boundaries, plan, design, x, p, sign, crosses) -> int | None:
 
     At a boundary that crosses the range itself, that on the far side in x.
     """
-    if plan.solver["balance"] != "describing_function":
-        return 0
     height = plan.parameter.high - plan.parameter.low
     for step in _STEPS:
         before = _codes_near(boundaries, plan, design, x, p if crosses else p - sign * step * height)

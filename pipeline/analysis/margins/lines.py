@@ -1,18 +1,18 @@
-"""Labels along a line of a plane: which boundaries cross it, and what is enumerated between two of them."""
+"""Labels along a line of a plane: which boundaries cross it, and what its motions are between two of them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.plan.numerics import continuation_of, frame_of, model_at, seeds_of
+from pipeline.plan.numerics import balance_of, continuation_of, frame_of, model_at, row_axis, seeds_of
 from pipeline.plan.plan import Plan
-from solver import Event, sweep_row
-from solver.boundaries import row_events
+from solver import Event, Row, sweep_row
+from solver.boundaries import FOLDS_AND_GRAZINGS, row_events
 from solver.boundaries.problem import Plane
 from solver.regions.labelling import row_codes
 
-__all__ = ["Line", "Stretch", "codes_along", "divided", "swept"]
+__all__ = ["Line", "Stretch", "codes_along", "divided", "row_along", "swept"]
 
 #: Where between two crossings labels are asked for: one place would do, the others show whether a boundary is missing.
 _PLACES = np.array([0.02, 0.1, 0.5, 0.9, 0.98])
@@ -67,8 +67,11 @@ def codes_along(
 ) -> Callable[[np.ndarray], np.ndarray]:
     """A function that gives the codes of the labels at values of one parameter, all others being those at (x, p).
 
-    The code is 0 where the solutions are not proven to be all.
+    At first order the solutions are enumerated, and the code is 0 where they are not proven to be all. At higher orders
+    they are those of the branches along the line.
     """
+    if not balance_of(plan.solver).truncated:
+        return _swept_codes(plan, axis, ends, x, p)
     ceiling = float(plan.solver["amplitude_max"])
     if axis in (plan.sweep.name, plan.parameter.name):
         omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
@@ -79,6 +82,21 @@ def codes_along(
     omega = None if "omega" in (axis, plan.sweep.name) else _frequency(plan, x, p)
     plane = Plane(model_at(plan, p, x), axis, plan.sweep.name, ends, (plan.sweep.low, plan.sweep.high), omega)
     return lambda places: row_codes(plane, x, np.asarray(places, dtype=float), ceiling)
+
+
+def _swept_codes(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float):
+    """`codes_along` from the branches along the line, which are traced over all of it."""
+    if axis == plan.parameter.name and not isinstance(row_axis(plan), str):
+        # A path cannot be swept: every one of its values is a row of its own.
+        across = plan.sweep.name, (plan.sweep.low, plan.sweep.high)
+        return lambda places: np.concatenate([_swept_codes(plan, *across, x, float(p))([x]) for p in places])
+
+    def codes(places) -> np.ndarray:
+        places = np.asarray(places, dtype=float)
+        row = row_along(plan, axis, np.unique([*ends, *places]), x, p)
+        return row.domain[np.searchsorted(row.grid, places)]
+
+    return codes
 
 
 def _frequency(plan: Plan, x: float, p: float) -> float:
@@ -142,23 +160,31 @@ def _labelled(low: float, high: float, codes) -> list[Stretch]:
     return [*parts, Stretch(begin, high, int(found[-1]))]
 
 
-def swept(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> tuple[np.ndarray, np.ndarray]:
-    """Folds and grazings met when one parameter alone is swept through a place of the plane.
-
-    Returns
-    -------
-    points : (k, 4) array
-        lambda_m, lambda_c, lambda_s and the parameter.
-    kinds : (k,) int array
-    """
-    row = sweep_row(
+def row_along(plan: Plan, axis: str, grid: np.ndarray, x: float, p: float) -> Row:
+    """The branches along one parameter through a place of the plane, and the motions at ascending values of it."""
+    return sweep_row(
         model_at(plan, p, x),
         axis,
-        np.array(ends),
+        grid,
         omega=None if axis == "omega" else _frequency(plan, x, p),
         continuation=continuation_of(plan.solver),
         seeds=seeds_of(plan.solver),
+        balance=balance_of(plan.solver),
     )
-    events = row_events(row.curves, 0.0)
-    points = np.array([point[:4] for _, point in events]).reshape(-1, 4)
+
+
+def swept(
+    plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float, kinds=FOLDS_AND_GRAZINGS
+) -> tuple[np.ndarray, np.ndarray]:
+    """Folds and grazings, or other events, met when one parameter alone is swept through a place of the plane.
+
+    Returns
+    -------
+    points : (k, n + 1) array
+        The n unknowns of the balance and the parameter.
+    kinds : (k,) int array
+    """
+    row = row_along(plan, axis, np.array(ends), x, p)
+    events = row_events(row.curves, 0.0, kinds)
+    points = np.array([point[:-1] for _, point in events]).reshape(len(events), row.motions.shape[-1] + 1)
     return points, np.array([kind for kind, _ in events], dtype=int)

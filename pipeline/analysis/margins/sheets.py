@@ -1,7 +1,8 @@
 """Answers about a design point as CSV, Markdown and plain lines; the same text from the same store."""
 
-from pipeline.analysis.margins.answer import SAFE, Answer
+from pipeline.analysis.margins.answer import IN_CONTACT, Answer
 from pipeline.analysis.margins.distances import Margin
+from pipeline.analysis.margins.integration import Largest
 from pipeline.analysis.margins.worst import severity
 from pipeline.plan.scales import scales_of
 from pipeline.run.sheets import csv_text, pipes
@@ -17,7 +18,10 @@ KINDS = {
     Event.MIN_AT_BACK: "grazing, back flanks begin to touch",
     Event.MAX_AT_DRIVE: "grazing, drive flanks begin to touch",
     Event.MAX_AT_BACK: "grazing, back flanks begin to part",
-    Event.NONE: "amplitude ceiling",
+    Event.PERIOD_DOUBLING: "period doubling",
+    Event.NEIMARK_SACKER: "Neimark-Sacker",
+    # Where a motion passes the amplitude ceiling, and at higher orders where a curve could not be followed.
+    Event.NONE: "no stored boundary",
 }
 #: What CSV gives in physical units besides, where the gear has them.
 _MEASURED = ("value", "low", "high", "distance")
@@ -37,6 +41,7 @@ _FIELDS = (
     "label",
     "labels",
     "share",
+    "text",
     "physical_unit",
     *(f"physical_{name}" for name in _MEASURED),
 )
@@ -82,9 +87,11 @@ def _records(answer: Answer):
             "high": stretch.high,
             "label": domain_label(stretch.code),
         }
-    for margin in answer.margins:
+    yield from ({"item": "known", "label": answer.label, "text": text} for text in answer.sentences)
+    yield {"item": "verified", "label": answer.label, "text": "; ".join(answer.doubts) or "yes"}
+    for item, margin in (*(("margin", one) for one in answer.margins), *(("stability", one) for one in answer.losses)):
         record = {
-            "item": "margin",
+            "item": item,
             "parameter": margin.name,
             "unit": _unit(margin.name),
             "of": _of(margin),
@@ -104,7 +111,7 @@ def _records(answer: Answer):
     if answer.box is not None:
         for name, (low, high) in ((sweep, answer.box.x), (parameter, answer.box.p)):
             yield {
-                "item": "safe box" if answer.label else "box free of boundaries",
+                "item": "box",
                 "parameter": name,
                 "unit": _unit(name),
                 "low": low,
@@ -112,11 +119,44 @@ def _records(answer: Answer):
                 "share": answer.box.area,
                 "label": answer.label,
             }
+    for one in answer.resonances:
+        yield {"item": "resonance in box", "parameter": sweep, "unit": _unit(sweep), "value": one.omega}
+    for one in _largest(answer):
+        place = {"item": f"largest in box: {one.name}", "value": one.value}
+        yield {**place, "at": one.x, "low": one.p, "high": one.p}
     for corner in answer.corners:
         shown = " ".join(f"{name}={value:.10g}" for name, value in corner.values.items())
         yield {"item": "tolerances", "parameter": shown, "label": corner.labels[0], "labels": " ".join(corner.labels)}
     if answer.corners:
         yield {"item": "worst", "label": _worst(answer)}
+
+
+def _largest(answer: Answer) -> tuple[Largest, ...]:
+    """The largest values of the motions that integration found in the box."""
+    return next((one.found.largest for one in answer.known if one.of_box and one.found is not None), ())
+
+
+def _largest_sentence(answer: Answer) -> str:
+    """What was largest in the box; empty without a box or attractors in it."""
+    parts = [
+        f"{one.name} {100.0 * one.value:.3g} %" if one.unit == "%" else f"{one.name} {one.value:.4g}"
+        for one in _largest(answer)
+    ]
+    return f"largest in the box, of all motions that integration found: {', '.join(parts)}" if parts else ""
+
+
+def _resonance_sentence(answer: Answer) -> str:
+    """Over which resonances the box lies; empty if over none."""
+    if not answer.resonances:
+        return ""
+    return f"the box lies over resonances of the linear pair: {', '.join(one.words for one in answer.resonances)}"
+
+
+def _verdict(answer: Answer) -> str:
+    """Whether the label is verified, and if not, why and how it can be."""
+    if answer.doubts:
+        return f"Not verified: {'; '.join(answer.doubts)}."
+    return f"Verified by integration in these cells, not between them. {answer.known[0].found.bound}"
 
 
 def _unit(name: str) -> str:
@@ -138,8 +178,8 @@ def markdown(answer: Answer, name: str) -> str:
     scales = scales_of(answer.plan)
     x, p = _shown(sweep, design.x, scales), _shown(parameter, design.p, scales)
     parts = [f"# Margins of {sweep} = {x}, {parameter} = {p} in {name}"]
-    if answer.label:
-        parts.append(f"Label at the design point: **{answer.label}**.")
+    parts.append(f"Label at the design point: **{answer.label or 'not decided'}**. {_verdict(answer)}")
+    parts.append(_bullets(f"{text[0].upper()}{text[1:]}" for text in answer.sentences))
     if design.low < design.high:
         rows = [
             [_shown(sweep, one.low, scales), _shown(sweep, one.high, scales), domain_label(one.code) or "-"]
@@ -151,12 +191,16 @@ def markdown(answer: Answer, name: str) -> str:
         ]
     rows = [_margin_cells(margin, sweep, scales) for margin in answer.margins]
     parts += ["## Distance to the nearest change of label", pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]
+    if answer.losses:
+        rows = [_margin_cells(margin, sweep, scales)[:-1] for margin in answer.losses]
+        parts += ["## Distance to where a motion loses stability", pipes([*_MARGIN_HEADINGS, f"at {sweep}"], rows)]
     if answer.box is not None:
         sides = ((sweep, answer.box.x), (parameter, answer.box.p))
         rows = [[name, _shown(name, low, scales), _shown(name, high, scales)] for name, (low, high) in sides]
-        title = f"Largest safe box: all {SAFE}" if answer.label else "Largest box free of boundaries"
-        title += f", {100.0 * answer.box.area:.4g} % of the plane"
+        title = f"Largest box of {IN_CONTACT} at {answer.known[0].source}, {100.0 * answer.box.area:.4g} % of the plane"
         parts += [f"## {title}", pipes(["parameter", "from", "to"], rows)]
+        said = [text for text in (_largest_sentence(answer), _resonance_sentence(answer)) if text]
+        parts += [_bullets([f"{text[0].upper()}{text[1:]}." for text in said])] if said else []
     if answer.corners:
         rows = [
             [
@@ -173,8 +217,12 @@ def markdown(answer: Answer, name: str) -> str:
             f"Worst label within the tolerances: **{_worst(answer)}**.",
         ]
     if answer.notes:
-        parts += ["## Notes", "\n".join(f"- {note}" for note in answer.notes)]
+        parts += ["## Notes", _bullets(answer.notes)]
     return "\n\n".join(parts) + "\n"
+
+
+def _bullets(texts) -> str:
+    return "\n".join(f"- {text}" for text in texts)
 
 
 def _margin_cells(margin: Margin, sweep: str, scales: Scales | None) -> list[str]:
@@ -192,7 +240,8 @@ def lines(answer: Answer) -> list[str]:
     design, sweep, parameter = answer.design, answer.plan.sweep.name, answer.plan.parameter.name
     scales = scales_of(answer.plan)
     x, p = _shown(sweep, design.x, scales), _shown(parameter, design.p, scales)
-    found = [f"  label at {sweep} = {x}, {parameter} = {p}: {answer.label or 'not known'}"]
+    found = [f"  label at {sweep} = {x}, {parameter} = {p}: {answer.label or 'not decided'}"]
+    found += [f"  {text}" for text in (*answer.sentences, _verdict(answer))]
     if design.low < design.high and answer.label:
         parts = answer.row.within(design.low, design.high)
         ends = [[_shown(sweep, end, scales) for end in (one.low, one.high)] for one in parts]
@@ -201,7 +250,7 @@ def lines(answer: Answer) -> list[str]:
     table = [
         [name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
         for name, _, of, direction, distance, kind, at, beyond in (
-            _margin_cells(margin, sweep, scales) for margin in answer.margins
+            _margin_cells(margin, sweep, scales) for margin in (*answer.margins, *answer.losses)
         )
     ]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
@@ -212,9 +261,10 @@ def lines(answer: Answer) -> list[str]:
         left, right = (_shown(sweep, end, scales) for end in answer.box.x)
         low, high = (_shown(parameter, end, scales) for end in answer.box.p)
         found.append(
-            f"  largest {'safe box' if answer.label else 'box free of boundaries'}: {sweep} = {left} ... "
-            f"{right}, {parameter} = {low} ... {high}"
+            f"  largest box of {IN_CONTACT} at {answer.known[0].source}: {sweep} = {left} ... {right}, "
+            f"{parameter} = {low} ... {high}"
         )
+        found += [f"  {text}" for text in (_largest_sentence(answer), _resonance_sentence(answer)) if text]
     if answer.corners:
         found.append(f"  worst label within the tolerances: {_worst(answer)}")
     return [*found, *(f"  note: {note}" for note in answer.notes)]

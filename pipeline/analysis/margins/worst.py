@@ -3,20 +3,26 @@
 import itertools
 from dataclasses import dataclass
 
-from pipeline.analysis.margins.curves import crossed, part_of, traced
-from pipeline.analysis.margins.lines import codes_along, divided
+import numpy as np
+
+from pipeline.analysis.margins.curves import boundaries_of, crossed, part_of, traced
+from pipeline.analysis.margins.lines import codes_along, divided, swept
 from pipeline.analysis.margins.options import Design, nominal_value, replaced
-from pipeline.plan.numerics import frame_of
+from pipeline.plan.numerics import balance_of, frame_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.labels import RANKS
+from pipeline.plane.regions import stored_curves
+from pipeline.plane.stored import StoredPlane
 from solver import ImpactState, domain_label, label_parts
 from solver.boundaries import BoundaryCurve
 from solver.regions import RegionError, Regions, regions
 
-__all__ = ["Corner", "corners", "labels_within", "severity"]
+__all__ = ["Corner", "corners", "labels_of_rows", "labels_within", "severity"]
 
 #: Rows and columns from which boundaries are started, more where those leave something unexplained.
 _ROWS = (5, 17, 65)
+#: Rows of a rectangle that are looked at where there are no regions, besides those between the stored boundaries' ends.
+_LOOKED_AT = 9
 
 
 @dataclass(frozen=True)
@@ -47,28 +53,32 @@ def severity(label: str) -> tuple[int, int]:
     return (max(RANKS[state] for state in states), n) if n else (len(ImpactState), 0)
 
 
-def corners(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] | None) -> list[Corner]:
+def corners(plan: Plan, design: Design, plane: StoredPlane) -> list[Corner]:
     """Labels of the nominal gear and of all combinations of the further tolerances' ends.
 
     Parameters
     ----------
     plan : Plan
     design : Design
-    curves : tuple of BoundaryCurve
-        The plane's own.
+    plane : StoredPlane
+        With its boundaries.
 
     Raises
     ------
     ArithmeticError
         If boundaries cannot be followed or do not divide the plane.
     """
-    found = [Corner({}, labels_within(plan, design, curves))]
+    if balance_of(plan.solver).truncated:
+        labels, own = labels_within, stored_curves(plane)
+    else:
+        labels, own = labels_of_rows, boundaries_of(plane.boundaries.curves).marked[0]
+    found = [Corner({}, labels(plan, design, own))]
     spread = {name: size for name, size in design.further.items() if size > 0.0}
     nominal = {name: nominal_value(plan, design.x, design.p, name) for name in spread}
     ends = [(nominal[name] - size, nominal[name] + size) for name, size in spread.items()]
     for combination in itertools.product(*ends) if spread else ():
         values = dict(zip(spread, combination, strict=True))
-        found.append(Corner(values, labels_within(replaced(plan, values, design.x, design.p), design, None)))
+        found.append(Corner(values, labels(replaced(plan, values, design.x, design.p), design, None)))
     return found
 
 
@@ -93,7 +103,41 @@ def labels_within(plan: Plan, design: Design, curves: tuple[BoundaryCurve, ...] 
     else:
         codes = codes_along(plan, plan.sweep.name, (plan.sweep.low, plan.sweep.high), design.x, design.p)
         found = {domain_label(code) for code in codes([design.x]).tolist()}
-    return tuple(sorted(found - {""}, key=lambda label: (severity(label), label), reverse=True))
+    return _worst_first(found)
+
+
+def _worst_first(labels: set[str]) -> tuple[str, ...]:
+    return tuple(sorted(labels - {""}, key=lambda label: (severity(label), label), reverse=True))
+
+
+def labels_of_rows(plan: Plan, design: Design, between: np.ndarray | None) -> tuple[str, ...]:
+    """`labels_within` of a higher order: of some rows, each of them divided where its own branches fold and graze.
+
+    Parameters
+    ----------
+    plan : Plan
+    design : Design
+    between : (k, 2) array or None
+        Where stored boundaries end and turn round: labels come and go at these and where boundaries cross, so that rows
+        halfway between two of them are looked at as well.
+    """
+    low, high = design.p - design.tolerance, design.p + design.tolerance
+    rows = np.linspace(low, high, _LOOKED_AT if low < high else 1)
+    if between is not None and low < high:
+        inside = (between[:, 0] >= design.low) & (between[:, 0] <= design.high)
+        ends = np.unique(np.clip(np.append(between[inside, 1], [low, high]), low, high))
+        rows = np.append(rows, (0.5 * (ends[:-1] + ends[1:]))[np.argsort(np.diff(ends))[-_LOOKED_AT:]])
+    x, found, axis = (design.low, design.high), set(), plan.sweep
+    for row in map(float, rows):
+        whole = axis.low, axis.high
+        codes = codes_along(plan, axis.name, whole, design.x, row)
+        if x[0] == x[1]:
+            found |= {domain_label(code) for code in codes([x[0]]).tolist()}
+            continue
+        points, kinds = swept(plan, axis.name, whole, design.x, row)
+        line = divided(points[:, -1], kinds, x, codes)
+        found |= {domain_label(stretch.code) for stretch in line.stretches}
+    return _worst_first(found)
 
 
 def _regions(plan: Plan, x, p, curves: tuple[BoundaryCurve, ...] | None) -> Regions:

@@ -13,7 +13,7 @@ from pipeline.study.report.sources import Source, missing, sources_of
 __all__ = ["missing", "sources_of", "write"]
 
 
-def write(sources: Sequence[Source], folder: Path) -> list[Path]:
+def write(sources: Sequence[Source], folder: Path, again: str) -> list[Path]:
     """Write `report.html`, `report.md` and the figures of the latter; the same bytes from the same stores.
 
     Parameters
@@ -22,8 +22,10 @@ def write(sources: Sequence[Source], folder: Path) -> list[Path]:
         None of them missing.
     folder : Path
         Made if it does not exist.
+    again : str
+        The command that makes the page from these sources, for the reader.
     """
-    document = document_of(sources)
+    document = document_of(sources, again)
     pictures = [block for block in document.blocks if isinstance(block, Picture)]
     texts = {"report.html": html(document), "report.md": markdown(document)}
     return write_files(folder, texts | {f"{FIGURES}/{picture.name}.png": picture.png for picture in pictures})

@@ -6,17 +6,15 @@ from pipeline.errors import StoreError
 from pipeline.plane.regions import stored_regions
 from pipeline.plane.stored import read_stored
 from pipeline.store import read_plan
-from pipeline.study.agreement import AGREES
 from pipeline.study.numerals import percent
-from pipeline.study.report.document import Bullets, Document, Grid, Heading, Listing, Paragraph, Picture
+from pipeline.study.report.comparison import appendix, differences, numbers, summary, tables
+from pipeline.study.report.document import Document, Grid, Heading, Listing, Paragraph, Picture
 from pipeline.study.report.pictures import pictures_of
-from pipeline.study.report.reasons import reason_of
 from pipeline.study.report.sources import COMPARED, STUDY_PLANES, Source
 from pipeline.study.report.trust import dynamic_shares, verified_grid
-from pipeline.study.statements import STATEMENTS, Evaluated, Planes, evaluate
+from pipeline.study.statements import STATEMENTS, Planes, evaluate
 from pipeline.study.statements.quantities import RowFolds
 from pipeline.study.tables.article import ARTICLE_TABLES
-from pipeline.study.tables.sheets import Sheet, class_sheet, label_sheet, measured_sheet, notes, title
 from pipeline.study.tables.table import build_table
 from solver.regions import RegionError, Regions
 
@@ -32,99 +30,36 @@ CURVES = {
 _TITLE = "Solution domains of a straight bevel gear pair: the published study recomputed"
 
 
-def document_of(sources: Sequence[Source]) -> Document:
+def document_of(sources: Sequence[Source], again: str) -> Document:
     """The whole report.
 
     Parameters
     ----------
     sources : sequence of Source
         None of them missing.
+    again : str
+        The command that makes the page from them.
     """
     study = {source.plane: source for source in sources if source.gear == "published"}
     # Dividing a plane into regions takes seconds, and three sections need them.
     planes = Planes({plane: source.path for plane, source in study.items()})
     found = tuple(evaluate(statement, planes) for statement in STATEMENTS)
+    made = [
+        build_table(article, study[article.plane].path, _divided(study[article.plane], planes))
+        for article in ARTICLE_TABLES
+    ]
     blocks = [
-        *_summary(found),
-        *_numbers(found),
-        *_failures(found),
-        *_tables(study, planes),
+        *summary(found),
+        *numbers(found),
+        *differences(found),
+        *tables(made),
         *_maps(study),
         *_gears(sources, planes),
         *_trust(study),
-        *_making(sources),
+        *appendix(made),
+        *_making(sources, again),
     ]
     return Document(_TITLE, tuple(blocks))
-
-
-def _summary(found: Sequence[Evaluated]) -> Iterator:
-    ours = [one for one in found if one.statement.source == "article"]
-    digits = [one for one in found if one.statement.source == "reference"]
-    agree = sum(one.verdict == AGREES for one in ours)
-    exact = sum(one.verdict == AGREES for one in digits)
-    yield Paragraph(
-        f"Of {len(ours)} published statements {agree} agree with what is computed here, each within the margin that "
-        f"its line names. Of {len(digits)} sets of reference digits, on which two independent programs agree, {exact} "
-        "are met to their last printed digit. Every number on this page was computed from the stored planes when the "
-        "page was made; n/I means n statically stable motions in the impact states I (0 the teeth never part, 1 they "
-        "strike the drive flank, 2 they strike both)."
-    )
-
-
-def _numbers(found: Sequence[Evaluated]) -> Iterator:
-    yield Heading("Published numbers against ours")
-    for source, caption in (
-        ("article", "The study's statements. Ours come from boundary curves, not from a raster."),
-        ("reference", "Reference digits of the three parameter sets."),
-    ):
-        rows = tuple(
-            (
-                one.statement.text,
-                _values(one.article),
-                _values(one.ours),
-                one.verdict,
-                one.reason,
-                one.statement.quantity.how,
-            )
-            for one in found
-            if one.statement.source == source
-        )
-        yield Grid(caption, ("Statement", "Published", "Ours", "Verdict", "Difference", "How ours is computed"), rows)
-
-
-def _values(values: Sequence[float]) -> str:
-    return ", ".join(f"{value:.7g}" for value in values) or "none"
-
-
-def _failures(found: Sequence[Evaluated]) -> Iterator:
-    yield Heading("What could not be reproduced, and why")
-    yield Paragraph(
-        "The study prints neither the pitch-cone nor the pressure angle nor the coupling of translation and rotation. "
-        "Two numbers, the squared length of the direction of the mesh force and the rotation coupling, were calibrated "
-        "so that fifteen published numbers come out as well as possible at once; no one of them can then be met "
-        "exactly. Its maps are rasters, so that a published threshold is known to a step of that raster only."
-    )
-    yield Bullets(
-        tuple(
-            f"{one.statement.text}: published {_values(one.article)}, ours {_values(one.ours)}. {reason_of(one)}"
-            for one in found
-            if one.verdict != AGREES
-        )
-    )
-
-
-def _tables(study: dict[str, Source], planes: Planes) -> Iterator:
-    yield Heading("Tables 1 to 3")
-    for article in ARTICLE_TABLES:
-        table = build_table(article, study[article.plane].path, _divided(study[article.plane], planes))
-        yield Heading(f"Table {article.number}: {title(table)}", 3)
-        for sheet in (measured_sheet(table), class_sheet(table), label_sheet(table)):
-            yield _grid(sheet)
-        yield Listing("\n".join(notes(table)), f"Notes to table {article.number}")
-
-
-def _grid(sheet: Sheet) -> Grid:
-    return Grid(sheet.caption, sheet.headings, sheet.rows)
 
 
 def _maps(study: dict[str, Source]) -> Iterator:
@@ -142,7 +77,7 @@ def _maps(study: dict[str, Source]) -> Iterator:
             f"{plane}-curves", f"Amplitude and mean at {plan.parameter.name} = {shown}: {words}.", pictures["curves"]
         )
         if plane == COMPARED and "backbone" in pictures:
-            yield Picture(f"{plane}-backbone", "Backbones, and the peaks of the rows: softening.", pictures["backbone"])
+            yield Picture(f"{plane}-backbone", "Backbones, and the peaks of the rows.", pictures["backbone"])
 
 
 def _gears(sources: Sequence[Source], planes: Planes) -> Iterator:
@@ -150,8 +85,8 @@ def _gears(sources: Sequence[Source], planes: Planes) -> Iterator:
     yield Paragraph(
         "In the published set the stiffness varies in the translation rows only, and direction and coupling are free "
         "numbers. The set consistent takes both from the geometry and lets one mesh force drive all rows, as the "
-        "physics wants it; antiphase turns the phase between stiffness and transmission error by half a turn, which "
-        f"decides whether the teeth part at all. All three over {COMPARED}:"
+        "physics wants it; antiphase turns the phase between stiffness and transmission error by half a turn. All "
+        f"three over {COMPARED}:"
     )
     compared = [source for source in sources if source.plane == COMPARED]
     divided = [_divided(source, planes) for source in compared]
@@ -222,10 +157,10 @@ def _trust(study: dict[str, Source]) -> Iterator:
             yield Picture(f"{source.plane}-verification", "Where the first-order map can be trusted.", picture)
 
 
-def _making(sources: Sequence[Source]) -> Iterator:
+def _making(sources: Sequence[Source], again: str) -> Iterator:
     yield Heading("How this page was made")
-    commands = [*(source.command for source in sources), "python -m pipeline stages=[report]"]
-    yield Paragraph("The commands, or the last one with report.run=true for all of it:")
+    commands = [*(source.command for source in sources), again]
+    yield Paragraph("The commands, in this order; the last one with report.run=true runs those before it as needed:")
     yield Listing("\n".join(commands))
     rows, versions = [], {}
     for source in sources:

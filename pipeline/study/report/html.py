@@ -4,6 +4,7 @@ import base64
 from functools import singledispatch
 from html import escape
 
+from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED
 from pipeline.study.report.document import Bullets, Document, Grid, Heading, Listing, Paragraph, Picture
 
 __all__ = ["html"]
@@ -21,7 +22,8 @@ table { border-collapse: collapse; font: 14px/1.4 Helvetica, Arial, sans-serif; 
   border-bottom: 2px solid #1a1a1a; }
 th { text-align: left; border-bottom: 1px solid #1a1a1a; } th, td { padding: .3rem .7rem .3rem 0; vertical-align: top; }
 tbody tr + tr td { border-top: 1px solid #ddd; }
-td.agrees { color: #00503c; font-weight: bold; } td.differs { color: #8a3000; font-weight: bold; }
+.agrees { color: #00503c; font-weight: bold; } .differs { color: #8a3000; font-weight: bold; }
+.cannot { font-weight: bold; }
 pre { background: #f4f4f4; padding: .8rem; overflow-x: auto; font-size: .85rem; }
 """
 
@@ -77,9 +79,15 @@ def _(block: Grid) -> str:
 
 
 def _cell(text: str) -> str:
-    # A verdict stands out, by weight as well as by colour.
-    verdict = next((word for word in ("agrees", "differs") if text.startswith(word)), None)
-    return f'<td class="{verdict}">{escape(text)}</td>' if verdict else f"<td>{escape(text)}</td>"
+    return f"<td>{'<br>'.join(map(_line, text.splitlines()))}</td>"
+
+
+def _line(text: str) -> str:
+    """A line of a cell; a verdict stands out, by weight as well as by colour."""
+    verdict, colon, reason = text.partition(":")
+    if verdict not in (AGREES, DIFFERS, NOT_COMPARED):
+        return escape(text)
+    return f'<span class="{verdict.split()[0]}">{verdict}</span>{colon}{escape(reason)}'
 
 
 @_block.register

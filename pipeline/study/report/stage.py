@@ -4,7 +4,7 @@ from time import perf_counter
 
 from pipeline.config.typed import key_of
 from pipeline.errors import ConfigurationError, StoreError
-from pipeline.run.job import Job
+from pipeline.run.job import Job, command
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
@@ -52,7 +52,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         status = max(status, run_plane_stages(prepare(source.settings), workforce, reporter))
     reporter.log = None
     folder = job.settings.output_root / "report"
-    page, text, *pictures = report.write(sources, folder)
+    page, text, *pictures = report.write(sources, folder, command(job.settings, "stages=[report]", "report.run="))
     reporter.line(
         f"report: {page.name}, {text.name} and {len(pictures)} figures in {folder.resolve()} "
         f"({perf_counter() - begin:.2f} s)"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import StoreError
-from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED
+from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
 from pipeline.study.numerals import signed
 from pipeline.study.statements.planes import Planes
 from pipeline.study.statements.published import STATEMENTS
@@ -73,8 +73,8 @@ def evaluate(statement: Statement, planes: Planes | Mapping[str, Path]) -> Evalu
     tolerance = statement.tolerance * len(ours) if len(statement.tolerance) == 1 else statement.tolerance
     difference = tuple(a - b for a, b in zip(ours, article, strict=True))
     agrees = all(abs(gap) <= allowed for gap, allowed in zip(difference, tolerance, strict=True))
-    reason = _reason(statement, difference, article)
-    return Evaluated(statement, ours, article, difference, AGREES if agrees else DIFFERS, reason)
+    verdict = AGREES if agrees else DIFFERS
+    return Evaluated(statement, ours, article, difference, verdict, _reason(statement, difference, agrees))
 
 
 def evaluate_all(planes: Mapping[str, Path]) -> tuple[Evaluated, ...]:
@@ -89,13 +89,17 @@ def evaluate_all(planes: Mapping[str, Path]) -> tuple[Evaluated, ...]:
     return tuple(evaluate(statement, shared) for statement in STATEMENTS)
 
 
-def _reason(statement: Statement, difference: tuple[float, ...], article: tuple[float, ...]) -> str:
+def _reason(statement: Statement, difference: tuple[float, ...], agrees: bool) -> str:
+    """The criterion, and by how much."""
     if not difference:
         return "none, as published"
+    tolerance = statement.tolerance * len(difference) if len(statement.tolerance) == 1 else statement.tolerance
     if statement.source == "reference":
-        return f"largest difference {max(map(abs, difference)):.1e}"
-    gaps = ", ".join(
-        signed(gap, 4) + (f" ({signed(100.0 * gap / value)} %)" if value else "")
-        for gap, value in zip(difference, article, strict=True)
-    )
-    return f"{gaps}; agrees {statement.agreement}"
+        gaps = f"{max(map(abs, difference)):.0e} at most"
+    elif all(tolerance):
+        # Of what the criterion is a share of.
+        shares = (THRESHOLD_AGREES * gap / allowed for gap, allowed in zip(difference, tolerance, strict=True))
+        gaps = ", ".join(f"{signed(100.0 * share)} %" for share in shares)
+    else:
+        return "equal" if agrees else "not equal"
+    return f"{'within' if agrees else 'by more than'} {statement.agreement} ({gaps})"

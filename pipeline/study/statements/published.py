@@ -18,20 +18,21 @@ __all__ = ["STATEMENTS"]
 
 # The reference digits are rounded to six decimals for folds and to eight for solutions.
 _FOLD_DIGITS, _SOLUTION_DIGITS = 1e-6, 2e-8
-_PRINTED, _EQUAL = "within the printed digits", "if equal"
+_PRINTED, _EQUAL = "the printed digits", "equality"
 
 
-def _threshold(key: str, text: str, plane: str, value: float, quantity: Quantity) -> Statement:
-    agreement = f"within {percent(THRESHOLD_AGREES)} of the article's value"
-    return Statement(key, text, plane, quantity, (value,), (THRESHOLD_AGREES * value,), agreement)
+def _threshold(key: str, text: str, plane: str, value: float, quantity: Quantity, reference: str) -> Statement:
+    agreement = f"{percent(THRESHOLD_AGREES)} of the article's value"
+    return Statement(key, text, plane, quantity, (value,), (THRESHOLD_AGREES * value,), agreement, reference)
 
 
-def _interval(key: str, resonance: str, low: float, high: float) -> Statement:
+def _interval(key: str, resonance: str, low: float, high: float, reference: str) -> Statement:
     text = f"default parameters: several motions at the {resonance} resonance in an interval of Ω"
     # A twentieth of the interval, not of Ω: the intervals are narrow.
     width = (THRESHOLD_AGREES * (high - low),)
-    agreement = f"within {percent(THRESHOLD_AGREES)} of the width of the article's interval"
-    return Statement(key, text, "omega_b", DefaultInterval("omega_b", resonance), (low, high), width, agreement)
+    agreement = f"{percent(THRESHOLD_AGREES)} of the width of the article's interval"
+    quantity = DefaultInterval("omega_b", resonance)
+    return Statement(key, text, "omega_b", quantity, (low, high), width, agreement, reference)
 
 
 def _ends(plane: str, resonance: str, trait: str, value: float) -> TraitThreshold:
@@ -41,24 +42,27 @@ def _ends(plane: str, resonance: str, trait: str, value: float) -> TraitThreshol
 def _digits(gear: str, omega: float, *digits: float) -> Statement:
     key = f"solutions_{gear}_{omega:.2f}"
     text = f"{gear}: all solutions at Ω = {omega:g}, λ_m and λ_a"
-    return Statement(key, text, "", AllSolutions(gear, omega), digits, (_SOLUTION_DIGITS,), _PRINTED, "reference")
+    return Statement(
+        key, text, "", AllSolutions(gear, omega), digits, (_SOLUTION_DIGITS,), _PRINTED, source="reference"
+    )
 
 
 def _folds(key: str, text: str, plane: str, quantity: Quantity, *digits: tuple[float, float, float]) -> Statement:
     flat = tuple(number for fold in sorted(digits) for number in fold)
-    return Statement(key, text, plane, quantity, flat, (_FOLD_DIGITS,), _PRINTED, "reference")
+    return Statement(key, text, plane, quantity, flat, (_FOLD_DIGITS,), _PRINTED, source="reference")
 
 
 #: All of them; keys are unique.
 STATEMENTS: tuple[Statement, ...] = (
-    _interval("interval_mesh", "mesh", 0.5575, 0.6325),
-    _interval("interval_shaft", "shaft", 1.220, 1.233),
+    _interval("interval_mesh", "mesh", 0.5575, 0.6325, "0.55937–0.63464"),
+    _interval("interval_shaft", "shaft", 1.220, 1.233, "1.22381–1.22971"),
     _threshold(
         "b_mesh_1_2",
         "Ω × b: at the mesh resonance 1/2 gives way to 2/0-1 at b",
         "omega_b",
         0.6,
         LabelThreshold("omega_b", "mesh", (("1/2", "to"), ("2/0-1", "from"))),
+        "0.61–0.63",
     ),
     _threshold(
         "b_mesh_2_02",
@@ -66,6 +70,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_b",
         0.98,
         LabelThreshold("omega_b", "mesh", (("2/0-2", "to"),)),
+        "1.011",
     ),
     _threshold(
         "b_shaft_settles",
@@ -73,6 +78,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_b",
         0.2,
         _ends("omega_b", "shaft", "double-sided impact", 0.2),
+        "0.18",
     ),
     _threshold(
         "fe_shaft_1_1",
@@ -80,6 +86,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_fe",
         0.12,
         LabelThreshold("omega_fe", "shaft", (("1/1", "from"),)),
+        "0.140",
     ),
     _threshold(
         "fe_mesh_2_02",
@@ -87,6 +94,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_fe",
         0.21,
         LabelThreshold("omega_fe", "mesh", (("2/0-2", "from"),)),
+        "0.198",
     ),
     _threshold(
         "fe_mesh_2_12",
@@ -94,6 +102,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_fe",
         0.34,
         LabelThreshold("omega_fe", "mesh", (("2/1-2", "from"), ("2/2", "from"))),
+        "0.321, 0.370",
     ),
     _threshold(
         "alpha_shaft_jumps",
@@ -101,6 +110,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_alpha",
         0.25,
         _ends("omega_alpha", "shaft", "jump", 0.25),
+        "0.278",
     ),
     _threshold(
         "alpha_shaft_contact",
@@ -108,6 +118,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_alpha",
         0.4,
         _ends("omega_alpha", "shaft", "contact loss", 0.4),
+        "0.388",
     ),
     _threshold(
         "fpm_shaft_jumps",
@@ -115,6 +126,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_fpm",
         0.57,
         _ends("omega_fpm", "shaft", "jump", 0.57),
+        "0.5855",
     ),
     _threshold(
         "fpm_shaft_contact",
@@ -122,6 +134,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "omega_fpm",
         0.75,
         _ends("omega_fpm", "shaft", "contact loss", 0.75),
+        "0.714",
     ),
     Statement(
         "bilateral_shaft",
@@ -131,6 +144,7 @@ STATEMENTS: tuple[Statement, ...] = (
         (2.0,),
         (0.0,),
         _EQUAL,
+        "1",
     ),
     Statement(
         "n3_b",

@@ -1,5 +1,6 @@
 """How the numbers of statements are computed: from the regions and boundary curves of stored planes, or anew."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,27 @@ __all__ = [
 _COLUMNS = 400
 
 
+class _Listed:
+    """Numbers that read as a list, to the four digits that a comparison with the article deserves."""
+
+    def shown(self, values: Sequence[float]) -> str:
+        """For a cell of a table."""
+        return ", ".join(f"{value:.4g}" for value in values) or "none"
+
+
+class _Grouped:
+    """Numbers that belong together in groups, one group a line."""
+
+    size: int
+    decimals: int
+
+    def shown(self, values: Sequence[float]) -> str:
+        """For a cell of a table."""
+        texts = [f"{value:.{self.decimals}f}" for value in values]
+        groups = (", ".join(texts[i : i + self.size]) for i in range(0, len(texts), self.size))
+        return "\n".join(groups) or "none"
+
+
 @dataclass(frozen=True)
 class DefaultInterval:
     """Ends of the widest interval with several stable motions, at one resonance of the published gear."""
@@ -36,6 +58,10 @@ class DefaultInterval:
         """In words."""
         return f"fold curves met by the row of the default value, {self.resonance} resonance; the widest interval"
 
+    def shown(self, values: Sequence[float]) -> str:
+        """For a cell of a table."""
+        return "–".join(f"{value:.4f}" for value in values)
+
     def values(self, planes: Planes) -> tuple[float, ...]:
         """Low and high end in omega."""
         (line,) = lines(planes.part(self.plane, self.resonance), [planes.default(self.plane)])
@@ -46,7 +72,7 @@ class DefaultInterval:
 
 
 @dataclass(frozen=True)
-class LabelThreshold:
+class LabelThreshold(_Listed):
     """Where labels appear ("from") or disappear ("to") at one resonance: one number for each pair of label and end.
 
     Of several unbroken ranges the first beginning and the last end count.
@@ -76,7 +102,7 @@ class LabelThreshold:
 
 
 @dataclass(frozen=True)
-class TraitThreshold:
+class TraitThreshold(_Listed):
     """Where a trait of `pipeline.plane.labels` begins ("from") or ends ("to") in the range nearest to a value."""
 
     plane: str
@@ -110,7 +136,7 @@ def _inner(part, place: float, what: str) -> float:
 
 
 @dataclass(frozen=True)
-class WorstImpact:
+class WorstImpact(_Listed):
     """The severest impact state I of stable motions at one resonance of the published gear."""
 
     plane: str
@@ -139,16 +165,22 @@ class ShareOfCount:
         """In words."""
         return f"area of the regions with n >= {self.count}, as a share of the plane"
 
+    def shown(self, values: Sequence[float]) -> str:
+        """For a cell of a table."""
+        return ", ".join(f"{100.0 * value:.2g} % of the plane" for value in values)
+
     def values(self, planes: Planes) -> tuple[float, ...]:
         """One share."""
         return (share_of(planes.whole(self.plane).shares, lambda label: label_parts(label)[0] >= self.count),)
 
 
 @dataclass(frozen=True)
-class StoredFolds:
+class StoredFolds(_Grouped):
     """Omega, lambda_m and lambda_a of the folds of the published gear, by ascending omega."""
 
     plane: str
+
+    size, decimals = 3, 6
 
     @property
     def how(self) -> str:
@@ -164,12 +196,14 @@ class StoredFolds:
 
 
 @dataclass(frozen=True)
-class RowFolds:
+class RowFolds(_Grouped):
     """Omega, lambda_m and lambda_a of the folds of a gear of `conf/gear`, by ascending omega."""
 
     gear: str
     low: float = 0.05
     high: float = 2.0
+
+    size, decimals = 3, 6
 
     @property
     def how(self) -> str:
@@ -191,11 +225,13 @@ def _flat(points: np.ndarray) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class AllSolutions:
+class AllSolutions(_Grouped):
     """lambda_m and lambda_a of every solution of a gear of `conf/gear` at one frequency, by ascending amplitude."""
 
     gear: str
     omega: float
+
+    size, decimals = 2, 8
 
     @property
     def how(self) -> str:

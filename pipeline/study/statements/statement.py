@@ -1,5 +1,6 @@
 """What a published number says, and how closely ours has to meet it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -14,6 +15,9 @@ class Quantity(Protocol):
     @property
     def how(self) -> str:
         """In words."""
+
+    def shown(self, values: Sequence[float]) -> str:
+        """Such numbers for a cell of a table, to the digits that they deserve; lines are kept."""
 
     def values(self, planes: Planes) -> tuple[float, ...]:
         """The numbers; raises `pipeline.errors.StoreError` where they cannot be computed."""
@@ -37,7 +41,9 @@ class Statement:
     tolerance : tuple of float
         How far ours may be from each of them, absolute; a single one for all.
     agreement : str
-        The same in words.
+        The same in words, for a sentence such as "differs by more than 5 % of the article's value".
+    reference : str
+        What docs/physics.md, section 7, prints for it, first order with the calibrated numbers; empty if nothing.
     source : str
         "article", or "reference" for the digits on which two independent programs agree.
     """
@@ -49,4 +55,5 @@ class Statement:
     article: tuple[float, ...]
     tolerance: tuple[float, ...]
     agreement: str
+    reference: str = ""
     source: str = "article"

@@ -11,15 +11,15 @@ from pipeline.study.tables.article import ARTICLE_TABLES, ArticleTable
 from pipeline.study.tables.latex import latex
 from pipeline.study.tables.markdown import markdown
 from pipeline.study.tables.table import build_table
-from pipeline.study.tables.tidy import tidy
+from pipeline.study.tables.tidy import cells, tidy
 
 __all__ = ["write"]
 
-_FORMATS = {"csv": tidy, "md": markdown, "tex": latex}
+_FORMATS = {".csv": cells, "-measured.csv": tidy, ".md": markdown, ".tex": latex}
 
 
 def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
-    """Write the study's tables 1 to 3 as measured in stored planes, each as CSV, Markdown and LaTeX.
+    """Write the study's tables 1 to 3 as measured in stored planes, each as Markdown, LaTeX and CSV.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
     Returns
     -------
     list of Path
-        table1.csv, table1.md, table1.tex, table2.csv, ...
+        table1.csv, table1-measured.csv, table1.md, table1.tex, table2.csv, ...
 
     Raises
     ------
@@ -46,7 +46,7 @@ def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
     for article in ARTICLE_TABLES:
         table = build_table(article, Path(stores[article.plane][0]))
         for suffix, render in _FORMATS.items():
-            texts[f"table{article.number}.{suffix}"] = render(table)
+            texts[f"table{article.number}{suffix}"] = render(table)
     return write_files(folder, texts)
 
 

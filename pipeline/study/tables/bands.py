@@ -5,15 +5,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.plane.labels import TRAITS, contact_lost, intervals, jumping, labels_with, share_of, unstable
+from pipeline.plane.labels import TRAITS, contact_lost, intervals, jumping, labels_with, share_of
 from pipeline.plane.resonances import Resonance
 from pipeline.study.tables.edges import Edge, edges
+from pipeline.study.tables.lacking import Lacking
 from pipeline.study.tables.rows import RowPeak
-from solver import ImpactState, label_parts
+from solver import Event, ImpactState, label_parts
+from solver.boundaries import SpecialPoint
 from solver.regions import Regions
 from solver.regions.bands import Band, Line, band, lines
 
 __all__ = ["BandAtResonance", "band_at_resonance"]
+
+#: A special point this close in the row parameter is where a jump begins.
+_SAME = 1e-6
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,10 @@ class BandAtResonance:
         The complete rows of the band.
     linear : tuple of bool
         Of every row with a peak, whether no stable motion of the resonance's part of the axis parts the teeth.
+    lacking : Lacking
+        The share of the region without a stable motion of one mesh period, dynamically or by integration.
+    born : str
+        What a jump that appears inside of the band begins with, in words; empty if none does.
     failed : int
         Rows of the band that failed.
     """
@@ -47,6 +56,8 @@ class BandAtResonance:
     edges: dict[str, tuple[Edge, ...]]
     peaks: tuple[RowPeak, ...]
     linear: tuple[bool, ...]
+    lacking: Lacking
+    born: str
     failed: int
 
     @property
@@ -96,14 +107,16 @@ class BandAtResonance:
         """Share of the region in which several motions are stable."""
         return share_of(self.region.shares, jumping)
 
-    @property
-    def without_stable(self) -> float:
-        """Share of the region in which no motion is stable."""
-        return share_of(self.region.shares, unstable)
-
 
 def band_at_resonance(
-    regions: Regions, resonance: Resonance, low: float, high: float, peaks: Sequence[RowPeak], failed: int
+    regions: Regions,
+    resonance: Resonance,
+    low: float,
+    high: float,
+    peaks: Sequence[RowPeak],
+    lacking: Lacking,
+    failed: int,
+    sign: str,
 ) -> BandAtResonance:
     """Measure a band.
 
@@ -116,8 +129,12 @@ def band_at_resonance(
         The band, within the plane; equal for a single value.
     peaks : sequence of RowPeak
         The complete rows of the band, ascending; of a single value the nearest row.
+    lacking : Lacking
+        Of the band.
     failed : int
         How many of the band's rows are not complete.
+    sign : str
+        Of the row parameter.
     """
     at_rows = lines(regions, [row.value for row in peaks])
     found = lines(regions, [low] if low == high else [low, high])
@@ -127,13 +144,29 @@ def band_at_resonance(
         height = float(any(map(jumping, found[0].labels)))
     else:
         height = sum(max(min(stop, high) - max(start, low), 0.0) for start, stop, _ in where["jump"]) / (high - low)
+    found_edges = {name: edges(ranges, *regions.plane.p_range) for name, ranges in where.items()}
     return BandAtResonance(
         resonance,
         band(regions, low, high),
         tuple(found),
         height,
-        {name: edges(ranges, *regions.plane.p_range) for name, ranges in where.items()},
+        found_edges,
         tuple(peaks),
         tuple(not any(map(contact_lost, line.labels)) for row, line in zip(peaks, at_rows, strict=True) if row.peak),
+        lacking,
+        _born(regions, [edge.value for edge in found_edges["jump"] if edge.appears and low < edge.value < high], sign),
         failed,
     )
+
+
+def _born(regions: Regions, values: Sequence[float], sign: str) -> str:
+    """What the first of some jumps begins with, by the special points of the fold curves; empty if there is none."""
+    names = {SpecialPoint.ISOLA: "isola born", SpecialPoint.CUSP: "jump begins in a cusp"}
+    for value in values:
+        for curve in regions.curves:
+            if curve.kind is Event.FOLD:
+                special = curve.special[np.abs(curve.points[:, 4] - value) < _SAME]
+                for point in map(SpecialPoint, special[special > 0].tolist()):
+                    if point in names:
+                        return f"{names[point]} at {sign} = {value:.3g}"
+    return ""

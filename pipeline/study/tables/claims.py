@@ -1,6 +1,7 @@
 """What the study's wordings claim, as data, and the rules that compare a claim with what was measured."""
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
 from pipeline.study.numerals import percent, signed
 from pipeline.study.tables.bands import BandAtResonance
-from pipeline.study.tables.classes import IMPACTS, NEAR_LINEAR, PROMINENT_JUMP, jump_trend, ranks, settled
+from pipeline.study.tables.classes import IMPACTS, NEAR_LINEAR, PROMINENT_JUMP, SETTLED, jump_trend, ranks, settled
 from pipeline.study.tables.edges import nearest_edge
 from solver import ImpactState
 
@@ -19,7 +20,7 @@ READINGS = {
     "jump prominent": f"the widest jump of the band reaches {percent(PROMINENT_JUMP)} of the natural frequency",
     "jump not prominent": f"no jump of the band reaches {percent(PROMINENT_JUMP)} of the natural frequency",
     "jump grows": "the jump is wider at the band's last value than at its first, by the rule for increasing",
-    "jump settled": "the jump's width varies over the band no more than the rule for settled allows",
+    "jump settled": f"the jump's width varies over the band by at most {percent(SETTLED)} of the natural frequency",
     "jump smaller": "the widest jump is narrower than in the band before",
     "jump ends": "with a growing parameter the jump ends at the study's value",
     "double-sided": "the severest impact of the band is double-sided",
@@ -31,9 +32,9 @@ READINGS = {
     "softening": f"the peak lies below the linear natural frequency, in every row by more than {percent(NEAR_LINEAR)}",
     "below natural": "the peak lies below the linear natural frequency in every row",
     "softening to hardening": "softening in the first row with a peak, hardening in the last, by that rule",
-    "peak settled": "the peak varies over the band no more than the rule for settled allows",
-    "somewhere none stable": "some places of the region have no stable motion",
-    "everywhere one stable": "every place of the region has a stable motion",
+    "peak settled": f"the peak varies over the band by at most {percent(SETTLED)} of the natural frequency",
+    "somewhere none stable": "some places of the region have no stable motion of one mesh period",
+    "everywhere one stable": "every place of the region has a stable motion of one mesh period",
 }
 
 
@@ -81,11 +82,9 @@ class Verdict:
     kind: str
     reason: str
 
-    @property
-    def text(self) -> str:
-        """For a cell."""
-        return f"{self.kind}: {self.reason}"
 
+#: What a text says before its first number.
+_WORDS = re.compile(r"[^0-9−+<]*")
 
 Rule = Callable[[Claim, BandAtResonance, BandAtResonance | None], tuple[bool, str]]
 
@@ -107,37 +106,64 @@ def judge(entry: Entry, here: Mapping[str, BandAtResonance], before: Mapping[str
         relative = claim.rule in ("jump smaller", "double-sided less")
         if missing or (relative and any(name not in before for name in claim.resonances)):
             return Verdict(NOT_COMPARED, f"{' and '.join(missing) or 'the band before'} not measured")
+        if "stable" in claim.rule and any(np.isnan(here[name].lacking.share) for name in claim.resonances):
+            return Verdict(NOT_COMPARED, "no row of the plane in the band")
         found.append(_judged(claim, here, before))
-    holds = all(held for held, _ in found)
-    return Verdict(AGREES if holds else DIFFERS, "; ".join(dict.fromkeys(text for _, text in found)))
+    failing = [shown for held, shown in found if not held]
+    return Verdict(DIFFERS if failing else AGREES, _joined(failing or [shown for _, shown in found]))
 
 
-def _judged(claim: Claim, here, before) -> tuple[bool, str]:
+def _judged(claim: Claim, here, before) -> tuple[bool, dict[str, str]]:
+    """Whether a claim holds, and what shows that: resonance -> text."""
     rule = _RULES[claim.rule]
     each = {name: rule(claim, here[name], before.get(name)) for name in claim.resonances}
     holding = {name: text for name, (held, text) in each.items() if held}
-    shown = holding or {name: text for name, (_, text) in each.items()}
-    return bool(holding), ", ".join(f"{name} {text}" for name, text in shown.items())
+    return bool(holding), holding or {name: text for name, (_, text) in each.items()}
+
+
+def _joined(shown: Sequence[Mapping[str, str]]) -> str:
+    """Texts with their resonances, those that differ by a number alone behind the same words.
+
+    Examples
+    --------
+    >>> _joined([{"mesh": "widest jump 0.4 %", "shaft": "widest jump 0.3 %"}, {"mesh": "no peak"}])
+    'widest jump 0.4 % (mesh), 0.3 % (shaft); no peak (mesh)'
+    """
+    places: dict[str, dict[str, list[str]]] = {}
+    for name, text in (item for one in shown for item in one.items()):
+        words = _WORDS.match(text)[0]
+        places.setdefault(words, {}).setdefault(text.removeprefix(words), []).append(name)
+    parts = []
+    for words, rests in places.items():
+        parts.append(
+            words + ", ".join(f"{rest} ({' and '.join(dict.fromkeys(names))})" for rest, names in rests.items())
+        )
+    return "; ".join(parts).replace("  (", " (")
 
 
 def _widest(band: BandAtResonance) -> str:
-    return f"widest jump {percent(max(band.widths))}" if band.jump_height else "without jump"
+    return f"widest jump {percent(max(band.widths))}" if band.jump_height else "no jump"
 
 
 def _width_change(band: BandAtResonance) -> str:
-    return f"jump {percent(band.widths[0])} to {percent(band.widths[-1])}"
+    first, last = percent(band.widths[0]), percent(band.widths[-1])
+    return f"jump {first} throughout" if first == last else f"jump {first} to {last}"
 
 
 def _severest(band: BandAtResonance) -> str:
-    share = percent(band.state_share(ImpactState.DOUBLE_SIDED))
     most = IMPACTS[max(ranks(band))]
-    return f"double-sided in {share}" if most == "double-sided" else f"{most}, double-sided in {share}"
+    if most == "double-sided":
+        return f"double-sided in {percent(band.state_share(ImpactState.DOUBLE_SIDED))}"
+    start = nearest_edge(band.edges["double-sided impact"], True, band.region.low, band.region.high)
+    beyond = f", double-sided from {start.value:.3g}" if start and start.value > band.region.high else ""
+    return f"{most}{' at most' if most != IMPACTS[0] else ''}{beyond}"
 
 
 def _course(band: BandAtResonance) -> str:
     found = ranks(band)
     first, last, most = (IMPACTS[rank] for rank in (found[0], found[-1], max(found)))
-    return f"{first} to {last}" + ("" if most in (first, last) else f", up to {most}")
+    course = f"{first} throughout" if first == last == most else f"{first} to {last}"
+    return course + ("" if most in (first, last) else f", up to {most}")
 
 
 def _shift(band: BandAtResonance) -> str:
@@ -153,12 +179,15 @@ def _every_shift(band: BandAtResonance, below: float) -> bool:
 
 
 def _jump_smaller(claim, band, before):
-    return max(band.widths) < max(before.widths), f"{_widest(band)}, {_widest(before)} in the band before"
+    held = max(band.widths) < max(before.widths)
+    if not held and band.born:
+        return held, f"{band.born}, which sweeps miss"
+    return held, f"{_widest(band)}, before {percent(max(before.widths))}"
 
 
 def _double_less(claim, band, before):
     now, then = (one.state_share(ImpactState.DOUBLE_SIDED) for one in (band, before))
-    return now < then, f"double-sided in {percent(now)}, {percent(then)} in the band before"
+    return now < then, f"double-sided in {percent(now)}, before {percent(then)}"
 
 
 def _course_is(first: str, last: str) -> Rule:
@@ -171,7 +200,8 @@ def _course_is(first: str, last: str) -> Rule:
 
 def _to_none(claim, band, before):
     found = ranks(band)
-    return max(found) < IMPACTS.index("double-sided") and found[-1] == 0, _course(band)
+    held = max(found) < IMPACTS.index("double-sided") and found[-1] == 0
+    return held, f"{_course(band)}: {band.born}, which sweeps miss" if not held and band.born else _course(band)
 
 
 def _hardens(claim, band, before):
@@ -187,9 +217,9 @@ def _ends(what: str) -> Rule:
     def rule(claim, band, before):
         edge = nearest_edge(band.edges[what], False, claim.value, claim.value)
         if edge is None:
-            return False, f"{what} does not end in this plane, article {claim.value:g}"
+            return False, f"{what} does not end in this plane"
         change = edge.value / claim.value - 1.0
-        text = f"{what} ends at {edge.value:.4g}, article {claim.value:g}, {signed(100.0 * change, 0)} %"
+        text = f"{what} ends at {edge.value:.3g}, article {claim.value:g} ({signed(100.0 * change, 0)} %)"
         return abs(change) <= THRESHOLD_AGREES, text
 
     return rule
@@ -212,13 +242,7 @@ _RULES: dict[str, Rule] = {
         settled([0.0], [row.shift if row.peak else np.nan for row in band.peaks]),
         _shift(band),
     ),
-    "somewhere none stable": lambda claim, band, _: (
-        band.without_stable > 0.0,
-        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region",
-    ),
-    "everywhere one stable": lambda claim, band, _: (
-        band.without_stable == 0.0,
-        f"no stable motion in {percent(band.without_stable)}, several in {percent(band.several)} of the region",
-    ),
+    "somewhere none stable": lambda claim, band, _: (band.lacking.share > 0.0, band.lacking.text),
+    "everywhere one stable": lambda claim, band, _: (band.lacking.share == 0.0, band.lacking.text),
     **{f"{what} ends": _ends(what) for what in ("jump", "contact loss", "double-sided impact")},
 }

@@ -22,7 +22,6 @@ __all__ = [
     "resonance_class",
     "settled",
     "severest",
-    "stability_class",
 ]
 
 #: A jump is prominent where its widest interval is at least this share of the natural frequency.
@@ -34,24 +33,23 @@ JUMP_TREND = 0.1
 IMPACT_SHARE = 0.001
 #: A peak is near linear within this share of the natural frequency.
 NEAR_LINEAR = 0.02
-#: A band is settled where jump width and peak vary by at most this share of the natural frequency.
+#: A jump, or a peak, is settled where jump width and peak vary by at most this share of the natural frequency.
 SETTLED = 0.01
 
 #: From harmless to severe; the place in this list ranks the states.
-IMPACTS = ("none", "out of contact", "single-sided", "double-sided")
+IMPACTS = ("no impact", "out of contact", "single-sided", "double-sided")
 
 
 RULES = {
     "jump": (
-        f"Jump: none; narrow where the widest multivalued interval is below {percent(PROMINENT_JUMP)} of the linear "
+        f"Jump: narrow where the widest multivalued interval is below {percent(PROMINENT_JUMP)} of the linear "
         "natural frequency, else prominent; increasing or decreasing where its widths at the first and the last value "
         f"of the band differ by more than {percent(JUMP_TREND)} of the widest, else steady."
     ),
     "impact": (
-        "Impact: the severest state (none, out of contact, single-sided, double-sided) that stable motions have in at "
-        f"least {percent(IMPACT_SHARE)} of the resonance's part of the Ω axis, from the first to the last value of the "
-        "band, and the severest in between; in brackets the share of the band's region in which a stable motion has "
-        "the severest."
+        "Impact: the severest state (no impact, out of contact, single-sided, double-sided) that stable motions have "
+        f"in {percent(IMPACT_SHARE)} of the resonance's part of the Ω axis or more, from the first to the last value "
+        "of the band, and the severest in between; in brackets the share of the region with the severest."
     ),
     "resonance": (
         "Resonance: linear where no stable motion in the resonance's part of the Ω axis ever parts the teeth, so that "
@@ -60,10 +58,10 @@ RULES = {
         "the last row with a peak."
     ),
     "stability": (
-        "Stability: stable where every solution of the region is statically stable, unstable where some places have no "
-        "stable solution, else conditional: the start decides which motion is reached (in brackets the share of the "
-        f"region). Settled where jump width and peak vary by at most {percent(SETTLED)} of the linear natural "
-        "frequency over the band, else moving."
+        "Stability: the share of the region without a stable motion of one mesh period, counted in the plane's cells: "
+        "by integration where the store has attractors of all of it, else by the multipliers of the first-order "
+        "motions; and the share in which several motions are statically stable, so that the start decides which one is "
+        "reached."
     ),
 }
 
@@ -85,7 +83,7 @@ def jump_class(widths: Sequence[float], height: float) -> str:
     """
     widest = max(widths)
     if height <= 0.0:
-        return "none"
+        return "no jump"
     size = "prominent" if widest >= PROMINENT_JUMP else "narrow"
     if len(widths) == 1:
         return size
@@ -146,29 +144,6 @@ def _shift_word(shift: float, linear: bool) -> str:
     return "softening" if shift < 0.0 else "hardening"
 
 
-def stability_class(several: float, without_stable: float, widths: Sequence[float], shifts: Sequence[float]) -> str:
-    """Class of a band from the shares of its region with several stable motions and with none.
-
-    Parameters
-    ----------
-    several, without_stable : float
-    widths : sequence of float
-        As for `jump_class`.
-    shifts : sequence of float
-        Of the peak, as a share of the natural frequency; nan of a row without a peak.
-
-    Examples
-    --------
-    >>> stability_class(0.25, 0.0, [0.05, 0.051], [-0.02, -0.02])
-    'conditional (25 %), settled'
-    """
-    if without_stable:
-        text = f"unstable ({percent(without_stable)})"
-    else:
-        text = f"conditional ({percent(several)})" if several else "stable"
-    return text if len(widths) == 1 else f"{text}, {'settled' if settled(widths, shifts) else 'moving'}"
-
-
 def settled(widths: Sequence[float], shifts: Sequence[float]) -> bool:
     """Whether jump width and peak stay as they are; where the peak comes and goes they do not."""
     # Comparisons with nan are false.
@@ -203,8 +178,8 @@ def _resonance(band: BandAtResonance) -> str:
 
 
 def _stability(band: BandAtResonance) -> str:
-    shifts = [row.shift if row.peak else np.nan for row in band.peaks]
-    return stability_class(band.several, band.without_stable, band.widths, shifts)
+    several = f", several in {percent(band.several)}" if band.several else ""
+    return f"{band.lacking.text} by {band.lacking.source}{several}"
 
 
 #: What a column of the study's tables can be answered with.

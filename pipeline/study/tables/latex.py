@@ -2,7 +2,8 @@ r"""A table as LaTeX: three floats to \input, rules by booktabs, ASCII only."""
 
 import re
 
-from pipeline.study.tables.sheets import Sheet, class_sheet, label_sheet, measured_sheet, notes
+from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED
+from pipeline.study.tables.sheets import Sheet, grid_sheet, label_sheet, measured_sheet, notes, tally
 from pipeline.study.tables.table import Table
 
 __all__ = ["escape", "latex"]
@@ -24,6 +25,7 @@ _SIGNS = {
     ">": "$>$",
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
+    "\n": r"\newline ",
     " %": r"~\%",
     "%": r"\%",
     "_": r"\_",
@@ -35,6 +37,8 @@ _SIGNS = {
 }
 _PATTERN = re.compile("|".join(re.escape(sign) for sign in _SIGNS))
 
+_VERDICT = re.compile(rf"\\newline ({AGREES}|{DIFFERS}|{NOT_COMPARED}):")
+
 # Room between columns, taken off the width that the columns share.
 _SHARED = 0.9
 
@@ -45,15 +49,15 @@ def latex(table: Table) -> str:
     head = (
         f"% bevelmap, from {escape(table.store)}; needs \\usepackage{{booktabs}}; use with \\input{{table{number}.tex}}"
     )
+    grid = _float(grid_sheet(table), f"tab:bevelmap-{number}", tally([table]))
     measured = _float(measured_sheet(table), f"tab:bevelmap-{number}-measured")
     labels = _float(label_sheet(table), f"tab:bevelmap-{number}-labels")
-    classes = _float(class_sheet(table), f"tab:bevelmap-{number}-words")
     # Outside of the floats: they are longer than a page may hold beside a table.
     remarks = "\n".join(f"\\par {escape(note)}" for note in notes(table))
-    return f"{head}\n{measured}\n{labels}\n{classes}\n{{\\scriptsize\\raggedright\\noindent\n{remarks}\n\\par}}\n"
+    return f"{head}\n{grid}\n{measured}\n{labels}\n{{\\scriptsize\\raggedright\\noindent\n{remarks}\n\\par}}\n"
 
 
-def _float(sheet: Sheet, label: str) -> str:
+def _float(sheet: Sheet, label: str, said: str = "") -> str:
     columns = "".join(f"p{{{_SHARED * width:.4f}\\linewidth}}" for width in sheet.widths)
     first = [row[0] for row in sheet.rows]
     body = []
@@ -61,9 +65,10 @@ def _float(sheet: Sheet, label: str) -> str:
         if number and sheet.grouped and first[number] != first[number - 1]:
             body.append(r"\addlinespace")
         body.append(_row(row))
-    lines = [r"\toprule", *_spanner(sheet), _row(sheet.headings), r"\midrule", *body, r"\bottomrule"]
+    caption = f"{sheet.caption}. {said}" if said else sheet.caption
+    lines = [r"\toprule", _row(sheet.headings), r"\midrule", *body, r"\bottomrule"]
     return (
-        f"\\begin{{table}}[htbp]\n\\caption{{{escape(sheet.caption)}}}\n\\label{{{label}}}\n"
+        f"\\begin{{table}}[htbp]\n\\caption{{{escape(caption)}}}\n\\label{{{label}}}\n"
         f"\\scriptsize\\setlength{{\\tabcolsep}}{{0.006\\linewidth}}\\renewcommand{{\\arraystretch}}{{1.2}}\n"
         f"\\begin{{tabular}}{{@{{}}{columns}@{{}}}}\n" + "\n".join(lines) + "\n\\end{tabular}\n\\end{table}\n"
     )
@@ -71,19 +76,8 @@ def _float(sheet: Sheet, label: str) -> str:
 
 def _row(cells) -> str:
     # \tabularnewline, because \raggedright gives \\ another meaning.
-    return " & ".join(f"\\raggedright {escape(cell)}" for cell in cells) + r" \tabularnewline"
-
-
-def _spanner(sheet: Sheet) -> list[str]:
-    """A heading over several columns, with a rule below it."""
-    if sheet.spanner is None:
-        return []
-    text, start, stop = sheet.spanner
-    before, after = "& " * start, " &" * (len(sheet.headings) - stop)
-    return [
-        f"{before}\\multicolumn{{{stop - start}}}{{c}}{{{escape(text)}}}{after} \\tabularnewline",
-        f"\\cmidrule(lr){{{start + 1}-{stop}}}",
-    ]
+    texts = (_VERDICT.sub(r"\\newline \\textbf{\1}:", escape(cell)) for cell in cells)
+    return " & ".join(f"\\raggedright {text}" for text in texts) + r" \tabularnewline"
 
 
 def escape(text: str) -> str:

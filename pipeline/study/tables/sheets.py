@@ -1,5 +1,6 @@
-"""A table laid out for reading: a sheet of measurements, a sheet of classes beside the study's words, and notes."""
+"""A table laid out for reading: the study's grid with ours beside it; in an appendix what was measured, and notes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.study.agreement import THRESHOLD_AGREES
@@ -7,14 +8,17 @@ from pipeline.study.numerals import percent
 from pipeline.study.tables import wording
 from pipeline.study.tables.claims import READINGS
 from pipeline.study.tables.classes import RULES
-from pipeline.study.tables.table import Line, Table
+from pipeline.study.tables.table import Cell, Line, Table
 
-__all__ = ["Sheet", "class_sheet", "label_sheet", "measured_sheet", "notes", "title"]
+__all__ = ["APPENDIX", "Sheet", "grid_sheet", "label_sheet", "measured_sheet", "notes", "tally", "title"]
+
+#: Heading of what stands behind the grid.
+APPENDIX = "Appendix: what was measured"
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """Plain text cells under headings; every row has as many cells as there are headings.
+    """Plain text cells, of one or several lines, under headings; every row has as many cells as there are headings.
 
     Parameters
     ----------
@@ -23,8 +27,6 @@ class Sheet:
     widths : tuple of float
         Share of the page's width that each column wants, together 1.
     rows : tuple of tuple of str
-    spanner : (str, int, int), optional
-        A heading over the columns start ... stop - 1.
     grouped : bool
         Whether rows with the same first cell belong together.
     """
@@ -33,13 +35,36 @@ class Sheet:
     headings: tuple[str, ...]
     widths: tuple[float, ...]
     rows: tuple[tuple[str, ...], ...]
-    spanner: tuple[str, int, int] | None = None
     grouped: bool = True
 
 
 def title(table: Table) -> str:
     """Heading of the whole table."""
     return f"Effect of the {table.article.words} {table.article.sign}"
+
+
+def tally(tables: Sequence[Table]) -> str:
+    """How many cells of one or several tables agree, differ and cannot be compared."""
+    counts = {kind: sum(table.tally[kind] for table in tables) for kind in tables[0].tally}
+    numbers = [str(table.article.number) for table in tables]
+    which = f"Table {numbers[0]}" if len(numbers) == 1 else f"Tables {', '.join(numbers[:-1])} and {numbers[-1]}"
+    agree, differ, open_ = counts.values()
+    return f"{which}, {sum(counts.values())} cells: agrees {agree}, differs {differ}, cannot be compared {open_}."
+
+
+def grid_sheet(table: Table) -> Sheet:
+    """The study's own table: in every cell its words, ours, whether they agree, and why."""
+    headings = (table.article.sign, *(column.heading for column in table.article.columns))
+    rows = tuple((row.band.text, *map(_cell, row.cells)) for row in table.rows)
+    return Sheet(title(table), headings, (0.08, *[0.92 / (len(headings) - 1)] * (len(headings) - 1)), rows)
+
+
+def _cell(cell: Cell) -> str:
+    if len(cell.ours) > 1 and len(set(cell.ours.values())) == 1:
+        ours = [f"ours: {next(iter(cell.ours.values()))}"]
+    else:
+        ours = [f"ours, {name}: {text}" for name, text in cell.ours.items()]
+    return "\n".join([f"“{cell.wording}”", *ours, f"{cell.verdict.kind}: {cell.verdict.reason}"])
 
 
 def measured_sheet(table: Table) -> Sheet:
@@ -77,33 +102,13 @@ def measured_sheet(table: Table) -> Sheet:
 def label_sheet(table: Table) -> Sheet:
     """One row per n/I label with its share of the plane and where it appears and disappears at either resonance."""
     mesh, shaft = table.lines[0].resonance, table.lines[1].resonance
-    headings = ("Label n/I", "Share of the plane", *(f"{r.name.capitalize()} resonance" for r in (mesh, shaft)))
+    ranges = (f"{table.article.sign} at the {resonance.name} resonance" for resonance in (mesh, shaft))
+    headings = ("Label n/I", "Share of the plane", *ranges)
     rows = [
-        (entry.label, f"{100.0 * entry.share:.4f} %", *(wording.ranges(part) for part in entry.ranges))
-        for entry in table.labels
+        (entry.label, percent(entry.share), *(wording.ranges(part) for part in entry.ranges)) for entry in table.labels
     ] or [("–", "–", table.undivided, "–")]
     caption = f"{title(table)}: labels n/I from the boundary curves, in {table.article.sign}"
-    return Sheet(caption, headings, (0.15, 0.2, 0.325, 0.325), tuple(rows), ("Range", 2, 4), False)
-
-
-def class_sheet(table: Table) -> Sheet:
-    """One row per band and column of the study, with its wording, our class at either resonance and the verdict."""
-    rows = []
-    for mesh, shaft in zip(table.lines[::2], table.lines[1::2], strict=True):
-        for i, column in enumerate(table.article.columns):
-            ours = (line.classes[i] if line.classes else line.gap for line in (mesh, shaft))
-            wording = f"“{mesh.band.entries[i].wording}”"
-            rows.append((mesh.band.text, column.heading, wording, *ours, mesh.verdicts[i].text))
-    headings = (
-        table.article.sign,
-        "Column",
-        "Article's wording",
-        "Mesh resonance",
-        "Shaft resonance",
-        "Against the article",
-    )
-    widths = (0.08, 0.12, 0.15, 0.20, 0.20, 0.25)
-    return Sheet(f"{title(table)}, in words", headings, widths, tuple(rows), ("Ours", 3, 5))
+    return Sheet(caption, headings, (0.15, 0.2, 0.325, 0.325), tuple(rows), False)
 
 
 def _band(line: Line) -> str:
@@ -130,11 +135,11 @@ def _readings(table: Table) -> tuple[str, ...]:
             parts = [f"{reading} ({' and '.join(dict.fromkeys(where))})" for reading, where in claims.items()]
             text = "; ".join(parts) or "not compared"
             found[f"“{entry.wording}”"] = f"{text}; {entry.unclear}" if entry.unclear else text
-    return tuple(f"Reading of {wording}: {text}." for wording, text in found.items())
+    return tuple(f"{wording} is read as: {text}." for wording, text in found.items())
 
 
 def notes(table: Table) -> tuple[str, ...]:
-    """Source, definitions and rules."""
+    """How the wordings are read, rules, definitions and source."""
     plan, sign = table.plan, table.article.sign
     mesh, shaft = table.lines[0].resonance, table.lines[1].resonance
     gear = ", ".join(f"{name} = {_plain(value)}" for name, value in sorted(plan.gear.items()))
@@ -142,29 +147,24 @@ def notes(table: Table) -> tuple[str, ...]:
     unbounded = sum(row.open for line in table.lines if line.measured for row in line.measured.peaks)
     aspects = dict.fromkeys(aspect for column in table.article.columns for aspect in column.aspects)
     return (
-        f"Source: store {table.store}, configuration_hash {table.configuration_hash}, "
-        f"{plan.parameter.num} rows {sign} = {plan.parameter.low:g}–{plan.parameter.high:g} x {plan.sweep.num} "
-        f"columns Ω = {plan.sweep.low:g}–{plan.sweep.high:g}{failed}. First-order balance, static stability.",
-        f"Gear: {gear}.",
-        f"Resonances: mesh (lower) and shaft (upper) by the linear natural frequencies Ω = {mesh.natural:.4f} and "
-        f"{shaft.natural:.4f}; the Ω axis is split between them at their geometric mean, {mesh.high:.4f}.",
-        "Everything but the peaks follows from the boundary curves (folds and grazings, continued in two parameters) "
-        "and the enumeration of all solutions between them; the raster and its resolution do not enter.",
-        "Jumps: intervals of Ω in which several motions are stable, with the unstable ones between; at the first and "
-        "the last value of the band. Widths in brackets are relative to the linear natural frequency; the widest is "
-        "sought at the band's ends and the plane's rows.",
-        "Peak: the largest stable λ_a at the resonance, provided that the largest stable λ_a falls below 1/√2 of it on "
-        "both sides; of the plane's rows in the band; shift relative to the linear natural frequency.",
+        "A cell agrees if all that its words are taken to say holds, at one of the resonances named; a threshold "
+        f"within {percent(THRESHOLD_AGREES)} of the article's. Of a cell that differs, what does not hold is given.",
+        *_readings(table),
+        *(RULES[aspect] for aspect in aspects),
+        f"Resonances: mesh (lower) and shaft (upper) are the article's words for the linear natural frequencies Ω = "
+        f"{mesh.natural:.4f} and {shaft.natural:.4f}; the Ω axis is split at their geometric mean, {mesh.high:.4f}. "
+        "All percentages of frequencies are of the linear natural frequency.",
         "Shares are of the area of the band in the resonance's part of the Ω axis, of a single value of its length; a "
         "state counts wherever a stable motion has it, so that states may add up to more than 100 %.",
-        f"Appears and ends: values of {sign} in the band, or else nearest to it on either side. Contact loss and "
-        "double-sided impact: of stable motions anywhere in the resonance's part of the Ω axis.",
-        f"Labels: values of {sign} at which a label appears and disappears in the resonance's part of the Ω axis, and "
-        "its share of the whole plane's area. At the ends of the plane a label may go on.",
-        *(RULES[aspect] for aspect in aspects),
-        f"Against the article: an entry agrees if all that it is taken to say holds, at one of the resonances named; a "
-        f"threshold within {percent(THRESHOLD_AGREES)} of the article's.",
-        *_readings(table),
+        "Jumps are intervals of Ω in which several motions are statically stable, at the first and the last value of "
+        "the band; the widest is sought there and in the plane's rows. A peak is the largest stable λ_a, provided that "
+        "it falls below 1/√2 of it on both sides, in the plane's rows.",
+        "Jumps, impact and labels follow from the boundary curves and the enumeration of all first-order motions "
+        "between them, which no raster enters. Thresholds are given to four digits; the CSV has ten.",
+        f"Source: store {table.store}, configuration_hash {table.configuration_hash}, {plan.parameter.num} rows "
+        f"{sign} = {plan.parameter.low:g}–{plan.parameter.high:g} x {plan.sweep.num} columns Ω = "
+        f"{plan.sweep.low:g}–{plan.sweep.high:g}{failed}.",
+        f"Gear: {gear}.",
         *(
             [f"In {unbounded} rows a branch leaves through the amplitude ceiling; what lies above is not excluded."]
             if unbounded

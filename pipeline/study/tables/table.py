@@ -1,4 +1,4 @@
-"""One table as data, whatever format it is written in: bands, what was measured in them, classes, verdicts, labels."""
+"""One table as data, whatever format it is written in: the study's cells beside ours, and what was measured."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,14 +8,16 @@ from pipeline.plan.plan import Plan
 from pipeline.plane.regions import stored_regions
 from pipeline.plane.resonances import Resonance, common_resonances
 from pipeline.plane.stored import read_stored
-from pipeline.study.tables.article import ArticleTable, Band, band_range, band_rows
+from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED
+from pipeline.study.tables.article import ArticleTable, Band, Column, band_range, band_rows
 from pipeline.study.tables.bands import BandAtResonance, band_at_resonance
-from pipeline.study.tables.claims import Verdict, judge
+from pipeline.study.tables.claims import Entry, Verdict, judge
 from pipeline.study.tables.classes import ASPECTS
+from pipeline.study.tables.lacking import lacking_in
 from pipeline.study.tables.rows import RowPeak, row_peaks
 from solver.regions import RegionError, Regions
 
-__all__ = ["LabelRange", "Line", "Table", "build_table"]
+__all__ = ["Cell", "LabelRange", "Line", "Row", "Table", "build_table"]
 
 
 @dataclass(frozen=True)
@@ -29,18 +31,39 @@ class Line:
     measured : BandAtResonance or None
     gap : str
         Why nothing is measured, else empty.
-    classes : tuple of str
-        One per column of the study's table; empty where nothing is measured.
-    verdicts : tuple of Verdict
-        One per column: the study's entry against both resonances of the band.
     """
 
     band: Band
     resonance: Resonance
     measured: BandAtResonance | None
     gap: str
-    classes: tuple[str, ...]
-    verdicts: tuple[Verdict, ...]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell of the study's table.
+
+    Parameters
+    ----------
+    wording : str
+        The study's.
+    ours : dict of str to str
+        What is measured at the resonances that the wording speaks of, in the words of `classes`.
+    verdict : Verdict
+    """
+
+    wording: str
+    ours: dict[str, str]
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of the study's table: a band, its cells, and the measurements at either resonance behind them."""
+
+    band: Band
+    cells: tuple[Cell, ...]
+    lines: tuple[Line, Line]
 
 
 @dataclass(frozen=True)
@@ -71,8 +94,8 @@ class Table:
     plan : Plan
         Of the store that was read.
     store, configuration_hash : str
-    lines : tuple of Line
-        Every band at the mesh and then at the shaft resonance.
+    rows : tuple of Row
+        Of the study's table.
     failed : int
         Rows of the whole plane that failed.
     labels : tuple of LabelRange
@@ -84,10 +107,21 @@ class Table:
     plan: Plan
     store: str
     configuration_hash: str
-    lines: tuple[Line, ...]
+    rows: tuple[Row, ...]
     failed: int
     labels: tuple[LabelRange, ...]
     undivided: str
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """Every band at the mesh and then at the shaft resonance."""
+        return tuple(line for row in self.rows for line in row.lines)
+
+    @property
+    def tally(self) -> dict[str, int]:
+        """How many cells agree, differ and cannot be compared."""
+        kinds = [cell.verdict.kind for row in self.rows for cell in row.cells]
+        return {kind: kinds.count(kind) for kind in (AGREES, DIFFERS, NOT_COMPARED)}
 
 
 def build_table(article: ArticleTable, path: Path, whole: Regions | None = None) -> Table:
@@ -112,32 +146,49 @@ def build_table(article: ArticleTable, path: Path, whole: Regions | None = None)
     if pair is None:
         raise StoreError(f"{path}: the natural frequencies move with {plan.parameter.name}, no one split serves")
     parts, whole, undivided = _parts(path, plan, pair, whole)
-    rows = {band: band_rows(band, plan.parameter) for band in article.bands}
-    lines: list[Line] = []
+    rows: list[Row] = []
     before: dict[str, BandAtResonance] = {}
     for band in article.bands:
-        peaks = row_peaks(plane, rows[band])
-        here, gaps = {}, {}
+        numbers = band_rows(band, plan.parameter)
+        peaks = row_peaks(plane, numbers)
+        here, lines = {}, []
         for number, resonance in enumerate(pair):
-            gaps[resonance.name] = _gap(article, band, plan, resonance) or undivided
-            if not gaps[resonance.name]:
+            gap = _gap(article, band, plan, resonance) or undivided
+            if not gap:
                 chosen: list[RowPeak] = [pair_of_row[number] for pair_of_row in peaks.values()]
-                low, high = band_range(band, plan.parameter)
+                ends = band_range(band, plan.parameter)
+                window = resonance.window(plan.sweep.low, plan.sweep.high)
                 here[resonance.name] = band_at_resonance(
-                    parts[resonance.name], resonance, low, high, chosen, len(rows[band]) - len(peaks)
+                    parts[resonance.name],
+                    resonance,
+                    *ends,
+                    chosen,
+                    lacking_in(plane, window, ends),
+                    numbers.size - len(peaks),
+                    article.sign,
                 )
-        verdicts = tuple(judge(entry, here, before) for entry in band.entries)
-        for resonance in pair:
-            measured = here.get(resonance.name)
-            classes = tuple(
-                "; ".join(ASPECTS[aspect](measured) for aspect in column.aspects)
-                for column in (article.columns if measured else ())
-            )
-            lines.append(Line(band, resonance, measured, gaps[resonance.name], classes, verdicts))
+            lines.append(Line(band, resonance, here.get(resonance.name), gap))
+        cells = tuple(
+            Cell(entry.wording, _ours(column, entry, lines), judge(entry, here, before))
+            for column, entry in zip(article.columns, band.entries, strict=True)
+        )
+        rows.append(Row(band, cells, tuple(lines)))
         before = here
     failed = int((~plane.complete).sum())
     labels = _labels(whole, [parts.get(one.name) for one in pair]) if whole else ()
-    return Table(article, plan, path.name, plane.about["configuration_hash"], tuple(lines), failed, labels, undivided)
+    return Table(article, plan, path.name, plane.about["configuration_hash"], tuple(rows), failed, labels, undivided)
+
+
+def _ours(column: Column, entry: Entry, lines: list[Line]) -> dict[str, str]:
+    """What is measured at the resonances that an entry speaks of."""
+    named = {name for claim in entry.claims for name in claim.resonances} or {line.resonance.name for line in lines}
+    return {
+        line.resonance.name: "; ".join(ASPECTS[aspect](line.measured) for aspect in column.aspects)
+        if line.measured
+        else line.gap
+        for line in lines
+        if line.resonance.name in named
+    }
 
 
 def _parts(path: Path, plan: Plan, pair, whole: Regions | None) -> tuple[dict[str, Regions], Regions | None, str]:

@@ -1,4 +1,4 @@
-"""A table as CSV for machines: one row per band and resonance, numbers at full precision, nan where nothing exists."""
+"""A table as CSV: its cells, one a row; and what was measured, a band and resonance a row, nan where nothing is."""
 
 import numpy as np
 
@@ -10,13 +10,32 @@ from pipeline.study.tables.table import Table
 from solver import ImpactState
 from solver.regions.bands import Line
 
-__all__ = ["tidy"]
+__all__ = ["cells", "tidy"]
 
 _STATE_NAMES = tuple(f"share_{state.name.lower()}" for state in ImpactState)
 
 
+def cells(table: Table) -> str:
+    """The study's cells with ours."""
+    header = ("table", table.article.parameter, "column", "article", "ours_mesh", "ours_shaft", "verdict", "reason")
+    lines = (
+        (
+            table.article.number,
+            row.band.text,
+            column.heading,
+            cell.wording,
+            *(cell.ours.get(name, "") for name in ("mesh", "shaft")),
+            cell.verdict.kind,
+            cell.verdict.reason,
+        )
+        for row in table.rows
+        for column, cell in zip(table.article.columns, row.cells, strict=True)
+    )
+    return csv_text(header, lines)
+
+
 def tidy(table: Table) -> str:
-    """The table's text."""
+    """What was measured, numbers at full precision."""
     records = [_record(table, line) for line in table.lines]
     return csv_text(list(records[0]), (list(record.values()) for record in records))
 
@@ -37,12 +56,6 @@ def _record(table: Table, line: TableLine) -> dict[str, str]:
     shares = line.measured.region.shares if line.measured else {}
     record["labels"] = " ".join(shares)
     record["label_shares"] = " ".join(f"{share:.9g}" for share in shares.values())
-    for i, column in enumerate(table.article.columns):
-        name = column.heading.lower().replace(" ", "_")
-        record[f"class_{name}"] = line.classes[i] if line.classes else ""
-        record[f"article_{name}"] = line.band.entries[i].wording
-        record[f"verdict_{name}"] = line.verdicts[i].kind
-        record[f"reason_{name}"] = line.verdicts[i].reason
     return {name: _text(value) for name, value in record.items()}
 
 
@@ -80,7 +93,7 @@ _NUMBERS = (
     "shift_percent_max",
     *_STATE_NAMES,
     "share_several_stable",
-    "share_without_stable",
+    "share_without_stable_1T",
     "share_error",
     "open_rows",
 )
@@ -103,7 +116,7 @@ def _numbers(band: BandAtResonance) -> dict[str, object]:
         "peak_rows": len(peaks),
         "open_rows": sum(row.open for row in band.peaks),
         "share_several_stable": band.several,
-        "share_without_stable": band.without_stable,
+        "share_without_stable_1T": band.lacking.share,
         "share_error": band.region.error,
         **{name: band.state_share(state) for name, state in zip(_STATE_NAMES, ImpactState, strict=True)},
     }

@@ -12,8 +12,8 @@ NONE = "none"
 
 
 def ranges(parts) -> str:
-    """Ranges of the row parameter to 1e-6, or a dash."""
-    return "; ".join(f"{low:.6f}–{high:.6f}" for low, high in parts) or "–"
+    """Ranges of the row parameter to four digits, or a dash."""
+    return "; ".join(f"{low:.4g}–{high:.4g}" for low, high in parts) or "–"
 
 
 def jumps(band: BandAtResonance) -> str:
@@ -79,7 +79,7 @@ def changes(band: BandAtResonance, sign: str) -> str:
     """Where jumps, loss of contact and double-sided impact appear or end in the parameter."""
     where = {"inside": "", "below": ", below the band", "above": ", above the band"}
     parts = [
-        f"{what} {'from' if edge.appears else 'up to'} {sign} = {edge.value:.6f}{where[edge.place]}"
+        f"{what} {'from' if edge.appears else 'up to'} {sign} = {edge.value:.4g}{where[edge.place]}"
         for what, found in band.edges.items()
         for edge in band_edges(found, band.region.low, band.region.high)
     ]

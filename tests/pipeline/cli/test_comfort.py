@@ -120,17 +120,18 @@ def test_list_says_what_there_is(folder, capsys):
     (lost / "branches/zarr.json").unlink()
     newer = shutil.copytree(root / "omega_fe.zarr", root / "newer.zarr")
     retold(newer, bevelmap_schema=99)
-    small_store(root / "other.zarr", small_plan("plane=omega_b", "gear=antiphase", "gear.f_e=0.3"), blocks=[])
+    other = ("plane=omega_b", "gear=antiphase", "gear.f_e=0.3", "solver=hb", "solver.order=3", "solver.period=2")
+    small_store(root / "other.zarr", small_plan(*other), blocks=[])
     (root / "holiday").mkdir()
     (root / ".draft").mkdir()
     assert main(["stages=[list]"]) == 0
     said = capsys.readouterr().out
     lines = {line.split()[0]: line for line in said.splitlines()}
-    assert all(text in lines["omega_fe"] for text in ("omega 41 x f_e 5", "published", "complete", "kB"))
+    assert all(text in lines["omega_fe"] for text in ("omega 41 x f_e 5", "published", "first order", "complete", "kB"))
     assert "3 of 5 rows" in lines["half"] and "1 rows failed" in lines["failed"]
     assert "damaged" in lines["damaged"] and "damaged metadata" in lines["lost"]
     assert "schema 99, this program reads" in lines["newer"]
-    assert all(text in lines["other"] for text in ("antiphase f_e=0.3", "0 of 5 rows", "omega 41 x b 5"))
+    assert all(text in lines["other"] for text in ("antiphase f_e=0.3", "hb order 3 period 2", "0 of 5 rows"))
     assert "no stores of this program: holiday\n" in said and "draft" not in said
     assert "7 stores in" in said
     # Columns stand under their titles.

@@ -6,11 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import hydra
 import pytest
+from omegaconf import OmegaConf
 
 from pipeline.__main__ import main
 from pipeline.config.compose import compose, conf_folder, expand
 from pipeline.config.default_name import is_name
+from pipeline.config.schema import Configuration
 from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import model_at
 from pipeline.plan.planning import plan, warnings
@@ -380,3 +383,35 @@ def _source_copy(folder: Path) -> Path:
     copy = folder / "source"
     shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".*", "outputs", "build", "*.egg-info", "__pycache__"))
     return copy
+
+
+_TYPED = [
+    (),
+    ("gear.b=0.5", "stages=[list]"),
+    ("plane=omega_b", "solver=hb", "solver.order=3", "cluster=none"),
+    ("gear=miter", "gear.physical.torque='80 N*m'", "plane=omega_temperature"),
+    ("plane.parameter2={name:b,min:0.1,max:1,num:3}", "++store.name=x", "figures.curves=[0.1,${gear.b}]"),
+    ("output.root=${oc.env:HOME}", "quality=draft", "plane.sweep.num=${quality.parameter}"),
+]
+
+
+@pytest.mark.parametrize("overrides", _TYPED)
+def test_values_are_given_as_hydra_gives_them(overrides):
+    """Files are chosen first and remembered, and then values are given; Hydra does both at once."""
+    with hydra.initialize_config_dir(version_base="1.3", config_dir=str(conf_folder())):
+        at_once = hydra.compose("config", overrides)
+    at_once = OmegaConf.merge(OmegaConf.structured(Configuration), at_once)
+    OmegaConf.resolve(at_once)
+    for _ in range(2):
+        assert OmegaConf.structured(compose(overrides).config) == at_once
+
+
+def test_a_file_that_has_changed_is_read_again(tmp_path):
+    file = tmp_path / "gear" / "mine.yaml"
+    file.parent.mkdir()
+    for b in (0.25, 0.5):
+        file.write_text(f"defaults: [published, _self_]\nb: {b}\n")
+        words = ["gear=mine", "plane=omega_fe"]
+        assert compose(words, str(tmp_path)).config.gear.b == b
+        # The default name tells what differs from the file.
+        assert compose([*words, "gear.b=0.25"], str(tmp_path)).store_name == f"omega_fe-mine{'-b=0.25' * (b != 0.25)}"

@@ -52,12 +52,13 @@ class Run:
     ----------
     folder : Path
     *arguments : str
-        Beside `COMMAND`.
+        Beside `COMMAND`; one says where rows are computed, since a plane so small has no workers unless told.
     environment : dict, optional
         What to add to the environment.
     """
 
     def __init__(self, folder: Path, *arguments: str, environment=None, **options):
+        assert any(argument.startswith("cluster") for argument in arguments), arguments
         self.path = folder / "outputs/store/plane.zarr"
         paths = os.pathsep.join([*filter(None, [(environment or {}).get("PYTHONPATH")]), str(ROOT)])
         self.process = subprocess.Popen(

@@ -15,6 +15,7 @@ from pipeline.__main__ import main
 from pipeline.run.rows import sweep_block
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
+from pipeline.store.repair import repair
 from tests.conftest import slow_but
 from tests.pipeline.faults.runs import COMMAND, continued, same
 from tests.pipeline.planes import small_plan, small_store
@@ -113,7 +114,7 @@ def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
     damage = store.find_damage(path)
     assert any(file in item.sentence for item in damage), (file, kind, damage)
     assert {item.file for item in damage} <= {file, "zarr.json"} or file == "zarr.json"
-    store.repair(path, damage)
+    repair(path, damage)
     repaired = {item.block for item in damage if item.block is not None}
     code = main([*_SHARED, f"output.root={folder / 'outputs'}", "cluster=none", "stages=[sweep]"]) if repaired else 0
     assert code == 0
@@ -259,7 +260,7 @@ def test_a_last_block_that_fills_its_chunk_in_part_is_mended(tmp_path, kind):
     harm(path / f"mean/c/{len(plan.blocks) - 1}/0/0", kind)
     damage = store.find_damage(path)
     assert {item.block for item in damage} == {last} and len(damage) == 2
-    store.repair(path, damage)
+    repair(path, damage)
     assert store.pending_blocks(path, plan) == [last]
     sweep_block(str(path), plan, last)
     assert store.find_damage(path) == []

@@ -29,7 +29,7 @@ def _one_line(result: subprocess.CompletedProcess) -> str:
 
 
 def test_python_without_assertions_is_refused(tmp_path):
-    assert "python -O" in _one_line(_run(tmp_path, "stages=[list]", python=["-O"]))
+    assert "python -O" in _one_line(_run(tmp_path, "stages=[sweep]", python=["-O"]))
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,7 +1,4 @@
-"""Command lines that nobody should type, drawn with a seed: each is done or refused in one line.
-
-Five hundred with those that are marked slow.
-"""
+"""Five hundred command lines that nobody should type, drawn with a seed: each is done or refused in one line."""
 
 import random
 import signal
@@ -18,8 +15,6 @@ from pipeline.run.preparation import prepare
 from pipeline.stages import STAGES
 
 _DRAWS, _EACH = 10, 50
-#: Of the draws, those that the ordinary suite has.
-_ORDINARY = 2
 
 #: Values of every kind that has ever ended a program like this one, and some that are allowed.
 _VALUES = (
@@ -100,10 +95,7 @@ def _prepared(words: list[str]) -> str | None:
     return None
 
 
-@pytest.mark.parametrize(
-    "number",
-    [*range(_ORDINARY), *(pytest.param(number, marks=pytest.mark.slow) for number in range(_ORDINARY, _DRAWS))],
-)
+@pytest.mark.parametrize("number", range(_DRAWS))
 def test_whatever_is_typed_is_done_or_refused_in_one_line(number, tmp_path, monkeypatch, capsys, in_time):
     monkeypatch.chdir(tmp_path)
     draw, keys = random.Random(number), [*_keys(), *GROUPS, *GROUPS, "hydra.run.dir", "gear/thermal", "nope", ""]

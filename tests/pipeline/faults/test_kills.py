@@ -34,9 +34,11 @@ def _kill_client(folder, seed):
 
 def _kill_workers(folder, seed, count):
     """The run itself must get over it."""
-    run = start(folder)
+    run = start(folder, "cluster.workers=2")
     seen = until(run, _moment(seed, ROWS))
-    for process in workers_of(run)[:count]:
+    workers = workers_of(run)
+    assert len(workers) == 2
+    for process in workers[:count]:
         process.kill()
     run.end()
     assert (run.code, run.err) == (0, ""), run.err
@@ -83,7 +85,8 @@ def test_killed_and_continued_fifty_times(victim, seed, tmp_path, undisturbed, c
 
 
 def test_an_interrupted_run_says_so_and_is_continued(tmp_path, undisturbed, capsys):
-    run = start(tmp_path, environment={"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "slow"})
+    environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "slow"}
+    run = start(tmp_path, "cluster.workers=1", environment=environment)
     until(run, 3)
     os.killpg(run.process.pid, signal.SIGINT)
     run.end()

@@ -38,7 +38,8 @@ def test_a_row_that_hangs_fails_alone(tmp_path, undisturbed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("fault", "words"), [("raise", ()), ("sleep", ("cluster.row_seconds=2",)), ("allocate", ("cluster.memory=700MB",))]
+    ("fault", "words"),
+    [("raise", ("cluster.workers=2",)), ("sleep", ("cluster.row_seconds=2",)), ("allocate", ("cluster.memory=700MB",))],
 )
 def test_a_row_that_raises_sleeps_or_takes_all_memory_fails_alone(fault, words, tmp_path, undisturbed):
     _fails(fault, tmp_path, undisturbed, *words)

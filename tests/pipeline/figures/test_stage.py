@@ -20,7 +20,7 @@ class SideBySide:
     def __init__(self, error: Exception | None = None):
         self.error = error
 
-    def run(self, function, tasks):
+    def run_beside(self, function, tasks):
         for task in reversed(list(tasks)):
             yield task, self.error or function(*task)
 

@@ -199,18 +199,18 @@ def test_a_failed_row_is_recorded_and_the_others_go_on(tmp_path):
 
 
 def test_an_unforeseen_error_in_a_row_is_recorded_by_name(tmp_path, monkeypatch):
-    import pipeline.plan.numerics as sweep
+    import solver
 
     plan = small_plan(columns=9, rows=3)
     path = small_store(tmp_path / "plane.zarr", plan, [])
-    honest = sweep.sweep_row
+    honest = solver.sweep_row
 
     def breaks(model, *args, **kwargs):
         if model.f_e == 0.25:
             raise FloatingPointError("invalid value")
         return honest(model, *args, **kwargs)
 
-    monkeypatch.setattr(sweep, "sweep_row", breaks)
+    monkeypatch.setattr(solver, "sweep_row", breaks)
     with Workforce(cluster("none")) as workforce:
         receipts = [receipt for _, receipt in dispatch(path, plan, plan.blocks, workforce)]
     failures = [failure for receipt in receipts for failure in receipt.failures]
@@ -233,18 +233,18 @@ def test_results_do_not_depend_on_blocks_or_order(tmp_path):
 
 
 def test_only_rows_that_are_not_complete_are_computed(tmp_path, monkeypatch):
-    import pipeline.plan.numerics as sweep
+    import solver
 
     plan = small_plan(columns=9, rows=40)
     path = small_store(tmp_path / "plane.zarr", plan)
     (first, second, *_), before = plan.blocks, contents(path)
-    seen, honest = [], sweep.sweep_row
+    seen, honest = [], solver.sweep_row
 
     def watched(model, *args, **kwargs):
         seen.append(model.f_e)
         return honest(model, *args, **kwargs)
 
-    monkeypatch.setattr(sweep, "sweep_row", watched)
+    monkeypatch.setattr(solver, "sweep_row", watched)
     zarr.open_group(path, mode="r+")["status"][1] = store.FAILED
     sweep_block(str(path), plan, first)
     assert seen == [plan.parameter.values[1]]
@@ -257,10 +257,10 @@ def test_only_rows_that_are_not_complete_are_computed(tmp_path, monkeypatch):
 
 
 def test_what_a_row_could_not_decide_is_stored_and_listed_and_its_cells_are_not_counted(tmp_path, monkeypatch):
-    import pipeline.plan.numerics as sweep
+    import solver
 
     plan = small_plan(columns=9, rows=3)
-    path, honest = small_store(tmp_path / "plane.zarr", plan, []), sweep.sweep_row
+    path, honest = small_store(tmp_path / "plane.zarr", plan, []), solver.sweep_row
 
     def undecided(model, *args, **kwargs):
         row = honest(model, *args, **kwargs)
@@ -270,7 +270,7 @@ def test_what_a_row_could_not_decide_is_stored_and_listed_and_its_cells_are_not_
         certified[[2, 5]] = 0
         return dataclasses.replace(row, certified=certified, notes=("At two places.", "For two reasons."))
 
-    monkeypatch.setattr(sweep, "sweep_row", undecided)
+    monkeypatch.setattr(solver, "sweep_row", undecided)
     for block in plan.blocks:
         sweep_block(str(path), plan, block)
     assert store.proven_cells(path) == (25, 27) and not store.failures(path)

@@ -13,13 +13,14 @@ import numpy as np
 
 from pipeline.study import tables
 from pipeline.study.tables.article import ARTICLE_TABLES
+from tests.made_once import share
 from tests.pipeline.planes import small_plan, small_store
 
 __all__ = ["FOLDER", "NAMES", "PLANES", "difference", "golden", "make_stores", "written"]
 
 FOLDER = Path(__file__).parent / "golden"
 PLANES = {article.plane: article for article in ARTICLE_TABLES}
-NAMES = [f"table{number}.{suffix}" for number in (1, 2, 3) for suffix in ("csv", "md", "tex")]
+NAMES = [f"table{number}{end}" for number in (1, 2, 3) for end in (".csv", "-measured.csv", ".md", ".tex")]
 
 # Of the ends of the articles' bands as many as may be are rows.
 _ROWS = {
@@ -75,7 +76,8 @@ def difference(expected: str, found: str) -> str:
 
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as scratch:
+    with tempfile.TemporaryDirectory() as scratch, tempfile.TemporaryDirectory() as shared:
+        share(Path(shared))
         for file, content in written(make_stores(Path(scratch)), Path(scratch) / "tables").items():
             (FOLDER / file).write_text(content, encoding="utf-8", newline="\n")
             print(FOLDER / file)

@@ -71,7 +71,10 @@ def test_the_articles_numbers(planes, key):
     assert found.ours == pytest.approx(expected, abs=digits)
     assert found.difference == tuple(a - b for a, b in zip(found.ours, found.article, strict=True))
     assert found.verdict in VERDICTS and key in VERDICTS[found.verdict]
-    assert BY_KEY[key].source == "article" and BY_KEY[key].agreement in found.reason
+    assert BY_KEY[key].source == "article"
+    # The criterion is said, and the printed reference is what docs/physics.md has.
+    assert found.reason == "not equal" or BY_KEY[key].agreement in found.reason
+    assert tuple(map(float, re.split(", |–", BY_KEY[key].reference))) == expected
 
 
 @pytest.mark.parametrize("key", ["n3_b", "n3_fe"])
@@ -123,6 +126,15 @@ def test_what_cannot_be_computed_says_why(planes, tmp_path):
     assert "another gear" in reason and "alpha_phase" in reason and "\n" not in reason
     order = small_store(tmp_path / "order.zarr", small_plan("plane=omega_b", "solver=hb", columns=9, rows=3), blocks=[])
     assert "not balanced at first order" in evaluate(share, {"omega_b": order}).reason
+
+
+def test_criteria_are_said_as_shares_of_what_they_are_about(planes):
+    """Of an interval, its width: 1.22381–1.22971 against 1.220–1.233."""
+    found = evaluate(BY_KEY["interval_shaft"], planes)
+    gaps = re.findall(r"[+−][\d.]+", found.reason)
+    expected = [100.0 * gap / (1.233 - 1.220) for gap in found.difference]
+    assert [float(gap.replace("−", "-")) for gap in gaps] == pytest.approx(expected, abs=0.06)
+    assert found.reason.startswith("by more than 5 % of the width")
 
 
 def test_other_counts_differ(planes):

@@ -12,6 +12,7 @@ from pipeline.errors import StoreError
 from pipeline.study import tables
 from pipeline.study.numerals import percent
 from pipeline.study.tables.article import band_rows
+from pipeline.study.tables.claims import Verdict
 from pipeline.study.tables.latex import latex
 from pipeline.study.tables.markdown import markdown
 from pipeline.study.tables.table import build_table
@@ -37,7 +38,7 @@ def test_a_band_that_the_plane_does_not_cover_says_so(tmp_path):
     path = make(tmp_path, "omega_b", "plane.parameter.min=0.02", "plane.parameter.max=0.15", rows=3)
     table = build_table(PLANES["omega_b"], path)
     assert [line.gap for line in table.lines] == ["", ""] + ["not covered by this plane: b = 0.02–0.15"] * 4
-    assert table.lines[2].verdicts[0].text == "cannot be compared: mesh and shaft not measured"
+    assert table.rows[1].cells[0].verdict == Verdict("cannot be compared", "mesh and shaft not measured")
     lines = list(csv.DictReader(io.StringIO(tidy(table))))
     assert lines[2]["gap"] == "not covered by this plane: b = 0.02-0.15" and lines[2]["widest"] == "nan"
     assert "not covered by this plane: b = 0.02–0.15" in markdown(table) and latex(table).isascii()
@@ -51,7 +52,7 @@ def test_a_plane_without_rows_in_the_bands_still_has_regions(tmp_path):
     short = make(tmp_path, "omega_alpha", "plane.sweep.max=0.9", rows=3)
     table = build_table(PLANES["omega_alpha"], short)
     assert [line.gap for line in table.lines] == ["", "not covered by this plane: Ω = 0.05–0.9"] * 2
-    assert [verdict.text for verdict in table.lines[0].verdicts][1] == "cannot be compared: shaft not measured"
+    assert table.rows[0].cells[1].verdict == Verdict("cannot be compared", "shaft not measured")
 
 
 def test_boundaries_that_do_not_divide_the_plane_are_said(tmp_path):
@@ -63,7 +64,7 @@ def test_boundaries_that_do_not_divide_the_plane_are_said(tmp_path):
     table = build_table(PLANES["omega_fpm"], path)
     assert all(line.gap.startswith("no regions of one label: no boundary parts") for line in table.lines)
     assert table.labels == () and table.undivided == table.lines[0].gap
-    assert {verdict.kind for line in table.lines for verdict in line.verdicts} == {"cannot be compared"}
+    assert {cell.verdict.kind for row in table.rows for cell in row.cells} == {"cannot be compared"}
     assert "no regions of one label" in markdown(table) and check_latex(latex(table)) == 3
     assert list(csv.DictReader(io.StringIO(tidy(table))))[0]["jump_ends"] == "nan"
 
@@ -81,11 +82,13 @@ def test_failed_rows_are_left_out_and_counted(tmp_path):
 
 def test_a_gear_without_jumps(tmp_path):
     path = make(tmp_path, "omega_b", "gear=consistent", "plane.parameter.min=0.9", rows=4)
-    line = build_table(PLANES["omega_b"], path).lines[5]
+    row = build_table(PLANES["omega_b"], path).rows[2]
+    line, ours = row.lines[1], [cell.ours.get("shaft") for cell in row.cells]
     band = line.measured
     assert max(band.widths) == 0.0 and band.edges["jump"] == () and np.isnan(band.envelope).all()
     single = percent(band.state_share(1))
-    assert line.classes == ("none; near linear", f"single-sided ({single})", "stable, settled")
+    assert ours == ["no jump; near linear", None, f"{band.lacking.text} by dynamic stability"]
+    assert single == percent(sum(share for label, share in band.region.shares.items() if label.endswith("1")))
     assert (line.resonance.natural) == pytest.approx(consistent().mesh_modes()[1])
 
 

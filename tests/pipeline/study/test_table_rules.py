@@ -23,10 +23,10 @@ from pipeline.plane.peaks import Peak, resonance_peak, solved
 from pipeline.plane.resonances import resonances_of
 from pipeline.plane.segments import Piece
 from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
-from pipeline.study.tables import classes
+from pipeline.study.tables import claims, classes
 from pipeline.study.tables.article import ARTICLE_TABLES, Band, band_range, band_rows
 from pipeline.study.tables.bands import BandAtResonance
-from pipeline.study.tables.claims import READINGS, Claim, Entry, judge
+from pipeline.study.tables.claims import READINGS, Claim, Entry, Verdict, judge
 from pipeline.study.tables.classes import (
     ASPECTS,
     IMPACT_SHARE,
@@ -36,10 +36,11 @@ from pipeline.study.tables.classes import (
     impact_class,
     jump_class,
     resonance_class,
+    settled,
     severest,
-    stability_class,
 )
 from pipeline.study.tables.edges import Edge, band_edges, edges, nearest_edge
+from pipeline.study.tables.lacking import Lacking
 from pipeline.study.tables.rows import RowPeak
 from solver import Event, enumerate_row
 from solver.regions import bands as parts
@@ -48,7 +49,7 @@ from tests.conftest import published
 BESIDE = 1e-6
 
 
-@pytest.mark.parametrize("module", [pipeline.study.numerals, pipeline.plane.resonances, classes])
+@pytest.mark.parametrize("module", [pipeline.study.numerals, pipeline.plane.resonances, claims, classes])
 def test_the_examples_run(module):
     found = doctest.testmod(module)
     assert found.failed == 0 and found.attempted > 0
@@ -156,7 +157,7 @@ def test_traits_of_labels():
 @pytest.mark.parametrize(
     ("widths", "height", "expected"),
     [
-        ([0.0, 0.0], 0.0, "none"),
+        ([0.0, 0.0], 0.0, "no jump"),
         ([PROMINENT_JUMP - BESIDE], 1.0, "narrow"),
         ([PROMINENT_JUMP], 1.0, "prominent"),
         ([0.010, 0.0110], 1.0, "narrow, steady"),
@@ -172,10 +173,10 @@ def test_jump_class(widths, height, expected):
 @pytest.mark.parametrize(
     ("ranks", "share", "expected"),
     [
-        ([0, 0], 1.0, "none"),
+        ([0, 0], 1.0, "no impact"),
         ([3], 0.0001, "double-sided (<0.1 %)"),
-        ([2, 2, 0], 0.4, "single-sided to none (single-sided in 40 %)"),
-        ([0, 3, 0], 0.1, "none, up to double-sided (double-sided in 10 %)"),
+        ([2, 2, 0], 0.4, "single-sided to no impact (single-sided in 40 %)"),
+        ([0, 3, 0], 0.1, "no impact, up to double-sided (double-sided in 10 %)"),
         ([1, 1], 1.0, "out of contact (100 %)"),
     ],
 )
@@ -208,21 +209,17 @@ def test_resonance_class(shifts, linear, expected):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "expected"),
+    ("widths", "shifts", "expected"),
     [
-        ((0.0, 0.0, [0.0], [0.1]), "stable"),
-        ((0.5, 0.0, [0.1], [0.1]), "conditional (50 %)"),
-        ((1e-5, 0.0, [0.1], [0.1]), "conditional (<0.1 %)"),
-        ((0.5, 0.1, [0.1], [0.1]), "unstable (10 %)"),
-        ((0.0, 0.0, [0.0, 0.0], [0.1, 0.1 + SETTLED - BESIDE]), "stable, settled"),
-        ((0.0, 0.0, [0.0, 0.0], [0.1, 0.1 + SETTLED + BESIDE]), "stable, moving"),
-        ((0.1, 0.0, [0.1, 0.1 + SETTLED + BESIDE], [0.1, 0.1]), "conditional (10 %), moving"),
-        ((0.0, 0.0, [0.0, 0.0], [0.1, np.nan]), "stable, moving"),
-        ((0.0, 0.0, [0.0, 0.0], []), "stable, moving"),
+        ([0.0, 0.0], [0.1, 0.1 + SETTLED - BESIDE], True),
+        ([0.0, 0.0], [0.1, 0.1 + SETTLED + BESIDE], False),
+        ([0.1, 0.1 + SETTLED + BESIDE], [0.1, 0.1], False),
+        ([0.0, 0.0], [0.1, np.nan], False),
+        ([0.0, 0.0], [], False),
     ],
 )
-def test_stability_class(arguments, expected):
-    assert stability_class(*arguments) == expected
+def test_settled(widths, shifts, expected):
+    assert settled(widths, shifts) == expected
 
 
 # Verdicts ------------------------------------------------------------------------------------------------------------
@@ -230,7 +227,7 @@ def test_stability_class(arguments, expected):
 MESH, SHAFT = resonances_of(0.5, 2.0)
 
 
-def made_up(labels_by_line, widths, shares, shifts=(0.0, 0.0), found=None, resonance=MESH):
+def made_up(labels_by_line, widths, shares, shifts=(0.0, 0.0), found=None, resonance=MESH, lacking=0.0, born=""):
     """A band whose lines show a jump of given width, then one label for the rest."""
     made = []
     for value, (label, width) in enumerate(zip(labels_by_line, widths, strict=True)):
@@ -243,7 +240,16 @@ def made_up(labels_by_line, widths, shares, shifts=(0.0, 0.0), found=None, reson
     region = parts.Band(0.0, 1.0, shares, 0.0)
     none = dict.fromkeys(TRAITS, ())
     return BandAtResonance(
-        resonance, region, tuple(made), float(any(widths)), none | (found or {}), peaks, (False,) * len(peaks), 0
+        resonance,
+        region,
+        tuple(made),
+        float(any(widths)),
+        none | (found or {}),
+        peaks,
+        (False,) * len(peaks),
+        Lacking(lacking, "dynamic stability"),
+        born,
+        0,
     )
 
 
@@ -270,20 +276,27 @@ WILD = made_up(("1/2", "1/1"), (0.02, 0.08), {"1/2": 0.3, "1/1": 0.7}, (-0.05, 0
         ("below natural", made_up(("1/0", "1/0"), (0.0, 0.0), {"1/0": 1.0}, (-0.001, -0.001)), WILD),
         ("softening to hardening", WILD, QUIET),
         ("peak settled", QUIET, WILD),
-        ("somewhere none stable", made_up(("1/0", "1/0"), (0.0, 0.0), {"0/-": 0.1, "1/0": 0.9}), WILD),
-        ("everywhere one stable", WILD, made_up(("1/0", "1/0"), (0.0, 0.0), {"0/-": 0.1, "1/0": 0.9})),
+        ("somewhere none stable", made_up(("1/0", "1/0"), (0.0, 0.0), {"1/0": 1.0}, lacking=0.1), WILD),
+        ("everywhere one stable", WILD, made_up(("1/0", "1/0"), (0.0, 0.0), {"1/0": 1.0}, lacking=0.1)),
     ],
 )
 def test_claims_hold_and_fail(rule, holds, fails):
     assert verdict(rule, holds).kind == AGREES
     found = verdict(rule, fails)
-    assert found.kind == DIFFERS and found.reason.startswith("mesh ") and found.text.startswith("differs: ")
+    assert found.kind == DIFFERS and found.reason.endswith("(mesh)")
 
 
 def test_claims_against_the_band_before():
     for rule in ("jump smaller", "double-sided less"):
         assert verdict(rule, QUIET, WILD).kind == AGREES and verdict(rule, WILD, QUIET).kind == DIFFERS
-        assert verdict(rule, QUIET).text == "cannot be compared: the band before not measured"
+        assert verdict(rule, QUIET) == Verdict(NOT_COMPARED, "the band before not measured")
+    isola = dataclasses.replace(WILD, born="isola born at b = 0.5")
+    assert verdict("jump smaller", isola, QUIET).reason == "isola born at b = 0.5, which sweeps miss (mesh)"
+
+
+def test_stability_without_a_row_is_not_compared():
+    unknown = made_up(("1/0", "1/0"), (0.0, 0.0), {"1/0": 1.0}, lacking=np.nan)
+    assert verdict("everywhere one stable", unknown).kind == NOT_COMPARED
 
 
 @pytest.mark.parametrize("what", sorted(TRAITS))
@@ -294,8 +307,8 @@ def test_thresholds_are_compared_with_the_articles(what):
     within, beyond = (0.25 * (1.0 + THRESHOLD_AGREES + d) for d in (-BESIDE, 2 * BESIDE))
     assert verdict(f"{what} ends", ends_at(within), value=0.25).kind == AGREES
     assert verdict(f"{what} ends", ends_at(beyond, 0.9), value=0.25).kind == DIFFERS
-    assert verdict(f"{what} ends", ends_at(0.278), value=0.25).text == (
-        f"differs: mesh {what} ends at 0.278, article 0.25, +11 %"
+    assert verdict(f"{what} ends", ends_at(0.278), value=0.25) == Verdict(
+        DIFFERS, f"{what} ends at 0.278, article 0.25 (+11 %) (mesh)"
     )
     assert "−10 %" in verdict(f"{what} ends", ends_at(0.225), value=0.25).reason
     assert "does not end in this plane" in verdict(f"{what} ends", QUIET, value=0.25).reason
@@ -304,12 +317,13 @@ def test_thresholds_are_compared_with_the_articles(what):
 def test_a_claim_holds_at_one_of_its_resonances():
     bands = {"mesh": QUIET, "shaft": dataclasses.replace(WILD, resonance=SHAFT)}
     one = Entry("", (Claim("double-sided"),))
-    assert judge(one, bands, {}).text == "agrees: shaft double-sided in 30 %"
+    assert judge(one, bands, {}) == Verdict(AGREES, "double-sided in 30 % (shaft)")
     both = Entry("", (Claim("double-sided", ("mesh",)), Claim("double-sided", ("shaft",))))
-    assert judge(both, bands, {}).text == ("differs: mesh none, double-sided in 0 %; shaft double-sided in 30 %")
-    assert judge(one, {"mesh": QUIET}, {}).text == "cannot be compared: shaft not measured"
-    assert judge(Entry("", unclear="too vague"), bands, {}).text == "cannot be compared: too vague"
-    assert judge(Entry("", unclear="too vague"), {}, {}).kind == NOT_COMPARED
+    # What differs is said, and nothing else.
+    assert judge(both, bands, {}) == Verdict(DIFFERS, "no impact (mesh)")
+    assert judge(one, {"mesh": QUIET}, {}) == Verdict(NOT_COMPARED, "shaft not measured")
+    for here in (bands, {}):
+        assert judge(Entry("", unclear="too vague"), here, {}) == Verdict(NOT_COMPARED, "too vague")
 
 
 def test_every_entry_of_the_article_has_a_meaning_or_a_reason():

@@ -14,7 +14,7 @@ from solver.boundaries import BIFURCATIONS, boundary_curves, row_events
 from solver.continuation.on_curve import curve_crossings
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
-from solver.rows.lifted_seeds import LiftedSeeds
+from solver.rows.seeds import LiftedSeeds
 from solver.stability import Instability, motion_multipliers
 from tests.conftest import MODELS, slow_but
 

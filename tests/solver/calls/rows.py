@@ -3,9 +3,8 @@
 import numpy as np
 
 import solver
-from solver import Broyden, Continuation, LinearSeeds, ProvenSeeds
+from solver import Broyden, Continuation, LiftedSeeds, LinearSeeds, ProvenSeeds
 from solver.harmonic.galerkin import Galerkin
-from solver.rows.lifted_seeds import LiftedSeeds
 from solver.rows.span import RowSpan
 from tests.public import COUNT, NAME, NUMBER, OBJECT, POSITIVE, argument, array, optional
 from tests.solver.calls.subjects import (
@@ -55,8 +54,8 @@ def over(axis: str, system=model) -> dict:
     return {name: argument(system(), OBJECT), "axis": argument(axis, NAME), "low": low, "high": high}
 
 
-def span():
-    return RowSpan(solver.DescribingFunction(), model(), "omega", 0.5, 0.8, None, STEPS)
+def span(balance=None):
+    return RowSpan(balance or solver.DescribingFunction(), model(), "omega", 0.5, 0.8, None, STEPS)
 
 
 GALERKIN = Galerkin(2)
@@ -105,6 +104,12 @@ CALLS = {
         "p": argument(0.6, NUMBER),
     },
     "solver.DescribingFunction.problem": lambda: {"self": solver.DescribingFunction(), **about()},
+    "solver.LiftedSeeds": lambda: {"columns": argument(9, (*COUNT, 0, 1))},
+    "solver.LiftedSeeds.branches": lambda: {
+        "self": LiftedSeeds(9),
+        "span": argument(span(Galerkin(2)), OBJECT),
+        "grid": argument(GRID, array(GRID, GRID[::-1], GRID[:1])),
+    },
     "solver.LinearSeeds.branches": lambda: {
         "self": LinearSeeds(),
         "span": argument(span(), OBJECT),

@@ -6,7 +6,7 @@ import pytest
 from solver import Broyden, Continuation, EndReason, Event, LinearSeeds, sweep_row
 from solver.continuation.trace_log import LoggedContinuation, Outcome
 from solver.harmonic.galerkin import Galerkin
-from solver.rows.lifted_seeds import LiftedSeeds
+from solver.rows.seeds import LiftedSeeds
 from tests.conftest import MODELS, antiphase, published
 
 GRID = np.linspace(0.05, 2.0, 41)

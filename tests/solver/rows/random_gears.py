@@ -4,7 +4,6 @@ import numpy as np
 
 from solver import Continuation, Model, Proof, enumerate_row, uncondensed_balance
 from solver.harmonic.uncondensed import translations
-from solver.rows.crossings import crossings
 from solver.rows.row import Row
 from solver.rows.span import RowSpan
 
@@ -94,7 +93,7 @@ def assert_row_is_right(model: Model, row: Row, omega: float | None) -> None:
     proven = enumerate_row(model, row.axis, row.grid, omega=omega)
     np.testing.assert_array_equal(row.certified == 1, proven.proof == Proof.PROVEN)
     span = RowSpan(row.balance, model, row.axis, float(row.grid[0]), float(row.grid[-1]), omega, _CONTINUATION)
-    met = [crossings(span, curve, row.grid) for curve in row.curves]
+    met = [span.crossings(curve, row.grid) for curve in row.curves]
     size = span.problem.scale[0]
     for i, value in enumerate(row.grid):
         motions, stable = row.motions[i, : row.n_solutions[i]], row.stable[i, : row.n_solutions[i]]

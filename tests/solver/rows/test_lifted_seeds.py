@@ -5,8 +5,8 @@ import pytest
 
 from solver import Continuation, EndReason, Event, ParameterError, domain_label, gear_system, sweep_row
 from solver.harmonic.galerkin import Galerkin
-from solver.rows.lifted_seeds import LiftedSeeds, equal_motions, shifted
-from solver.rows.seeds import LinearSeeds
+from solver.rows.phases import equal_motions, shifted
+from solver.rows.seeds import LiftedSeeds, LinearSeeds
 from solver.timedomain import orbit_state, shoot
 from tests.conftest import MODELS, antiphase, consistent, published, slow_but
 

@@ -10,7 +10,7 @@ import pytest
 
 from solver import DescribingFunction, LinearSeeds, ProvenSeeds, sweep_row
 from solver.harmonic.galerkin import Galerkin
-from solver.rows.lifted_seeds import LiftedSeeds
+from solver.rows.seeds import LiftedSeeds
 from tests.conftest import antiphase, consistent, published
 
 #: Rows that differ from one another in gear, axis, balance, seeds and numbers of columns and coordinates.

@@ -19,7 +19,6 @@ from solver import (
 )
 from solver.boundaries import SpecialPoint, boundary_curves, row_events
 from solver.rows import seeds
-from solver.rows.crossings import crossings
 from solver.rows.seeds import spread_columns
 from solver.rows.span import RowSpan
 from tests.conftest import antiphase, consistent, published
@@ -95,21 +94,21 @@ def test_what_a_branch_lost_is_traced_from_the_proven_solutions(monkeypatch):
     assert len(row.curves) > len(whole.curves) and any("too small" in note or "refused" in note for note in row.notes)
     np.testing.assert_array_equal(row.certified, 1)
     assert_same_columns(row, slice(None), whole, slice(None))
-    met = [crossings(span_of(row), curve, row.grid) for curve in row.curves]
+    met = [span_of(row).crossings(curve, row.grid) for curve in row.curves]
     counts = np.bincount(np.concatenate([part.column for part in met]), minlength=200)
     assert np.all(counts >= row.n_solutions)
 
 
 def test_a_branch_that_is_traced_again_is_kept_once(monkeypatch):
     """The corrector fails at a column: its solution seems to be missing, and tracing from it gives the same branch."""
-    honest, whole = seeds.crossings, sweep_row(published(), "omega", grid(100))
+    honest, whole = RowSpan.crossings, sweep_row(published(), "omega", grid(100))
 
     def loses_one(span, curve, probes, known=None):
         met = honest(span, curve, probes, known)
         met.on_curve[70] = False
         return met
 
-    monkeypatch.setattr(seeds, "crossings", loses_one)
+    monkeypatch.setattr(RowSpan, "crossings", loses_one)
     row = sweep_row(published(), "omega", grid(100))
     assert len(row.curves) == len(whole.curves) and not row.notes and np.all(row.certified == 1)
 

@@ -12,7 +12,7 @@ from solver import sweep_row
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.model.contact_system import gear_system
-from solver.rows.lifted_seeds import LiftedSeeds
+from solver.rows.seeds import LiftedSeeds
 from solver.stability import Instability, classify, monodromies
 from solver.timedomain import ShootingStatus, monodromy, orbit_state, shoot
 from tests.conftest import antiphase, consistent, published

@@ -1,6 +1,7 @@
 """Design answers against brute force: labels enumerated on dense grids, boundaries bisected, rectangles tried out."""
 
 import csv
+import shlex
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from pipeline.__main__ import main
 from pipeline.analysis.margins import Design, answer, design_of
 from pipeline.analysis.margins.distances import further_axis
 from pipeline.analysis.margins.options import nominal_value
-from pipeline.analysis.margins.sheets import lines, markdown, tidy
+from pipeline.analysis.margins.sheets import tidy
 from pipeline.analysis.margins.worst import severity
 from pipeline.config.compose import compose
 from pipeline.errors import ConfigurationError, StoreError
@@ -160,18 +161,18 @@ def test_a_range_that_boundaries_cross_leaves_no_distance(stores):
 
 
 def grid_box(plan, x, p, low, high, columns=240, rows=160):
-    """Area of the largest rectangle whose grid points all are safe, around the range."""
+    """Area of the largest rectangle whose grid points all are 1/0, around the range."""
     across = np.unique(np.append(np.linspace(plan.sweep.low, plan.sweep.high, columns), [low, x, high]))
     levels = np.unique(np.append(np.linspace(plan.parameter.low, plan.parameter.high, rows), p))
-    safe = np.array([[label == "1/0" for label in enumerated(plan, "omega", across, x, level)] for level in levels])
+    contact = np.array([[label == "1/0" for label in enumerated(plan, "omega", across, x, level)] for level in levels])
     middle, first, last = (int(np.searchsorted(*pair)) for pair in ((levels, p), (across, low), (across, high)))
     left, right = np.zeros(levels.size), np.zeros(levels.size)
-    for i, row in enumerate(safe):
+    for i, row in enumerate(contact):
         bad = np.flatnonzero(~row)
         before, after = bad[bad < first], bad[bad > last]
         left[i] = across[before[-1] + 1] if before.size else across[0]
         right[i] = across[after[0] - 1] if after.size else across[-1]
-    good = safe[:, first : last + 1].all(axis=1)
+    good = contact[:, first : last + 1].all(axis=1)
     best = 0.0
     for bottom in range(middle, -1, -1):
         if not good[bottom]:
@@ -185,7 +186,7 @@ def grid_box(plan, x, p, low, high, columns=240, rows=160):
 
 
 def check_box(plan, box, places=25):
-    """All of it is safe."""
+    """All of it is 1/0."""
     inside = 1e-6 + (1.0 - 2e-6) * np.linspace(0.0, 1.0, places)
     across = box.x[0] + (box.x[1] - box.x[0]) * inside
     for p in box.p[0] + (box.p[1] - box.p[0]) * inside:
@@ -201,13 +202,13 @@ def check_box(plan, box, places=25):
         ("omega_b", 0.5, 0.6, 0.45, 0.55),
     ],
 )
-def test_the_largest_safe_box(stores, name, x, p, low, high):
+def test_the_largest_box(stores, name, x, p, low, high):
     _, plan = stores[name]
     box = ask(stores[name], x, p, low, high).box
     assert box.x[0] <= low <= high <= box.x[1] and box.p[0] <= p <= box.p[1]
     assert box.area >= grid_box(plan, x, p, low, high) and box.area <= 1.0
     check_box(plan, box)
-    # Every side ends at the plane's border or touches something unsafe.
+    # Every side ends at the plane's border or touches another label.
     across, levels = np.linspace(*box.x, 4001), np.linspace(*box.p, 801)
     for at, border in zip(box.p, (plan.parameter.low, plan.parameter.high), strict=True):
         out = at + 1e-4 * np.sign(border - at)
@@ -322,14 +323,22 @@ def test_the_stage(stores, tmp_path, capsys):
         "margins.range=[0.8,1.0]",
         "margins.tolerances={f_e: 0.02}",
     ]
-    for folder in ("one", "two"):
-        assert main([*words, f"output.root={tmp_path / folder}"]) == 0
+    out = tmp_path / "out"
+
+    def made():
+        return {str(file.relative_to(out)): file.read_bytes() for file in out.rglob("*") if file.is_file()}
+
+    assert main([*words, f"output.root={out}"]) == 0
+    first = made()
+    assert main([*words, f"output.root={out}"]) == 0
     said = capsys.readouterr().out
     assert "label at omega = 0.9, f_e = 0.1: 1/0" in said and "worst label within the tolerances: 1/0" in said
-    names = {str(file.relative_to(tmp_path / "one")) for file in (tmp_path / "one").rglob("*") if file.is_file()}
-    assert names == {"margins/omega_fe.md", "margins/omega_fe.csv", "figures/omega_fe/margins.png"}
-    for name in names:
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    assert first.keys() == {"margins/omega_fe.md", "margins/omega_fe.csv", "figures/omega_fe/margins.png"}
+    assert made() == first
+    # How to verify it: the command as it was typed, with another stage.
+    (how,) = {line.partition("run ")[2] for line in said.splitlines() if "not integrated: run" in line}
+    assert shlex.split(how)[:3] == ["python", "-m", "pipeline"]
+    assert set(shlex.split(how)[3:]) == {*words, f"output.root={out}", "stages=[attractors]"} - {"stages=[margins]"}
     assert main([*words, "margins.point=[3,0.1]", f"output.root={tmp_path / 'none'}"]) == 2
     assert not (tmp_path / "none").exists() and capsys.readouterr().err.count("\n") == 1
 
@@ -341,37 +350,15 @@ def test_the_figure(stores):
     plane = read_stored(stores["omega_fe"][0])
     wide = draw_margins(plane, ask(stores["omega_fe"], 0.9, 0.1, 0.8, 1.0, 0.02))
     texts = {text.get_text() for axes in wide.axes for text in axes.texts}
-    assert {"design point", "range and tolerance", "nearest boundary", "largest safe box"} <= texts
+    assert {"design point", "range and tolerance", "nearest boundary", "largest box of 1/0"} <= texts
+    assert {"labels: first order,", "not verified"} <= texts
     small = draw_margins(plane, ask(stores["omega_fe"], 0.6, 0.2, 0.57, 0.66))
     assert len(small.axes) == len(wide.axes) + 1
     texts = {text.get_text() for axes in small.axes for text in axes.texts}
-    assert "operating range" in texts and "largest safe box" not in texts
+    assert "operating range" in texts and "largest box of 1/0" not in texts
 
 
 def test_without_boundaries(tmp_path):
     plan = small_plan(columns=5, rows=2)
     with pytest.raises(StoreError, match="has no boundaries"):
         answer(small_store(tmp_path / "bare.zarr", plan), plan, Design(0.6, 0.2, 0.6, 0.6))
-
-
-def test_other_orders_give_distances_without_labels(tmp_path):
-    """From the stored curves, which an order-3 balance has too; against its own row through the point."""
-    from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
-
-    made = traced(
-        tmp_path / "hb.zarr",
-        "solver=hb",
-        "solver.order=3",
-        "plane.sweep.min=0.7",
-        "plane.sweep.max=1.1",
-        columns=20,
-        rows=4,
-    )
-    found = ask(made, 0.9, 0.1, 0.85, 1.0, 0.01, {"alpha": 0.05})
-    plan = made[1]
-    row = row_of(plan, 0.1, balance_of(plan.solver), continuation_of(plan.solver), seeds_of(plan.solver))
-    events = np.concatenate([curve.points[np.isin(curve.event, [1, 2, 3]), -1] for curve in row.curves])
-    assert found.margins[0].place == pytest.approx(np.max(events[events < 0.9]), abs=1e-6)
-    assert found.label == "" and found.corners == () and found.box is not None
-    assert "cannot be enumerated" in found.notes[0]
-    assert "free of boundaries" in markdown(found, "hb") and "not known" in lines(found)[0]

@@ -1,0 +1,76 @@
+"""Harmonics of the excitation above those that a plan balances: the motions that they drive are not in its labels."""
+
+from dataclasses import dataclass
+from itertools import product
+
+from pipeline.plan.numerics import model_at
+from pipeline.plan.plan import Plan
+
+__all__ = ["UnfeltHarmonics", "unfelt_harmonics"]
+
+
+@dataclass(frozen=True)
+class UnfeltHarmonics:
+    """Harmonics of the mesh frequency, ascending, that a balance of some order does not feel.
+
+    Parameters
+    ----------
+    order : int
+        Of the balance.
+    stiffness, error : tuple of int
+        Of the mesh stiffness and of the transmission error.
+    """
+
+    order: int
+    stiffness: tuple[int, ...]
+    error: tuple[int, ...]
+
+    @property
+    def words(self) -> str:
+        """Which they are.
+
+        Examples
+        --------
+        >>> UnfeltHarmonics(1, (2, 3), (2,)).words
+        'harmonics 2, 3 of the stiffness and 2 of the transmission error'
+        """
+        named = (("stiffness", self.stiffness), ("transmission error", self.error))
+        parts = [f"{', '.join(map(str, numbers))} of the {name}" for name, numbers in named if numbers]
+        return f"harmonics {' and '.join(parts)}"
+
+    @property
+    def sentence(self) -> str:
+        """One line for people, with what feels them."""
+        enough = max(self.stiffness + self.error)
+        return (
+            f"order {self.order} does not feel the motion that {self.words} drive, so that its labels are not "
+            f"verified: solver=hb solver.order={enough} or more and stages=[attractors] feel it"
+        )
+
+
+def unfelt_harmonics(plan: Plan) -> UnfeltHarmonics | None:
+    """What a plan's balance does not feel of its excitation; None where it feels all of it.
+
+    A balance of order H has no row for the harmonics above H. Those of the transmission error do not enter at all;
+    those of the stiffness, times the harmonics of the contact force, enter the rows up to H only in part.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of a plane, a volume or a layer.
+    """
+    order = int(plan.solver["order"])
+    stiffness, error = set(), set()
+    planes = [plan] if plan.parameter2 is None else [plan.layer(0), plan.layer(-1)]
+    for plane in planes:
+        for row, column in product((plan.parameter.low, plan.parameter.high), (plan.sweep.low, plan.sweep.high)):
+            model = model_at(plane, row, column)
+            if model.variation_translation or model.variation_rotation:
+                stiffness |= _above(order, model.stiffness_harmonics())
+            error |= _above(order, model.error_harmonics())
+    return UnfeltHarmonics(order, tuple(sorted(stiffness)), tuple(sorted(error))) if stiffness | error else None
+
+
+def _above(order: int, harmonics) -> set[int]:
+    """The numbers of the harmonics above an order that are there."""
+    return {number for number, (amplitude, _) in enumerate(harmonics, start=1) if amplitude and number > order}

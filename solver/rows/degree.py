@@ -1,0 +1,57 @@
+"""Whether the solutions that are known at a point can be all, by the degree of the balance, and one that is missing.
+
+The dead zone is a bounded change of a linear force, so the signs of det J over all solutions at a point add up to the
+sign of the linear system's determinant. Where they do not, a solution is missing or lies above the amplitude ceiling.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from solver.continuation.solution_curve import EndReason
+from solver.rows.span import RowSpan
+
+__all__ = ["grown_solution", "missing_degree"]
+
+#: Of the backlash while it grows from 0, in units of its final value.
+_STEP = 0.25
+
+
+def missing_degree(span: RowSpan, grid: np.ndarray, met) -> np.ndarray:
+    """Whether the signs of det J over the solutions at each grid value fail to add up to the linear system's sign.
+
+    Parameters
+    ----------
+    span : RowSpan
+    grid : (X,) array
+    met : sequence of Crossings
+        What every curve passes there.
+
+    Returns
+    -------
+    (X,) bool array
+    """
+    degree = np.zeros(grid.size, dtype=np.int64)
+    for crossing in met:
+        np.add.at(degree, crossing.column, 2 * crossing.stable.astype(np.int64) - 1)
+    return degree != span.balance.degree(span.problem, grid)
+
+
+def grown_solution(span: RowSpan, p: float) -> np.ndarray | None:
+    """A solution at p, by continuing the backlash from 0; None if that leads above the amplitude ceiling."""
+    model, omega = span.model, span.omega
+    if span.axis == "omega":
+        omega = p
+    else:
+        model = model.replace(**{span.axis: p})
+    problem = span.balance.problem(model, "b", 0.0, model.b or 1.0, omega)
+    degree, unknowns = span.balance.linear_solution(problem, 0.0)
+    if degree == 0.0 or not np.all(np.isfinite(unknowns)):
+        return None
+    if model.b > 0.0:
+        strides = dataclasses.replace(span.continuation, parameter_step=_STEP)
+        curve = strides.trace(problem, np.append(unknowns, 0.0), 0.0, model.b)
+        if curve.ends[1] is not EndReason.RANGE_LEFT or curve.points[-1, -1] != model.b:
+            return None
+        unknowns = curve.points[-1, :-1]
+    return np.append(unknowns, p)
