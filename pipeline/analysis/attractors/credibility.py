@@ -1,17 +1,18 @@
 """How far the map's label n/I can be trusted, cell by cell, by the attractors of the cell itself.
 
-First every stable motion that the label counts is looked for among the attractors. It is *there* if an attractor
-repeats after the map's period in the same impact state, and either has its mean and amplitude within a tolerance or is
-what the motion leads to; *in another impact state* if that is all that differs. Two motions are never the same
-attractor. If none is left for it, where the motion leads to decides: to an attractor that does not repeat after the
-map's period (2T, a torus, chaos, unbounded), to one that another motion is, or it is not settled and nothing is known.
-A label does not tell amplitudes: how far these are off is the `deviation` of a cell. Then, the first that holds:
+First every stable motion that the label counts is given an attractor that repeats after the map's period, in the same
+impact state: the one whose mean and amplitude agree within a tolerance, else the one that the motion leads to, else any
+that is left. No two motions have the same one. Then the motion is *there*. If only attractors in other impact states
+are left for it, it is there *in another impact state*, unless it leads to what does not repeat. If none is left, where
+the motion leads to decides: to an attractor that does not repeat after the map's period (2T, a torus, chaos,
+unbounded), to one that another motion has, or it is not settled and nothing is known. A label does not tell amplitudes:
+how far these are off is the `deviation` of a cell. Then, the first that holds:
 
 | what was found | credibility |
 | --- | --- |
 | no label, or the row failed | unchecked |
 | a motion is not there and leads to what does not repeat | not a period-1 motion |
-| a motion is not there and leads to what another motion is | wrong count |
+| a motion is not there and leads to what another motion has | wrong count |
 | the label counts none, and there is a period-1 attractor | wrong count |
 | a motion is there in another impact state | wrong impact state |
 | of a motion nothing is known | unchecked |
@@ -25,6 +26,7 @@ one of some cell at most so far away on either axis, and the true label is the m
 """
 
 import enum
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -178,25 +180,31 @@ def _matched(cells: Cells, tolerance: float) -> tuple[np.ndarray, ...]:
     there, other_state = np.zeros(cells.stable.shape, bool), np.zeros(cells.stable.shape, bool)
     apart, room = np.zeros(cells.stable.shape), tolerance * cells.size[..., None]
     slots = np.arange(cells.kind.shape[-1])
-    for same_state, found in ((True, there), (False, other_state)):
-        for led in (False, True):
-            for s in range(cells.stable.shape[-1]):
-                open_ = (cells.stable & ~there & ~other_state)[..., s, None]
-                if not np.any(open_):
-                    continue
-                mean, amplitude, impact = (array[..., s, None] for array in (cells.mean, cells.amplitude, cells.impact))
-                leads = slots == cells.leads[..., s, None]
-                with np.errstate(invalid="ignore"):
-                    off = np.maximum(np.abs(cells.found_mean - mean), np.abs(cells.found_amplitude - amplitude))
-                    alike = cells.repeats & ~claimed & open_ & (leads if led else off <= room)
-                alike &= (cells.found_impact == impact) == same_state
-                # The one that it leads to, where several are like it, else the nearest.
-                rank = np.where(alike, np.where(leads, -1.0, off), np.inf)
-                best = np.argmin(rank, axis=-1)[..., None]
-                hit = np.take_along_axis(alike, best, axis=-1)
-                np.put_along_axis(claimed, best, np.take_along_axis(claimed, best, axis=-1) | hit, axis=-1)
-                found[..., s] |= hit[..., 0]
-                apart[..., s] = np.where(hit, np.take_along_axis(off, best, axis=-1), apart[..., s, None])[..., 0]
+    # What leads to an attractor of another kind is not taken for one in another impact state.
+    end = cells.leads.clip(0).astype(np.int64)
+    elsewhere = (cells.leads >= 0) & np.take_along_axis(cells.settled & ~cells.repeats, end, axis=-1)
+    known_again = itertools.product((there, other_state), ("near", "led to"))
+    for found, how in (*known_again, (there, "left"), (other_state, "left")):
+        for s in range(cells.stable.shape[-1]):
+            open_ = cells.stable[..., s] & ~there[..., s] & ~other_state[..., s]
+            if found is other_state:
+                open_ &= ~elsewhere[..., s]
+            if not np.any(open_):
+                continue
+            mean, amplitude, impact = (array[..., s, None] for array in (cells.mean, cells.amplitude, cells.impact))
+            leads = slots == cells.leads[..., s, None]
+            with np.errstate(invalid="ignore"):
+                off = np.maximum(np.abs(cells.found_mean - mean), np.abs(cells.found_amplitude - amplitude))
+                alike = {"near": off <= room, "led to": leads, "left": True}[how]
+            alike = alike & cells.repeats & ~claimed & open_[..., None]
+            alike &= (cells.found_impact == impact) == (found is there)
+            # The one that it leads to, where several are like it, else the nearest.
+            rank = np.where(alike, np.where(leads, -1.0, off), np.inf)
+            best = np.argmin(rank, axis=-1)[..., None]
+            hit = np.take_along_axis(alike, best, axis=-1)
+            np.put_along_axis(claimed, best, np.take_along_axis(claimed, best, axis=-1) | hit, axis=-1)
+            found[..., s] |= hit[..., 0]
+            apart[..., s] = np.where(hit, np.take_along_axis(off, best, axis=-1), apart[..., s, None])[..., 0]
     return there, other_state, claimed, apart
 
 

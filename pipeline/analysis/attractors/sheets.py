@@ -21,7 +21,7 @@ MEANINGS = {
     Credibility.CONFIRMED: "each motion of the label is an attractor, and no other was found",
     Credibility.MORE_MOTIONS_EXIST: "the label's motions are real, and other attractors coexist with them",
     Credibility.WRONG_IMPACT_STATE: "a motion of the label is real, in another impact state",
-    Credibility.WRONG_COUNT: "two motions of the label lead to one, or it counts none and there is one",
+    Credibility.WRONG_COUNT: "two motions of the label are one, or it counts none and there is one",
     Credibility.NOT_A_PERIOD_1_MOTION: "a motion of the label is not there: it leads to 2T, a torus, chaos, or grows",
     Credibility.SHIFTED: "both labels are right within the tolerance in place: the boundary lies elsewhere",
     Credibility.UNCHECKED: "a motion did not settle, or the row failed",
@@ -128,9 +128,8 @@ def _markdown(path: Path, plan: Plan, found, lines: list[Line], name: str) -> st
             f"{text[0].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"
             for text in result_lines(path, plan, found)
         ),
-        f"A motion of the map is known again among the attractors if mean and amplitude agree within "
-        f"{told['tolerance']:g} of gap + static deflection, or if it leads there; a label is shifted within "
-        f"{told['delta']:g} of the length of either axis.",
+        "A label is right if the motions that it counts can be given attractors of their own of that period and impact "
+        f"state; it is shifted within {told['delta']:g} of the length of either axis.",
         f"A start took at most {told['max_periods']} forcing periods; seed {told['seed']}.",
         *(f"{kind.words.capitalize()}: {text}." for kind, text in MEANINGS.items()),
     ]

@@ -10,6 +10,7 @@ import zarr
 from pipeline import store
 from pipeline.plan.row_blocks import RowBlocks
 from pipeline.store import groups, row_groups
+from pipeline.store.repair import repair
 from pipeline.store.row_groups import RowArray, RowGroup
 from tests.pipeline.planes import small_plan, small_store
 
@@ -130,7 +131,7 @@ def test_a_damaged_group_is_taken_out_and_gone_on_with(path):
     os.truncate(path / "attractors/kind/c/1/0/0", 5)
     damage = store.find_damage(path)
     assert [item.file for item in damage] == ["attractors/kind/c/1/0/0"]
-    store.repair(path, damage)
+    repair(path, damage)
     assert store.find_damage(path) == [] and not group.is_finished
     group.begin()
     assert [group.read(block) is None for block in ROWS.all] == [False, True, False]

@@ -68,7 +68,7 @@ CASES = {
     "a start that did not settle": (cell([LOW], [ONE, LOST]), Credibility.UNCHECKED),
     "a start that could not be integrated": (cell([LOW], [ONE], unresolved=True), Credibility.UNCHECKED),
     "a motion that did not settle": (cell([LOW], [LOST], [0]), Credibility.UNCHECKED),
-    "a motion of which nothing is known": (cell([LOW], [OTHER], [-1]), Credibility.UNCHECKED),
+    "a motion of which nothing is known": (cell([LOW], [TWO], [-1]), Credibility.UNCHECKED),
     "it leads to 2T": (cell([LOW], [TWO]), Credibility.NOT_A_PERIOD_1_MOTION),
     "it leads to a torus": (cell([LOW], [(Kind.QUASI_PERIODIC, 1.6, 0.4, 0)]), Credibility.NOT_A_PERIOD_1_MOTION),
     "it leads to a long period": (cell([LOW], [(Kind.PERIOD_LONGER, 1.6, 0.4, 0)]), Credibility.NOT_A_PERIOD_1_MOTION),
@@ -78,11 +78,20 @@ CASES = {
     "one is lost, another not settled": (cell([LOW, HIGH], [TWO, LOST]), Credibility.NOT_A_PERIOD_1_MOTION),
     "two lead to one": (cell([LOW, HIGH], [ONE], [0, 0]), Credibility.WRONG_COUNT),
     "far off, and it leads there": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 0)]), Credibility.CONFIRMED),
-    "far off, and it leads to what another is": (
+    "far off, and it leads to what another has": (
         cell([LOW, HIGH], [ONE, (Kind.PERIOD_1, 1.2, 1.5, 1)], [0, 0]),
-        Credibility.WRONG_COUNT,
+        Credibility.CONFIRMED,
     ),
-    "far off, and nothing is known": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 0)], [-1]), Credibility.UNCHECKED),
+    "far off, and nothing is known": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 0)], [-1]), Credibility.CONFIRMED),
+    "far off, it leads to 2T": (cell([LOW], [TWO, (Kind.PERIOD_1, 1.6, 0.6, 0)], [0]), Credibility.MORE_MOTIONS_EXIST),
+    "in another state, it leads to 2T": (
+        cell([LOW], [TWO, (Kind.PERIOD_1, 1.6, 0.4, 1)], [0]),
+        Credibility.NOT_A_PERIOD_1_MOTION,
+    ),
+    "another state is left, it leads to what another has": (
+        cell([LOW, HIGH], [ONE, (Kind.PERIOD_1, 1.2, 1.5, 2)], [0, 0]),
+        Credibility.WRONG_IMPACT_STATE,
+    ),
     "far off, in another state": (cell([LOW], [(Kind.PERIOD_1, 1.6, 0.6, 1)]), Credibility.WRONG_IMPACT_STATE),
     "two motions alike are not one attractor": (cell([LOW, LOW], [ONE], [0, 0]), Credibility.WRONG_COUNT),
     "none counted, one there": (cell([], [ONE]), Credibility.WRONG_COUNT),
