@@ -1,4 +1,4 @@
-"""`python -m benchmarks [quick] [FILE]`: every figure of speed in one run, as a table, as JSON and in docs/speed.md (make bench)."""
+"""`python -m benchmarks [quick] [FILE]` (make bench): figures of speed as a table, as JSON and in docs/speed.md."""
 
 import os
 import sys

@@ -8,7 +8,6 @@ out.
 
 import contextlib
 import logging
-import tempfile
 from collections.abc import Iterator
 
 import dask
@@ -18,6 +17,7 @@ from distributed.system import MEMORY_LIMIT
 
 from pipeline.run.libraries import with_own_dask
 from pipeline.run.processes import deaf_to_interrupts, main_module_hidden
+from pipeline.run.scratch import scratch_folder
 
 __all__ = ["local_cluster"]
 
@@ -72,10 +72,9 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
         Its `security` holds the key that a client needs.
     """
     # Workers import and read what is in their folders; dask's usual place for them may belong to somebody else.
-    folders = tempfile.TemporaryDirectory(prefix="bevelmap-", ignore_cleanup_errors=True)
-    with folders as folder, with_own_dask():
+    with scratch_folder() as folder, with_own_dask():
         with deaf_to_interrupts(), main_module_hidden():
-            cluster = _started(workers, memory, dashboard, folder)
+            cluster = _started(workers, memory, dashboard, str(folder))
         with contextlib.closing(cluster), main_module_hidden():
             yield cluster
 
