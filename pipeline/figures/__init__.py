@@ -52,17 +52,10 @@ def draw(
     Returns
     -------
     list of Path
-<<<<<<< HEAD
-        map, map-window, curves, attractors, verification, basins and backbone, each in all formats. Attractors and
-        verification are drawn where the store has the group `attractors`, basins where it has `places`. The backbone is
-        left out where the plane's rows do not run over the mesh frequency, or without mean load. Of a volume, layers:
-        the maps of up to nine layers.
-=======
-        map, map-window, curves, verification and backbone, each in all formats; "-dynamic" stands behind the names of
-        those of dynamic stability. The verification is drawn where the store has one. The backbone is left out where
-        the plane's rows do not run over the mesh frequency, or without mean load. Of a volume, layers: the maps of up
-        to nine layers.
->>>>>>> attract-solver
+        map, map-window, curves, attractors, verification, basins and backbone, each in all formats; "-dynamic" stands
+        behind the names of those of dynamic stability. Attractors and verification are drawn where the store has the
+        group `attractors`, basins where it has `places`. The backbone is left out where the plane's rows do not run
+        over the mesh frequency, or without mean load. Of a volume, layers: the maps of up to nine layers.
 
     Raises
     ------

@@ -8,6 +8,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
 from pipeline.figures.drawing import Drawing
+from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import (
     BETWEEN,
     BOTTOM,
@@ -15,7 +16,6 @@ from pipeline.figures.layout import (
     LEFT,
     LEGEND,
     PANEL,
-    RIGHT,
     TOP,
     WIDTH,
     ZOOM_HEIGHT,
@@ -25,7 +25,7 @@ from pipeline.figures.layout import (
     zoom_places,
 )
 from pipeline.figures.map_legend import LINES, Entry, draw_legend, legend_height
-from pipeline.figures.naming import axis_label, fixed_parameters
+from pipeline.figures.naming import axis_label
 from pipeline.figures.panels import cell_borders, lines_of
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.stored import StoredPlane
@@ -33,7 +33,7 @@ from pipeline.plane.stored import StoredPlane
 __all__ = ["borders_between", "cell_image", "draw_cells", "line_entries", "outline_of", "with_lines"]
 
 #: Inches of a line of text above the panel; to the right end of the legend's numbers.
-_HEAD, _SHARE = 0.17, 1.54
+_LINE, _SHARE = 0.19, 1.54
 #: Pixels along an axis whose cells are of different widths.
 _FINE = 1200
 
@@ -59,14 +59,13 @@ def draw_cells(plane: StoredPlane, entries: Sequence[Entry], paint: Callable[[Ax
     windows = coexistence_windows(plane.pieces, sweep.low, sweep.high)
     tall = max(HEIGHT, legend_height(list(entries)))
     bottom = BOTTOM + (ZOOM_HEIGHT + BETWEEN if windows else 0.0)
-    height = bottom + tall + TOP + _HEAD
+    height = bottom + tall + TOP + HEAD + _LINE
     figure = Drawing((WIDTH, height))
     main = figure.add_axes(shares_of((LEFT, bottom, PANEL, tall), height))
     x, y = (tuple(cell_borders(axis)[[0, -1]].tolist()) for axis in (sweep, parameter))
     _fill(main, plane, paint, x, y)
-    figure.text(LEFT / WIDTH, 1 - 0.06 / height, head, ha="left", va="top", fontsize=9, weight="bold")
-    fixed = fixed_parameters(plane.plan)
-    figure.text(1 - RIGHT / WIDTH, 1 - (0.06 + _HEAD) / height, fixed, ha="right", va="top", fontsize=8)
+    write_heading(figure, plane)
+    figure.text(LEFT / WIDTH, 1 - (HEAD + 0.06) / height, head, ha="left", va="top", fontsize=9, weight="bold")
     labels = tuple(axis_label(name, plane.attributes[name]) for name in (sweep.name, parameter.name))
     main.set(xlabel=labels[0], ylabel=labels[1])
     draw_legend(figure, list(entries), LEGEND, bottom + tall, _SHARE)

@@ -165,15 +165,11 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)
     for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
         if np.any(marked):
-<<<<<<< HEAD
             axes.add_artist(PathPatch(outline_of(marked, columns, rows), **kind))
-=======
-            axes.add_artist(PathPatch(_rectangles(marked, columns, rows), **kind))
     dark = np.isin(panel.code, [c for c, label in plane.labels.items() if text_colour(label_colour(label)) == "white"])
     for mark, marked in ((draw_lines, panel.unstable), (draw_dots, panel.contradictory)):
         mark(axes, marked & ~dark, panel.x, panel.y)
         mark(axes, marked & dark, panel.x, panel.y, "white")
->>>>>>> attract-solver
     if plane.over_frequency:
         for kind, frequency in zip(MODES, plane.modes.T, strict=True):
             # To the borders of the first and last row, where the frequency is that of the row.
