@@ -14,6 +14,7 @@ import numpy as np
 
 from pipeline.plan.numerics import frame_of
 from pipeline.plane.boundaries import StoredCurve
+from pipeline.plane.row_curves import curves_at
 from pipeline.plane.segments import labels_at
 from pipeline.plane.stored import StoredPlane
 from solver import Event
@@ -32,6 +33,8 @@ _MOST_POINTS = 150
 _ROWS, _PLACES = (np.array([0.02, 0.5, 0.98]), np.array([0.2, 0.8])), np.array([0.1, 0.5, 0.9])
 # Next to corners the cubics are less exact: a part of a slab this small, as a share of the plane, may be blurred.
 _BLUR = 1e-8
+# What branches say of a part of a slab counts less than any cell of it.
+_FAINT = 1e-3
 # Parts of neighbouring slabs are one region if they share more than this part of their width.
 _SHARED = 0.02
 
@@ -139,11 +142,21 @@ class _StoredLabels:
             here = np.searchsorted(places[1:-1], columns, side="right")
             for gap, code in zip(here.tolist(), self.plane.stability_codes[row].tolist(), strict=True):
                 seen[gap][code] += 1
-            for gap in np.flatnonzero([not found for found in seen]):
-                # Narrower than a cell: what the branches of the row say, which the motions' stability is no part of.
-                code, _ = labels_at([self.plane.pieces[row]], np.array([0.5 * (places[gap] + places[gap + 1])]))
-                seen[gap][int(stability_code(int(code[0, 0]), int(code[0, 0]), False))] += 0
+            narrow = np.flatnonzero([not found for found in seen])
+            if narrow.size:
+                middles = 0.5 * (places[narrow] + places[narrow + 1])
+                for gap, code in zip(narrow.tolist(), self._between_cells(row, middles), strict=True):
+                    seen[gap][code] += _FAINT
         return [max(sorted(found), key=lambda code: found[code], default=0) for found in seen]
+
+    def _between_cells(self, row: int, x: np.ndarray) -> list[int]:
+        """What the branches of a row say at ascending places, also of dynamic stability."""
+        branches = curves_at(self.plane, float(self.plane.rows[row]))
+        lasting = [
+            replace(piece, stable=bool(lasts)) for piece, lasts in zip(branches.pieces, branches.lasting, strict=True)
+        ]
+        static, dynamic = (labels_at([pieces], x)[0][0].astype(int) for pieces in (branches.pieces, lasting))
+        return [int(code) for code in stability_code(static, dynamic, False)]
 
 
 def _joined(division: Division) -> Division:
