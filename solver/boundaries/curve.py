@@ -26,7 +26,7 @@ class BoundaryCurve:
     Parameters
     ----------
     kind : Event
-        FOLD, the grazing that happens along it, PERIOD_DOUBLING or NEIMARK_SACKER.
+        FOLD, the grazing that happens along it, PERIOD_DOUBLING, NEIMARK_SACKER or UNIT_MULTIPLIER.
     points : (k, 5) array
         lambda_m, lambda_c, lambda_s, x, p.
     slopes : (k, 5) array
@@ -232,7 +232,9 @@ def assembled(boundary: BoundaryProblem, kind: Event, chain: Chain) -> BoundaryC
         travelled = lengths[-1][-1]
         special.append(codes)
         signs = [0.0 if kind is Event.FOLD else boundary.static_determinant(kind, problem, y) for y in curve.points]
-        stable.append((np.array(signs) > 0.0) & (codes != SpecialPoint.FOLD_GRAZING))
+        stable.append(
+            (np.array(signs) > 0.0) & ~np.isin(codes, (SpecialPoint.FOLD_GRAZING, SpecialPoint.FOLD_CROSSING))
+        )
     # The last stretch of a closed curve is followed by its first one.
     for number in range(0 if chain.closed and len(stretches) > 1 else 1, len(stretches)):
         special[number - 1][-1], special[number][0] = joint(kind, stretches[number - 1], stretches[number])

@@ -213,13 +213,14 @@ def _test_functions(parameters, motion, switches, values, gradient):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _B, MATRIX, ARRAY, MATRIX), inner=True)
 def _bifurcation_rows(parameters, here, along_x, along_p, y, closed, switches, residual, jacobian):
-    """Fill in the row of a period doubling, y = (u, x, p), or both of a Neimark-Sacker, y = (u, kappa, x, p)."""
-    doubling, last = int(parameters[EVENT]) == _DOUBLING, y.shape[0] - 1
-    number = 1 if doubling else 2
+    """Fill in the row of a real multiplier, y = (u, x, p), or both of a Neimark-Sacker, y = (u, kappa, x, p)."""
+    event, last = int(parameters[EVENT]), y.shape[0] - 1
+    real = 0.0 if event == _NEIMARK_SACKER else -1.0 if event == _DOUBLING else 1.0
+    number = 2 if real == 0.0 else 1
     n = last - number
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
     at = here, along_x, along_p
-    values = bifurcation_test(parameters, *at, doubling, y[n], 0.0, closed, switches, by_angle, by_axis)
+    values = bifurcation_test(parameters, *at, real, y[n], 0.0, closed, switches, by_angle, by_axis)
     for row in range(number):
         residual[n + row] = values[row]
         for j in range(n):
@@ -235,7 +236,7 @@ def harmonic_rows(parameters, parameter_slope, y, values, gradient):
     """Rows and test functions of a problem: one kernel, as most of it takes seconds to compile.
 
     Where there is room for more than two values, the rows of the module. Otherwise the size of the oscillation and, for
-    grazings, det dE/du, which vanishes where the motion folds as well; for no event the switches of contact at the
+    all but folds, det dE/du, which vanishes where the motion folds as well; for no event the switches of contact at the
     front and at the back flank.
 
     Parameters
@@ -257,7 +258,15 @@ def harmonic_rows(parameters, parameter_slope, y, values, gradient):
     if values.shape[0] <= 2:
         _test_functions(parameters, motion, switches, values, gradient)
         if event != 0 and values.shape[0] == 2:
-            values[1] = _static_determinant(parameters, here, along_x, along_p, motion, switches, gradient[1])
+            if not (math.isfinite(y[last - 1]) and math.isfinite(y[last])):
+                values[1] = math.nan
+                return
+            slopes = np.empty(n + 2)
+            values[1] = _static_determinant(parameters, here, along_x, along_p, motion, switches, slopes)
+            gradient[1, :] = 0.0
+            for j in range(n):
+                gradient[1, j] = slopes[j]
+            gradient[1, last - 1], gradient[1, last] = slopes[n], slopes[n + 1]
         return
     if _is_beyond(parameters, switches, values):
         return

@@ -39,6 +39,7 @@ __all__ = [
     "FOLDS_AND_GRAZINGS",
     "GRAZINGS",
     "SAME",
+    "SPECTRAL",
     "BoundaryProblem",
     "Contact",
     "Guess",
@@ -52,6 +53,8 @@ __all__ = [
 GRAZINGS = (Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK)
 FOLDS_AND_GRAZINGS = (Event.FOLD, *GRAZINGS)
 BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
+#: What test functions of the monodromy matrix tell.
+SPECTRAL = (*BIFURCATIONS, Event.UNIT_MULTIPLIER)
 
 #: Points this close, in scaled unknowns, are the same one.
 SAME = 1e-6

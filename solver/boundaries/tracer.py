@@ -10,9 +10,9 @@ from solver.boundaries.first_order import FirstOrderProblem
 from solver.boundaries.harmonic import HarmonicProblem
 from solver.boundaries.incidence import distances
 from solver.boundaries.problem import (
-    BIFURCATIONS,
     FOLDS_AND_GRAZINGS,
     SAME,
+    SPECTRAL,
     BoundaryProblem,
     Contact,
     Guess,
@@ -29,7 +29,7 @@ from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
 
-__all__ = ["Tracer", "boundary_curves", "row_events"]
+__all__ = ["Tracer", "boundary_curves", "events_near", "row_events"]
 
 _MOST_STRETCHES = 1000
 
@@ -127,10 +127,66 @@ def boundary_curves(
     continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
     kinds, points = _sorted(plane, balance.unknowns, starts)
     curves: list[BoundaryCurve] = []
-    boundary = FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
+    boundary = _boundary_problem(plane, balance)
     for kind in np.unique(kinds):
         curves += _curves(Tracer(boundary, Event(kind), continuation), points[kinds == kind])
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
+
+
+def events_near(
+    system: Model | ContactSystem,
+    x_axis: str,
+    p_axis: str | ParameterPath,
+    x_range: tuple[float, float],
+    p_range: tuple[float, float],
+    guesses: Iterable[tuple[Event, np.ndarray]],
+    reach: float,
+    *,
+    omega: float | None = None,
+    balance: Balance | None = None,
+    continuation: Continuation | None = None,
+) -> list[tuple[Event, np.ndarray]]:
+    """Points of boundaries in the rows of guesses, as starts for `boundary_curves`.
+
+    Parameters
+    ----------
+    system, x_axis, p_axis, x_range, p_range, omega, balance, continuation
+        As for `boundary_curves`.
+    guesses : iterable of (Event, (n + 2,) array)
+        Kind and (u, x, p) near a boundary.
+    reach : float
+        Largest distance along x of a point from its guess.
+
+    Returns
+    -------
+    list of (Event, (n + 2,) array)
+        With p as guessed; guesses that lead nowhere, or beyond the plane, are left out.
+
+    Raises
+    ------
+    ParameterError
+        As `boundary_curves`.
+    """
+    plane, reach = Plane(system, x_axis, p_axis, x_range, p_range, omega), finite_number("reach", reach, above=0.0)
+    balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
+    corrector = (Continuation() if continuation is None else continuation).corrector
+    boundary, found = _boundary_problem(plane, balance), []
+    for kind, guess in zip(*_sorted(plane, balance.unknowns, guesses), strict=True):
+        kind = Event(kind)
+        here = list(boundary.components(kind))
+        for contact, y in boundary.starts(kind, guess):
+            y = boundary.problem(kind, contact).corrected(y, corrector, max_iterations=4 * corrector.max_iterations)
+            if y is None:
+                continue
+            point = y[here]
+            if abs(point[-2] - guess[-2]) <= reach and x_range[0] <= point[-2] <= x_range[1]:
+                found.append((kind, point))
+                break
+    return found
+
+
+def _boundary_problem(plane: Plane, balance: Balance) -> BoundaryProblem:
+    return FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
 
 
 def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray]:
@@ -139,7 +195,7 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
     By kind, p, x and unknowns, but those on the plane's border last: a boundary that ends there may do so at a
     singular point (b = 0).
     """
-    size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
+    size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *SPECTRAL)
     kinds, points = checked_events("starts", starts, size)
     for kind in np.unique(kinds):
         if kind not in allowed:

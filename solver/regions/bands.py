@@ -14,9 +14,6 @@ __all__ = ["Band", "Line", "band", "lines"]
 
 # Relative to the plane's area.
 _TOLERANCE = 1e-9
-# How far inside of a slab, as a share of its height, a row is looked at that lies on the slab's border: there some
-# boundary turns round, ends or meets another, and the order of the crossings is not defined.
-_INSIDE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,9 +85,7 @@ def lines(regions: Regions, values: Sequence[float]) -> list[Line]:
         _refuse_outside(regions, "p", value)
         part = regions.slabs[max(int(np.searchsorted(lows, value, side="right")) - 1, 0)]
         slab = part.slab
-        margin = _INSIDE * (slab.high - slab.low)
-        inside = float(np.clip(value, slab.low + margin, slab.high - margin))
-        arcs, x = crossings.matrix(np.array([inside]))
+        arcs, x = crossings.matrix(np.array([slab.inner(value)]))
         result.append(Line(float(value), part.labels, np.array([x[0, arcs.index(arc)] for arc in slab.arcs])))
     return result
 
