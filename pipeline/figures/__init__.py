@@ -1,4 +1,4 @@
-"""Figures drawn from a stored plane; nothing is solved again."""
+"""Figures drawn from a stored plane; nothing is solved again but rows that it does not have."""
 
 import gc
 from collections.abc import Iterator, Sequence
@@ -34,8 +34,8 @@ def draw(
     folder : Path
         Where the files go; made if need be.
     curves : list of float or None
-        Parameter values whose curves are drawn, each from the nearest row; None: a quarter, half and three quarters of
-        the way.
+        Parameter values whose curves are drawn, solved where no row has them; None: a quarter, half and three quarters
+        of the way.
     formats : list of str
         Of "png", "pdf" and "svg".
     dpi : int
@@ -43,7 +43,7 @@ def draw(
     window : list of float or None
         A part of the plane, [x low, x high, p low, p high], drawn in addition as map-window.
     stability : str
-        Which motions the labels count: "static" (det J > 0, what is dynamically unstable is hatched) or "dynamic".
+        Which motions the labels count: "static" (det J > 0, what is dynamically unstable is shaded) or "dynamic".
     units : str
         Of the axes: "dimensionless", or "physical" with the dimensionless value on the opposite side.
     only : sequence of str, optional
@@ -52,9 +52,10 @@ def draw(
     Returns
     -------
     list of Path
-        map, map-window, curves, verification and backbone, each in all formats. The verification is drawn where the
-        store has one. The backbone is left out where the plane's rows do not run over the mesh frequency, or without
-        mean load. Of a volume, layers: the maps of up to nine layers.
+        map, map-window, curves, verification and backbone, each in all formats; "-dynamic" stands behind the names of
+        those of dynamic stability. The verification is drawn where the store has one. The backbone is left out where
+        the plane's rows do not run over the mesh frequency, or without mean load. Of a volume, layers: the maps of up
+        to nine layers.
 
     Raises
     ------

@@ -6,29 +6,33 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from pipeline.figures.drawing import Drawing
-from pipeline.figures.naming import axis_label, fixed_parameters
+from pipeline.figures.heading import HEAD, balance_text, write_heading
+from pipeline.figures.naming import axis_label, mesh_energies
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units, titled
 from pipeline.plan.numerics import model_at
+from pipeline.plane.row_curves import curves_at
 from pipeline.plane.stored import StoredPlane
 from solver import Backbone, Model, backbone
 
-__all__ = ["draw_backbone", "has_backbone"]
+__all__ = ["draw_backbone", "has_backbone", "round_values"]
 
 #: Inches.
 _WIDTH, _LEFT, _PANEL, _BESIDE, _BAR_LEFT, _BAR = 7.2, 0.46, 2.7, 0.4, 6.42, 0.13
-_HEIGHT, _TOP, _BOTTOM = 2.9, 0.44, 0.72
-_TITLES = ("(a) mesh-frequency resonance", "(b) shaft-frequency resonance")
+_HEIGHT, _TOP, _BOTTOM = 2.9, 0.3, 0.72
 _LINE = {"linewidth": 1.1, "zorder": 2}
-_PEAK = {"linestyle": "none", "marker": "o", "markersize": 2.8, "markeredgewidth": 0.0, "color": "0.3"}
+_PEAK = {"linestyle": "none", "marker": "o", "markersize": 3.2, "markeredgewidth": 0.7}
 _LINEAR = {"color": "0.45", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 1}
-#: At most this many rows have their peaks shown, more would merge into a line; and this many rows have a backbone of
-#: their own, where it depends on the row, with this many amplitudes.
-_PEAKS, _BACKBONES, _AMPLITUDES = 60, 5, 100
+#: At most this many rows have their peaks shown, at first order and at higher ones, where a row takes a second; this
+#: many have a backbone of their own, where it depends on the row, with this many amplitudes.
+_PEAKS, _PEAKS_OF_ORDER, _BACKBONES, _AMPLITUDES = 26, 7, 5, 100
 #: Without the brightest end, which paper swallows.
 _COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.9, 256)))
+#: What differs by less, as a share, is drawn once.
+_SAME = 1e-6
 
 
 def has_backbone(plane: StoredPlane) -> bool:
@@ -36,21 +40,23 @@ def has_backbone(plane: StoredPlane) -> bool:
     return plane.over_frequency and bool(_loaded_models(plane))
 
 
+def round_values(plane: StoredPlane, most: int) -> list[float]:
+    """At most so many round values of the row parameter, evenly spaced."""
+    axis = plane.plan.parameter
+    ticks = MaxNLocator(nbins=max(most - 1, 1), steps=[1, 2, 2.5, 5, 10]).tick_values(axis.low, axis.high)
+    inside = [float(tick) for tick in ticks if axis.low <= tick <= axis.high]
+    return [float(f"{value:.12g}") for value in inside] or [axis.low]
+
+
 def _loaded_models(plane: StoredPlane) -> dict[float, Model]:
-    """Row value -> model for a few rows from the first to the last; without mean load there is no backbone."""
-    rows = _spread(plane, _BACKBONES)
-    models = {float(plane.rows[row]): model_at(plane.plan, plane.rows[row], plane.plan.sweep.low) for row in rows}
+    """Row value -> model for a few rows; without mean load there is no backbone."""
+    values = round_values(plane, _BACKBONES)
+    models = {value: model_at(plane.plan, value, plane.plan.sweep.low) for value in values}
     return {value: model for value, model in models.items() if model.f_pm != 0.0}
 
 
-def _spread(plane: StoredPlane, most: int) -> np.ndarray:
-    """At most so many rows, from the first to the last."""
-    count = plane.rows.size
-    return np.linspace(0, count - 1, min(most, count)).round().astype(int)
-
-
 def draw_backbone(plane: StoredPlane) -> Drawing:
-    """Draw the backbones, and the largest stable amplitude near each resonance over the rows.
+    """Draw the backbones, and the largest stable amplitude near each resonance over rows of round values.
 
     Parameters
     ----------
@@ -61,8 +67,13 @@ def draw_backbone(plane: StoredPlane) -> Drawing:
     -------
     Drawing
     """
-    rows = _spread(plane, _PEAKS)
-    peaks = resonance_peaks(plane, rows)
+    first_order = plane.plan.solver["balance"] == "describing_function"
+    rows = [curves_at(plane, value) for value in round_values(plane, _PEAKS if first_order else _PEAKS_OF_ORDER)]
+    values = np.array([row.value for row in rows])
+    lasting = resonance_peaks(rows, True)
+    peaks = lasting if plane.dynamic else resonance_peaks(rows)
+    # A peak that dynamic stability does not shift or take away is a stable motion.
+    kept = np.all(np.abs(peaks - lasting) < 1e-9, axis=-1)
     models = _loaded_models(plane)
     tops = _tops(peaks, models)
     row_axis = plane.plan.parameter
@@ -70,19 +81,19 @@ def draw_backbone(plane: StoredPlane) -> Drawing:
 
     shown = plane.scales is not None
     panel, beside = (_PANEL - 0.54, _BESIDE + 0.44) if shown else (_PANEL, _BESIDE)
-    height = _BOTTOM + _HEIGHT + _TOP + (LIFT if shown else 0.0)
+    height = _BOTTOM + _HEIGHT + _TOP + HEAD + (LIFT if shown else 0.0)
     figure = Drawing((_WIDTH, height))
-    for mode, title in enumerate(_TITLES):
+    write_heading(figure, plane)
+    energies = mesh_energies(plane)
+    for mode in range(2):
         left = _LEFT + mode * (panel + beside)
         axes = figure.add_axes((left / _WIDTH, _BOTTOM / height, panel / _WIDTH, _HEIGHT / height))
         amplitudes = np.linspace(0.0, tops[mode], _AMPLITUDES)
         curves = _distinct({value: backbone(model, amplitudes) for value, model in models.items()})
-        _draw_mode(axes, plane.rows[rows], peaks[:, mode], curves, mode, scale)
+        _draw_mode(axes, values, peaks[:, mode], kept[:, mode], curves, mode, scale)
         axes.set(xlabel=axis_label("omega", plane.attributes["omega"]), ylabel="" if mode else r"amplitude $\lambda_a$")
-        titled(axes, plane, title)
+        titled(axes, plane, f"({'ab'[mode]}) backbone of the {('lower', 'upper')[mode]} mode, {energies[mode]}")
         show_units(axes, plane, "omega", "length", "blrt")
-    right = (_LEFT + 2 * panel + beside) / _WIDTH
-    figure.text(right, 1 - 0.05 / height, fixed_parameters(plane.plan, plane.scales), ha="right", va="top", fontsize=8)
     bar = figure.add_axes((_BAR_LEFT / _WIDTH, _BOTTOM / height, _BAR / _WIDTH, _HEIGHT / height))
     # By hand: a colorbar is a mesh of 256 areas, and a PDF would hold each of them.
     bar.imshow(
@@ -97,12 +108,23 @@ def draw_backbone(plane: StoredPlane) -> Drawing:
     bar.yaxis.set_label_position("right")
     if shown:
         show_bar_units(bar, plane, row_axis.name)
-    keys = {
-        "backbone (undamped, free)": Line2D([], [], color="black", **_LINE),
-        rf"largest stable $\lambda_a$ ({rows.size} of {plane.rows.size} rows)": Line2D([], [], **_PEAK),
-        "linear natural frequency": Line2D([], [], **_LINEAR),
-    }
-    figure.legend(keys.values(), keys.keys(), loc="lower center", ncols=3, bbox_to_anchor=(0.45, 0.07 / height))
+    keys = {"backbone: undamped, free, order 1": Line2D([], [], color="black", **_LINE)}
+    found = np.isfinite(peaks[..., 0])
+    stable = "dynamically stable" if plane.dynamic else "stable"
+    if np.any(found & kept):
+        text = rf"largest {stable} $\lambda_a$, {balance_text(plane.plan).partition(' (')[0]}"
+        keys[text] = Line2D([], [], color="0.3", markerfacecolor="0.3", **_PEAK)
+    if np.any(found & ~kept):
+        keys["the same, dynamically unstable"] = Line2D([], [], color="0.3", markerfacecolor="white", **_PEAK)
+    keys["linear natural frequency"] = Line2D([], [], **_LINEAR)
+    figure.legend(
+        keys.values(),
+        keys.keys(),
+        loc="lower center",
+        ncols=len(keys),
+        bbox_to_anchor=(0.5, 0.07 / height),
+        columnspacing=1.2,
+    )
     return figure
 
 
@@ -114,28 +136,58 @@ def _tops(peaks: np.ndarray, models: dict[float, Model]) -> list[float]:
 
 
 def _draw_mode(
-    axes: Axes, rows: np.ndarray, peaks: np.ndarray, curves: dict[float, Backbone], mode: int, scale: ScalarMappable
+    axes: Axes,
+    values: np.ndarray,
+    peaks: np.ndarray,
+    kept: np.ndarray,
+    curves: dict[float, Backbone],
+    mode: int,
+    scale: ScalarMappable,
 ) -> None:
-    places = [peaks[:, 0]]
+    places, linear, drawn = [peaks[:, 0]], [], []
     for value, curve in curves.items():
         place = (curve.lower, curve.upper)[mode]
         colour = "black" if len(curves) == 1 else scale.to_rgba(value)
-        axes.plot(place, curve.amplitude, color=colour, **_LINE)
-        axes.axvline(place[0], **_LINEAR)
+        # Up to where it leaves those that are drawn already it is one of their lines.
+        start = max((_leaves(place, other) for other in drawn), default=0)
+        axes.plot(place[start:], curve.amplitude[start:], color=colour, **_LINE)
+        if not any(abs(place[0] - other) <= _SAME * other for other in linear):
+            linear.append(float(place[0]))
         places.append(place)
-    found = np.isfinite(peaks[:, 0])
-    axes.scatter(*peaks[found].T, s=_PEAK["markersize"] ** 2, c=scale.to_rgba(rows[found]), linewidths=0.0, zorder=3)
+        drawn.append(place)
+    for frequency in linear:
+        axes.axvline(frequency, **_LINEAR)
+    # Rows with one and the same peak show it once.
+    _, first = np.unique(np.round(peaks / (_SAME * np.nanmax(np.abs(peaks), initial=1.0))), axis=0, return_index=True)
+    once = np.isin(np.arange(len(peaks)), first)
+    colours = scale.to_rgba(values)
+    for shown, filled in ((kept, True), (~kept, False)):
+        here = np.isfinite(peaks[:, 0]) & shown & once
+        axes.scatter(
+            *peaks[here].T,
+            s=_PEAK["markersize"] ** 2,
+            facecolors=colours[here] if filled else "white",
+            edgecolors=colours[here],
+            linewidths=_PEAK["markeredgewidth"],
+            zorder=3,
+        )
     low, high = np.nanmin(np.concatenate(places)), np.nanmax(np.concatenate(places))
     margin = 0.08 * (high - low) or 0.05
     top = next(iter(curves.values())).amplitude[-1]
     axes.set(xlim=(low - margin, high + margin), ylim=(0.0, top))
 
 
+def _leaves(place: np.ndarray, other: np.ndarray) -> int:
+    """The last point up to which two backbones over the same amplitudes are one."""
+    apart = np.flatnonzero(np.abs(place - other) > _SAME * other)
+    return max(int(apart[0]) - 1, 0) if apart.size else place.size
+
+
 def _distinct(curves: dict[float, Backbone]) -> dict[float, Backbone]:
     """All of them where the backbone depends on the row parameter, otherwise one."""
     first = next(iter(curves.values()))
     same = all(
-        np.allclose((curve.lower, curve.upper), (first.lower, first.upper), rtol=1e-9, atol=0.0)
+        np.allclose((curve.lower, curve.upper), (first.lower, first.upper), rtol=_SAME, atol=0.0)
         for curve in curves.values()
     )
     return {next(iter(curves)): first} if same else curves

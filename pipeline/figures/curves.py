@@ -1,102 +1,117 @@
-"""Amplitude and mean over the swept parameter, for a few rows: stability, impact state, folds and grazings."""
+"""Amplitude and mean over the swept parameter, for a few rows: stability, impact state, and every event of the rows."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from pipeline.figures.drawing import Drawing
-from pipeline.figures.naming import STATE_NAMES, axis_label, fixed_parameters, value_text
+from pipeline.figures.heading import HEAD, write_heading
+from pipeline.figures.layout import from_zero
+from pipeline.figures.naming import STATE_NAMES, axis_label, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
-from pipeline.plan.numerics import model_at
+from pipeline.plane.row_curves import RowCurves, curves_at
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, backbone
 
-__all__ = ["chosen_rows", "draw_curves"]
+__all__ = ["chosen_values", "draw_curves"]
 
 #: Inches.
 _WIDTH, _LEFT, _RIGHT, _BESIDE = 7.2, 0.5, 0.15, 0.55
-_HEIGHT, _BETWEEN, _TOP, _BOTTOM, _PITCH, _COLUMNS = 1.75, 0.34, 0.3, 0.45, 0.16, 4
+_HEIGHT, _BETWEEN, _TOP, _BOTTOM, _PITCH, _COLUMNS = 1.85, 0.34, 0.24, 0.45, 0.16, 4
 _ASIDE = 0.35
 
-_UNSTABLE = (0, (2.6, 1.3))
+_UNSTABLE, _UNLASTING = (0, (2.6, 1.3)), (0, (0.9, 0.9))
+#: Whether a piece is statically and dynamically stable -> its line.
+_LINES = {
+    (True, True): ("stable", {"linestyle": "solid", "zorder": 4}),
+    (True, False): ("dynamically unstable", {"linestyle": _UNLASTING, "zorder": 4}),
+    (False, False): ("statically unstable", {"linestyle": _UNSTABLE, "zorder": 3}),
+}
 _FREQUENCY = {"color": "0.45", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 1}
 _BACKBONE = {"color": "black", "linewidth": 0.6, "linestyle": (0, (1, 1.2)), "zorder": 2}
-_MARK = {"linestyle": "none", "markersize": 3.0, "markeredgewidth": 0.6, "markeredgecolor": "black", "zorder": 5}
+_MARK = {"linestyle": "none", "markersize": 2.8, "markeredgewidth": 0.5, "markeredgecolor": "black", "zorder": 5}
 #: Name -> events that share a marker, and the marker.
 _MARKS = {
     "fold": ((Event.FOLD,), {**_MARK, "marker": "o", "markerfacecolor": "black"}),
     "grazing, drive flank": (
         (Event.MIN_AT_DRIVE, Event.MAX_AT_DRIVE),
-        {**_MARK, "marker": "D", "markerfacecolor": "white"},
+        {**_MARK, "marker": "D", "markerfacecolor": "none"},
     ),
     "grazing, back flank": (
         (Event.MIN_AT_BACK, Event.MAX_AT_BACK),
-        {**_MARK, "marker": "s", "markerfacecolor": "white"},
+        {**_MARK, "marker": "s", "markerfacecolor": "none"},
     ),
+    "period doubling": (
+        (Event.PERIOD_DOUBLING,),
+        {**_MARK, "marker": "v", "markerfacecolor": "none", "markersize": 3.6},
+    ),
+    "Neimark–Sacker": ((Event.NEIMARK_SACKER,), {**_MARK, "marker": "*", "markerfacecolor": "none", "markersize": 4.6}),
     "branch point": ((Event.BRANCH_POINT,), {**_MARK, "marker": "x"}),
 }
 _EXIT = {"marker": "^", "color": "black", "linestyle": "none", "markersize": 4.5, "zorder": 6}
 #: Backbones are drawn with this many amplitudes.
 _AMPLITUDES = 60
+#: Inches: markers closer than this hide each other and are enlarged, in an inset of this size, at most so many times.
+_CROWDED, _INSET, _MOST = 0.07, (0.72, 0.56), 2
 
 
-def chosen_rows(plane: StoredPlane, values: list[float] | None) -> list[int]:
-    """Rows nearest to the values, each once; a quarter, half and three quarters of the way unless values are given."""
-    rows = plane.rows
+def chosen_values(plane: StoredPlane, values: list[float] | None) -> list[float]:
+    """The values asked for, each once; a quarter, half and three quarters of the axis unless there are any."""
+    axis = plane.plan.parameter
     if values is None:
-        values = [rows[0] + share * (rows[-1] - rows[0]) for share in (0.25, 0.5, 0.75)]
-    return list(dict.fromkeys(int(np.argmin(np.abs(rows - value))) for value in values))
+        values = [axis.low + share * (axis.high - axis.low) for share in (0.25, 0.5, 0.75)]
+    return list(dict.fromkeys(float(value) for value in values))
 
 
 def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
-    """Draw the curves of the rows nearest to `values`, a line of two panels each.
+    """Draw the curves at some values of the row parameter, a line of two panels each.
 
     Parameters
     ----------
     plane : StoredPlane
     values : list of float or None
-        Row parameter values; None: a quarter, half and three quarters of the way.
+        None: a quarter, half and three quarters of the axis. What is no row of the plane is solved.
 
     Returns
     -------
     Drawing
     """
-    rows = chosen_rows(plane, values)
+    rows = [curves_at(plane, value) for value in chosen_values(plane, values)]
     sweep = plane.plan.sweep
     keys = _legend_keys(plane, rows)
     bottom = _BOTTOM + _PITCH * -(-len(keys) // _COLUMNS) + 0.08
-    top = _TOP + (0.0 if plane.scales is None else LIFT)
+    top = _TOP + HEAD + (0.0 if plane.scales is None else LIFT)
     height = bottom + len(rows) * (_HEIGHT + _BETWEEN) - _BETWEEN + top
     figure = Drawing((_WIDTH, height))
+    write_heading(figure, plane)
     aside = 0.0 if plane.scales is None else _ASIDE
     width = (_WIDTH - _LEFT - _RIGHT - _BESIDE - 2 * aside) / 2
-    limits = _limits(plane, rows)
+    limits = _limits(rows)
     for line, row in enumerate(rows):
         low = height - top - (line + 1) * _HEIGHT - line * _BETWEEN
         for column, (name, label) in enumerate(_QUANTITIES.items()):
             left = _LEFT + column * (width + aside + _BESIDE)
             axes = figure.add_axes((left / _WIDTH, low / height, width / _WIDTH, _HEIGHT / height))
-            axes.set(xlim=(sweep.low, sweep.high), ylim=limits[row][name], ylabel=label)
+            axes.set(xlim=from_zero((sweep.low, sweep.high)), ylim=limits[line][name], ylabel=label)
             axes.locator_params(nbins=5)
             axes.tick_params(labelbottom=line == len(rows) - 1)
             if line == len(rows) - 1:
                 axes.set_xlabel(axis_label(sweep.name, plane.attributes[sweep.name]))
-            if plane.n_points[row]:
-                _draw_row(axes, plane, row, name)
-            else:
-                why = _NOTHING[int(plane.status[row])]
-                axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color="0.4")
             if plane.over_frequency:
-                _draw_frequencies(axes, plane, row, name, limits[row]["amplitude"][1])
+                _draw_frequencies(axes, row, name, limits[line]["amplitude"][1])
+            if row.pieces:
+                _draw_row(axes, row, name)
+                _enlarge_crowded(figure, axes, row, name)
+            else:
+                why = _NOTHING[row.status]
+                axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color="0.4")
             if column == 0:
-                text = value_text(plane.plan.parameter.name, plane.rows[row], plane.scales)
+                text = value_text(plane.plan.parameter.name, row.value, plane.scales)
                 titled(axes, plane, text, below_axis=line > 0)
-            elif line == 0:
-                fixed = fixed_parameters(plane.plan, plane.scales)
-                figure.text(1 - _RIGHT / _WIDTH, 1 - 0.06 / height, fixed, ha="right", va="top", fontsize=8)
             sides = "lr" + "t" * (line == 0) + "b" * (line == len(rows) - 1)
             show_units(axes, plane, sweep.name, "length", sides)
     figure.legend(
@@ -114,50 +129,124 @@ _NOTHING = {PENDING: "row not computed", COMPLETE: "no branch found", FAILED: "r
 _QUANTITIES = {"amplitude": r"amplitude $\lambda_a$", "mean": r"mean $\lambda_m$"}
 
 
-def _draw_row(axes: Axes, plane: StoredPlane, row: int, name: str) -> None:
-    points = plane.row_points(row)
-    x, y = points["position"], points[name]
-    for stable, style in ((False, {"linestyle": _UNSTABLE, "zorder": 3}), (True, {"linestyle": "solid", "zorder": 4})):
-        pieces = [piece for piece in plane.pieces[row] if piece.stable == stable]
+def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None:
+    x, y = row.points["position"], row.points[name]
+    for kind, (_, style) in _LINES.items():
+        pieces = [
+            piece
+            for piece, lasting in zip(row.pieces, row.lasting, strict=True)
+            if (piece.stable, bool(lasting)) == kind
+        ]
+        # Round ends, as lines of neighbouring pieces would gape between flat ones.
         axes.add_collection(
             LineCollection(
                 [np.column_stack([x[piece.slice], y[piece.slice]]) for piece in pieces],
                 colors=[_state_colour(ImpactState(piece.impact)) for piece in pieces],
-                linewidth=1.1,
+                linewidth=width,
+                capstyle="round" if all(kind) else "butt",
+                joinstyle="round",
                 **style,
             ),
             autolim=False,
         )
     for events, style in _MARKS.values():
-        here = np.isin(points["event"], events)
-        axes.plot(x[here], y[here], **style)
+        here = np.isin(row.points["event"], events)
+        if np.any(here):
+            axes.plot(x[here], y[here], **style)
     if name == "amplitude":
-        places = _exits(plane, row, axes.get_ylim()[1])
-        axes.plot(places, np.ones(len(places)), transform=axes.get_xaxis_transform(), clip_on=False, **_EXIT)
+        places = _exits(row, axes.get_ylim()[1])
+        if places:
+            axes.plot(places, np.ones(len(places)), transform=axes.get_xaxis_transform(), clip_on=False, **_EXIT)
 
 
-def _draw_frequencies(axes: Axes, plane: StoredPlane, row: int, name: str, top: float) -> None:
+def _draw_frequencies(axes: Axes, row: RowCurves, name: str, top: float) -> None:
     """Linear natural frequencies, and the backbone up to the amplitude `top`."""
-    for frequency in plane.modes[row]:
+    for frequency in row.modes:
         axes.axvline(frequency, **_FREQUENCY)
-    model = model_at(plane.plan, plane.rows[row], plane.plan.sweep.low)
-    if model.f_pm != 0.0:
-        free = backbone(model, np.linspace(0.0, top, _AMPLITUDES))
+    if row.model.f_pm != 0.0:
+        free = backbone(row.model, np.linspace(0.0, top, _AMPLITUDES))
         for frequency in (free.lower, free.upper):
             axes.plot(frequency, getattr(free, name), **_BACKBONE)
 
 
-def _exits(plane: StoredPlane, row: int, top: float) -> list[float]:
+def _enlarge_crowded(figure: Drawing, axes: Axes, row: RowCurves, name: str) -> None:
+    """Insets for the places at which markers hide each other, where the panel is empty."""
+    size = axes.get_position().size * figure.get_size_inches()
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    scale = np.array([right - left, high - low])
+    curve = (np.column_stack([row.points["position"], row.points[name]]) - (left, low)) / scale * size
+    shown = np.all((curve >= 0.0) & (curve <= size), axis=1)
+    events = curve[np.isin(row.points["event"], [kind for kinds, _ in _MARKS.values() for kind in kinds]) & shown]
+    blocked = [curve[shown]]
+    for frequency in row.modes if row.plan.sweep.name == "omega" else ():
+        place = (frequency - left) / scale[0] * size[0]
+        blocked.append(np.column_stack([np.full(50, place), np.linspace(0.0, size[1], 50)]))
+    for crowd in _crowds(events)[:_MOST]:
+        corner = _free_corner(size, np.concatenate(blocked), crowd.mean(axis=0))
+        if corner is None:
+            return
+        half = np.maximum(1.3 * np.ptp(crowd, axis=0), 0.025) * 0.5 + 0.006
+        middle = 0.5 * (crowd.min(axis=0) + crowd.max(axis=0))
+        ends = (np.stack([middle - half, middle + half]) / size * scale + (left, low)).T
+        position = axes.get_position()
+        share = np.array(_INSET) / figure.get_size_inches()
+        place = position.p0 + corner / figure.get_size_inches()
+        inset = figure.add_axes((*place, *share), xlim=ends[0], ylim=ends[1], xticks=[], yticks=[], zorder=8)
+        for spine in inset.spines.values():
+            spine.set(linewidth=0.45, color="0.3")
+        _draw_row(inset, row, name, 0.9)
+        axes.add_patch(
+            Rectangle(ends[:, 0], *np.ptp(ends, axis=1), fill=False, edgecolor="0.3", linewidth=0.45, zorder=7)
+        )
+        # From the nearest corner of the inset.
+        box = np.array([corner, corner + _INSET])
+        nearest = np.clip(middle, box[0], box[1])
+        line = np.stack([nearest, middle]) / size * scale + (left, low)
+        axes.plot(*line.T, color="0.3", linewidth=0.45, zorder=2.5)
+        blocked.append(_filled(box))
+
+
+def _crowds(events: np.ndarray) -> list[np.ndarray]:
+    """Markers that lie so close together that they hide each other, the largest groups first; in inches."""
+    groups: list[list[int]] = []
+    for i, place in enumerate(events):
+        near = [g for g in groups if np.min(np.hypot(*(events[g] - place).T)) < _CROWDED]
+        groups = [g for g in groups if g not in near] + [[*(j for g in near for j in g), i]]
+    crowds = [events[g] for g in groups if len(g) > 1]
+    return sorted(crowds, key=lambda crowd: (-len(crowd), *crowd[0]))
+
+
+def _free_corner(size: np.ndarray, blocked: np.ndarray, near: np.ndarray) -> np.ndarray | None:
+    """Lower left corner of an inset that hides no curve, as near as there is; None where there is none."""
+    margin = 0.04
+    across = np.arange(margin, size[0] - _INSET[0] - margin, 0.06)
+    up = np.arange(margin, size[1] - _INSET[1] - margin, 0.06)
+    corners = np.array([(x, y) for x in across for y in up]).reshape(-1, 2)
+    inside = np.all((blocked >= corners[:, None] - margin) & (blocked <= corners[:, None] + _INSET + margin), axis=2)
+    free = corners[~np.any(inside, axis=1)]
+    if not len(free):
+        return None
+    return free[np.argmin(np.hypot(*(free + 0.5 * np.array(_INSET) - near).T))]
+
+
+def _filled(box: np.ndarray) -> np.ndarray:
+    """Points all over a box."""
+    x, y = (np.linspace(*ends, 12) for ends in box.T)
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def _exits(row: RowCurves, top: float) -> list[float]:
     """Where branches that end at the amplitude ceiling leave through the top of the axis."""
-    points = plane.row_points(row)
     places = []
-    for number, end in np.argwhere(plane.end_reason[row] == EndReason.AMPLITUDE_CEILING):
-        of_branch = np.flatnonzero(points["branch"] == number)
+    for number, end, reason in row.ends:
+        if reason is not EndReason.AMPLITUDE_CEILING:
+            continue
+        of_branch = np.flatnonzero(row.points["branch"] == number)
         # From the end that ran away inwards, the first point within the axis.
         inwards = of_branch if end == 0 else of_branch[::-1]
-        within = inwards[points["amplitude"][inwards] <= top]
+        within = inwards[row.points["amplitude"][inwards] <= top]
         if within.size:
-            places.append(float(points["position"][within[0]]))
+            places.append(float(row.points["position"][within[0]]))
     return places
 
 
@@ -165,53 +254,57 @@ def _state_colour(state: ImpactState) -> str:
     return hex_colour(state_colour(state.symbol))
 
 
-def _limits(plane: StoredPlane, rows: list[int]) -> dict[int, dict[str, tuple[float, float]]]:
+def _runaway(row: RowCurves) -> list[int]:
+    """Branches that end at the amplitude ceiling."""
+    return [number for number, _, reason in row.ends if reason is EndReason.AMPLITUDE_CEILING]
+
+
+def _limits(rows: list[RowCurves]) -> list[dict[str, tuple[float, float]]]:
     """Axis limits by row and quantity: the same for all rows, except where a branch runs away to the ceiling."""
-    extents = {row: _extent(plane, row) for row in rows if plane.n_points[row]}
-    runaway = {row for row in extents if np.any(plane.end_reason[row] == EndReason.AMPLITUDE_CEILING)}
-    shared = [extents[row] for row in extents.keys() - runaway] or [(1.0, 0.0, 1.0)]
-    tops, lows, highs = zip(*shared, strict=True)
+    extents = [_extent(row) if row.pieces else None for row in rows]
+    shared = [extent for row, extent in zip(rows, extents, strict=True) if extent and not _runaway(row)]
+    tops, lows, highs = zip(*(shared or [(1.0, 0.0, 1.0)]), strict=True)
     common = (max(tops), min(lows), max(highs))
-    limits = {}
-    for row in rows:
-        top, low, high = extents[row] if row in runaway else common
+    limits = []
+    for row, extent in zip(rows, extents, strict=True):
+        top, low, high = extent if extent and _runaway(row) else common
         margin = 0.06 * ((high - low) or 1.0)
-        limits[row] = {"amplitude": (0.0, 1.06 * top or 1.0), "mean": (low - margin, high + margin)}
+        limits.append({"amplitude": (0.0, 1.06 * top or 1.0), "mean": (low - margin, high + margin)})
     return limits
 
 
-def _extent(plane: StoredPlane, row: int) -> tuple[float, float, float]:
+def _extent(row: RowCurves) -> tuple[float, float, float]:
     """Largest amplitude, least and largest mean that the axes should show.
 
     A branch that runs away to the amplitude ceiling is shown a little beyond the last event on it.
     """
-    points = plane.row_points(row)
-    away = np.flatnonzero(np.any(plane.end_reason[row] == EndReason.AMPLITUDE_CEILING, axis=1))
+    points, away = row.points, _runaway(row)
     bounded = ~np.isin(points["branch"], away) | (points["event"] != Event.NONE)
     if not np.any(bounded):
         bounded = points["amplitude"] <= 10.0 * np.median(points["amplitude"])
-    top = points["amplitude"][bounded].max() * (1.25 if away.size else 1.0)
+    top = points["amplitude"][bounded].max() * (1.25 if away else 1.0)
     mean = points["mean"][points["amplitude"] <= top]
     return float(top), float(mean.min()), float(mean.max())
 
 
-def _legend_keys(plane: StoredPlane, rows: list[int]) -> dict[str, Line2D]:
+def _legend_keys(plane: StoredPlane, rows: list[RowCurves]) -> dict[str, Line2D]:
     """Text and key of everything that these rows show."""
-    pieces = [piece for row in rows for piece in plane.pieces[row]]
-    events = [plane.row_points(row)["event"] for row in rows]
-    states = [ImpactState(code) for code in sorted({piece.impact for piece in pieces})]
+    kinds = {
+        (piece.stable, bool(lasting)) for row in rows for piece, lasting in zip(row.pieces, row.lasting, strict=True)
+    }
+    states = [ImpactState(code) for code in sorted({piece.impact for row in rows for piece in row.pieces})]
     keys = {f"$I$ = {s.symbol}: {STATE_NAMES[s]}": Line2D([], [], color=_state_colour(s)) for s in states}
-    for name, stable, style in (("stable", True, "solid"), ("unstable", False, _UNSTABLE)):
-        if any(piece.stable == stable for piece in pieces):
-            keys[name] = Line2D([], [], color="0.3", linestyle=style)
-    for name, (kinds, style) in _MARKS.items():
-        if any(np.any(np.isin(event, kinds)) for event in events):
+    for kind, (name, style) in _LINES.items():
+        if kind in kinds:
+            keys[name] = Line2D([], [], color="0.3", linestyle=style["linestyle"])
+    for name, (events, style) in _MARKS.items():
+        if any(np.any(np.isin(row.points["event"], events)) for row in rows):
             keys[name] = Line2D([], [], **style)
-    if np.any(plane.end_reason[rows] == EndReason.AMPLITUDE_CEILING):
+    if any(_runaway(row) for row in rows):
         ceiling = plane.plan.solver["amplitude_max"]
         keys[rf"runs on to the ceiling $\lambda_a$ = {ceiling:g}"] = Line2D([], [], **_EXIT)
-    if np.any(plane.resonances):
+    if plane.over_frequency and np.any(plane.resonances):
         keys["linear natural frequency"] = Line2D([], [], **_FREQUENCY)
-        if any(model_at(plane.plan, plane.rows[row], plane.plan.sweep.low).f_pm for row in rows):
+        if any(row.model.f_pm for row in rows):
             keys["backbone"] = Line2D([], [], **_BACKBONE)
     return keys

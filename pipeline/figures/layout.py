@@ -15,6 +15,7 @@ __all__ = [
     "WIDTH",
     "ZOOM_HEIGHT",
     "enlarged",
+    "from_zero",
     "mark_window",
     "shares_of",
     "zoom_places",
@@ -25,6 +26,8 @@ WIDTH, LEFT, PANEL, RIGHT, TOP, BOTTOM = 7.2, 0.56, 4.82, 0.1, 0.36, 0.42
 HEIGHT, ZOOM_HEIGHT, BETWEEN, _BESIDE, LEGEND = 3.0, 2.5, 0.72, 0.25, 5.54
 #: Images are enlarged to at least this many pixels, so that no viewer blurs the cells of a small plane.
 _PIXELS = 400
+#: An axis that begins below this share of its end is drawn from 0.
+_NEXT_TO_ZERO = 0.1
 
 
 def shares_of(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
@@ -36,6 +39,11 @@ def zoom_places(count: int, spare: float = 0.0) -> list[tuple[float, float, floa
     """Left, bottom, width and height in inches of the enlargements at a figure's foot, `spare` inches off the right."""
     width = (WIDTH - LEFT - RIGHT - spare - _BESIDE * (count - 1)) / max(count, 1)
     return [(LEFT + i * (width + _BESIDE), BOTTOM, width, ZOOM_HEIGHT) for i in range(count)]
+
+
+def from_zero(ends: tuple[float, float]) -> tuple[float, float]:
+    """Limits of an axis: from zero where what it shows begins next to it."""
+    return (0.0, ends[1]) if 0.0 < ends[0] <= _NEXT_TO_ZERO * ends[1] else ends
 
 
 def enlarged(image: np.ndarray) -> np.ndarray:

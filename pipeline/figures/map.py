@@ -8,6 +8,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
 from pipeline.figures.drawing import Drawing
+from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import (
     BETWEEN,
     BOTTOM,
@@ -15,40 +16,38 @@ from pipeline.figures.layout import (
     LEFT,
     LEGEND,
     PANEL,
-    RIGHT,
     TOP,
     WIDTH,
     ZOOM_HEIGHT,
     enlarged,
+    from_zero,
     mark_window,
     shares_of,
     zoom_places,
 )
 from pipeline.figures.map_legend import (
-    CONTRADICTORY_CELLS,
     FAILED_ROWS,
     LINES,
     MARKS,
     MODES,
     OPEN_CELLS,
-    UNSTABLE_CELLS,
     Entry,
     draw_legend,
     legend_entries,
     legend_height,
 )
-from pipeline.figures.naming import axis_label, fixed_parameters
-from pipeline.figures.palette import label_colour
+from pipeline.figures.naming import axis_label
+from pipeline.figures.palette import hex_colour, label_colour, text_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
 from pipeline.figures.physical_axes import lift, show_units, spare, titled
+from pipeline.figures.region_labels import placed_labels
+from pipeline.figures.shading import draw_dots, draw_lines
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 
-__all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel"]
+__all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel", "write_labels"]
 
-#: Inches for the line of fixed parameters above the marks of windows, where physical values make it long.
-_HEAD = 0.14
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
 
@@ -72,6 +71,7 @@ def draw_map(plane: StoredPlane) -> Drawing:
     below = ZOOM_HEIGHT + BETWEEN + lift(plane) if zooms else 0.0
     figure, main, labels = with_main_panel(plane, [whole, *zooms], below, True)
     height = figure.get_figheight()
+    write_labels(main, whole, plane, [zoom.x for zoom in zooms])
     if zooms:
         titled(main, plane, "(a)")
     for i, (panel, place) in enumerate(zip(zooms, zoom_places(len(zooms), spare(plane)), strict=True)):
@@ -83,6 +83,7 @@ def draw_map(plane: StoredPlane) -> Drawing:
         axes.locator_params(axis="x", nbins=6)
         names = (plane.plan.sweep.name, plane.plan.parameter.name)
         show_units(axes, plane, *names, sides="bt" + "l" * (i == 0) + "r" * (i == len(zooms) - 1))
+        write_labels(axes, panel, plane)
         mark_window(main, panel.x, "bc"[i], lift(plane) / (main.get_position().height * height))
     return figure
 
@@ -100,8 +101,10 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Drawing:
     -------
     Drawing
     """
-    figure, axes, _ = with_main_panel(plane, [panel_of(plane, tuple(window[:2]), tuple(window[2:]))], 0.0, False)
+    panel = panel_of(plane, tuple(window[:2]), tuple(window[2:]))
+    figure, axes, _ = with_main_panel(plane, [panel], 0.0, False)
     axes.set(xlim=window[:2], ylim=window[2:])
+    write_labels(axes, panel, plane)
     axes.locator_params(axis="x", nbins=5)
     for axis, low, high in ((axes.xaxis, *window[:2]), (axes.yaxis, *window[2:])):
         # Ticks of a narrow window share most of their digits, and there is no room for them.
@@ -115,12 +118,11 @@ def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, share
     entries = [*_entries(plane, panels, shares), *further]
     tall = max(HEIGHT, legend_height(entries))
     bottom = BOTTOM + below
-    height = bottom + tall + TOP + lift(plane) + (0.0 if plane.scales is None else _HEAD)
+    height = bottom + tall + TOP + lift(plane) + HEAD
     figure = Drawing((WIDTH, height))
     axes = figure.add_axes(shares_of((LEFT, bottom, PANEL - spare(plane), tall), height))
     fill(axes, panels[0], plane)
-    fixed = fixed_parameters(plane.plan, plane.scales)
-    figure.text(1 - RIGHT / WIDTH, 1 - 0.06 / height, fixed, ha="right", va="top", fontsize=8)
+    write_heading(figure, plane)
     names = (plane.plan.sweep.name, plane.plan.parameter.name)
     labels = tuple(axis_label(name, plane.attributes[name]) for name in names)
     axes.set(xlabel=labels[0], ylabel=labels[1])
@@ -130,11 +132,8 @@ def with_main_panel(plane: StoredPlane, panels: list[Panel], below: float, share
 
 
 def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entry]:
-    shown = np.unique(np.concatenate([np.unique(panel.code) for panel in panels]))
-    lines = {kind for panel in panels for kind in panel.lines}
-    marks = {kind for panel in panels for kind in panel.marks}
     modes = np.any([modes_within(plane, panel) for panel in panels], axis=0)
-    return legend_entries([plane], [int(code) for code in shown if code], lines, marks, modes, shares)
+    return legend_entries([plane], panels, modes, shares)
 
 
 def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
@@ -164,21 +163,55 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
         axes.plot(*places.T, **MARKS[kind])
     columns, rows = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)
-    unstable = plane.unstable & ~plane.contradictory & (not plane.dynamic)
-    for kind, marked in (
-        (FAILED_ROWS, failed),
-        (OPEN_CELLS, plane.open == 1),
-        (UNSTABLE_CELLS, unstable),
-        (CONTRADICTORY_CELLS, plane.contradictory),
-    ):
+    for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
         if np.any(marked):
             axes.add_artist(PathPatch(_rectangles(marked, columns, rows), **kind))
+    dark = np.isin(panel.code, [c for c, label in plane.labels.items() if text_colour(label_colour(label)) == "white"])
+    for mark, marked in ((draw_lines, panel.unstable), (draw_dots, panel.contradictory)):
+        mark(axes, marked & ~dark, panel.x, panel.y)
+        mark(axes, marked & dark, panel.x, panel.y, "white")
     if plane.over_frequency:
         for kind, frequency in zip(MODES, plane.modes.T, strict=True):
             # To the borders of the first and last row, where the frequency is that of the row.
             x, y = np.pad(frequency, 1, mode="edge"), np.concatenate([rows[:1], plane.rows, rows[-1:]])
             axes.plot(x, y, **kind)
-    axes.set(xlim=panel.x, ylim=panel.y)
+    axes.set(xlim=from_zero(panel.x), ylim=from_zero(panel.y))
+
+
+def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequence[tuple[float, float]] = ()) -> None:
+    """Write n/I into the regions of a filled panel; beside narrow ones, unless they are enlarged elsewhere."""
+    width, height = panel.x[1] - panel.x[0], panel.y[1] - panel.y[0]
+    # What is drawn reaches to zero where the panel does not.
+    size = axes.get_position().size * axes.figure.get_size_inches()
+    size = size * (width / np.ptp(axes.get_xlim()), height / np.ptp(axes.get_ylim()))
+    blocked = []
+    for places in panel.marks.values():
+        for x, y in (places - (panel.x[0], panel.y[0])) / (width, height):
+            blocked.append((x - 0.05 / size[0], x + 0.05 / size[0], y - 0.05 / size[1], y + 0.05 / size[1]))
+    if plane.over_frequency:
+        for mode in plane.modes.T:
+            for below, above, *ends in zip(plane.rows[:-1], plane.rows[1:], mode[:-1], mode[1:], strict=True):
+                left, right = (np.array([min(ends), max(ends)]) - panel.x[0]) / width
+                rows = (np.array([below, above]) - panel.y[0]) / height
+                blocked.append((left - 0.02 / size[0], right + 0.02 / size[0], *rows))
+    windows = [tuple((np.array(window) - panel.x[0]) / width) for window in enlarged_in]
+    parts = panel.code.astype(np.int32) | panel.unstable << 17 | panel.contradictory << 18
+    names = {code: label.replace("/-", "/\u2013") for code, label in plane.labels.items()}
+    for label in placed_labels(panel.code, parts, names, tuple(size), blocked, windows):
+        place, *ends = (
+            (panel.x[0] + across * width, panel.y[0] + up * height)
+            for across, up in (label.place, label.leads_to or label.place)
+        )
+        colour = label_colour(plane.labels[label.code])
+        if label.leads_to is not None:
+            axes.plot(*np.transpose([place, *ends]), color="black", linewidth=0.5, zorder=5.5)
+            axes.plot(*ends[0], linestyle="none", marker="o", markersize=1.4, color="black", zorder=5.5)
+        box = {"facecolor": hex_colour(colour), "edgecolor": "none", "pad": 0.6}
+        if label.leads_to is not None:
+            box.update(edgecolor="black", linewidth=0.4)
+        axes.text(
+            *place, label.text, ha="center", va="center", fontsize=7, color=text_colour(colour), bbox=box, zorder=6
+        )
 
 
 def _image(code: np.ndarray, labels: dict[int, str]) -> np.ndarray:

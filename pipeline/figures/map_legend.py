@@ -9,21 +9,21 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
-from pipeline.figures.naming import STATE_NAMES
+from pipeline.figures.naming import STATE_NAMES, mesh_energies
 from pipeline.figures.palette import hex_colour, label_colour
+from pipeline.figures.panels import Panel, shares_of_labels
+from pipeline.figures.shading import CONTRADICTORY, UNSTABLE
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 from solver import ImpactState
 from solver.boundaries import SpecialPoint
 
 __all__ = [
-    "CONTRADICTORY_CELLS",
     "FAILED_ROWS",
     "LINES",
     "MARKS",
     "MODES",
     "OPEN_CELLS",
-    "UNSTABLE_CELLS",
     "Entry",
     "draw_legend",
     "legend_entries",
@@ -45,18 +45,20 @@ LINES = {
         {"color": "#00441b", "linewidth": 0.9, "linestyle": (0, (4.0, 1.0, 1.0, 1.0)), "zorder": 3},
         "Neimark–Sacker",
     ),
+    "unit_multiplier": (
+        {"color": "0.25", "linewidth": 0.6, "linestyle": (0, (0.8, 1.6)), "zorder": 2},
+        "multiplier passes +1",
+    ),
 }
-UNSTABLE_CELLS = {"facecolor": "none", "edgecolor": "0.1", "linewidth": 0.0, "hatch": "\\\\\\\\\\\\", "zorder": 1}
-CONTRADICTORY_CELLS = {"facecolor": "none", "edgecolor": "0.35", "linewidth": 0.0, "hatch": "++++++", "zorder": 1}
 FAILED_ROWS = {"facecolor": "white", "edgecolor": "0.45", "linewidth": 0.0, "hatch": "//////", "zorder": 1}
-OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "....", "zorder": 1}
+OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "xx", "zorder": 1}
 _MODE = {
     "color": "#8b0a50",
     "linewidth": 1.0,
     "zorder": 4,
     "path_effects": [withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
 }
-#: Lower and upper mode: mesh-frequency and shaft-frequency resonance.
+#: Lower and upper mode.
 MODES = ({**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5))}, {**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5, 1, 1.5))})
 _MARK = {
     "linestyle": "none",
@@ -88,47 +90,45 @@ class Entry:
     mark: dict | None = None
 
 
-def legend_entries(
-    planes: Sequence[StoredPlane], codes: list[int], lines, marks, modes, shares: bool = True
-) -> list[Entry]:
-    """Everything that the map shows, and nothing else.
+def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes, shares: bool = True) -> list[Entry]:
+    """Everything that the panels show, and nothing else.
 
     Parameters
     ----------
     planes : sequence of StoredPlane
         One, or layers of a volume.
-    codes : list of int
-        Codes of the labels that the panels show.
-    lines : collection of str
-        Kinds of lines that they show.
-    marks : collection of SpecialPoint
-        What they mark.
+    panels : sequence of Panel
     modes : (bool, bool)
         Whether they show the lower and the upper natural frequency.
     shares : bool
         Whether each label's share of the plane is told.
     """
+    codes = sorted({int(code) for panel in panels for code in np.unique(panel.code) if code})
+    lines, marks = ({kind for panel in panels for kind in getattr(panel, name)} for name in ("lines", "marks"))
     entries, labels, dynamic = [], planes[0].labels, planes[0].dynamic
     if codes:
-        computed = np.concatenate([plane.domain[plane.domain != 0] for plane in planes])
+        known = shares_of_labels(planes[0]) if shares else {}
+        # A label may be seen only in a window of cells, and by the curves have no share.
         symbols = {part for code in codes for part in labels[code].split("/")[1].split("-")}
         entries = [
             Entry("$n/I$", "share" if shares else ""),
-            *(_label_entry(labels[c], float((computed == c).mean()) if shares else None) for c in sorted(codes)),
+            *(_label_entry(labels[code], known.get(code, 0.0) if shares else None) for code in codes),
             Entry(),
             Entry("$n$  dynamically stable" if dynamic else "$n$  stable motions"),
+            *([Entry("0/\u2013  no stable motion of 1T")] if any(labels[code] == "0/-" for code in codes) else []),
             *(Entry(f"$I$ = {s.symbol}  {STATE_NAMES[s]}") for s in ImpactState if s.symbol in symbols),
             Entry(),
         ]
+    if any(np.any(panel.unstable) for panel in panels):
+        entries.append(Entry("not all $n$ dynamically stable", area=UNSTABLE))
+    if any(np.any(panel.contradictory) for panel in panels):
+        entries.append(Entry("stability contradictory:", area=CONTRADICTORY))
+        entries.append(Entry("the order is too low"))
     entries += [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
     entries += [Entry(_MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
-    for name, kind, present in zip(("mesh", "shaft"), MODES, modes, strict=True):
+    for kind, energy, present in zip(MODES, mesh_energies(planes[0]), modes, strict=True):
         if present:
-            entries.append(Entry(f"natural frequency, {name}", line=kind))
-    if not dynamic and any(plane.unstable.any() for plane in planes):
-        entries.append(Entry("one dynamically unstable", area=UNSTABLE_CELLS))
-    if any(plane.contradictory.any() for plane in planes):
-        entries.append(Entry("contradictory at this order", area=CONTRADICTORY_CELLS))
+            entries.append(Entry(f"linear mode, {energy}", line=kind))
     if any((plane.open == 1).any() for plane in planes):
         entries += [Entry("not excluded: motions", area=OPEN_CELLS), Entry("above the ceiling of $λ_a$")]
     if any((plane.status == FAILED).any() for plane in planes):
@@ -146,8 +146,10 @@ _MARK_NAMES = {
 
 def _label_entry(label: str, share: float | None) -> Entry:
     colour = hex_colour(label_colour(label))
-    percent = "" if share is None else "< 0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
-    return Entry(label, percent, area={"facecolor": colour, "edgecolor": "0.3", "linewidth": 0.4})
+    percent = "" if share is None else "< 0.01 %" if share < 5e-5 else f"{100.0 * share:.2f} %"
+    return Entry(
+        label.replace("/-", "/\u2013"), percent, area={"facecolor": colour, "edgecolor": "0.3", "linewidth": 0.4}
+    )
 
 
 def legend_height(entries: list[Entry]) -> float:

@@ -1,11 +1,13 @@
 """How parameters are written in figures."""
 
 from pipeline.config.physical import TEMPERATURE
-from pipeline.plan.numerics import frame_of
+from pipeline.plan.numerics import frame_of, model_at
 from pipeline.plan.plan import Plan
+from pipeline.plane.resonances import mesh_shares
+from pipeline.plane.stored import StoredPlane
 from solver import ImpactState, Scales
 
-__all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "symbol", "value_text"]
+__all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "gear_text", "mesh_energies", "symbol", "value_text"]
 
 _SYMBOLS = {
     "omega": r"\Omega",
@@ -71,3 +73,46 @@ def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:
     axes = {axis.name for axis in plan.axes}
     shown = ",  ".join(value_text(k, v, scales) for k, v in values.items() if k not in axes and v is not None)
     return shown if plan.thermal is None else f"at {value_text(TEMPERATURE, 0.0)}:  {shown}"
+
+
+#: What identifies a gear besides what `fixed_parameters` tells.
+_OF_GEAR = (
+    "translation_coupling",
+    "rotation_coupling",
+    "variation_translation",
+    "variation_rotation",
+    "kappa",
+    "xi_mesh",
+    "xi_translation",
+    "xi_support",
+    "k_support",
+)
+
+
+def gear_text(plan: Plan) -> str:
+    """The numbers of a gear that its plane holds fixed, those of a reference reader's table of data."""
+    model = frame_of(plan if plan.parameter2 is None else plan.layer(0))[0]
+    values = {**plan.gear, "translation_coupling": model.sigma, "rotation_coupling": model.rotation}
+    axes = {axis.name for axis in plan.axes}
+    texts = [
+        f"{symbol(name)} = {_numbers(values.get(name, getattr(model, name)))}" for name in _OF_GEAR if name not in axes
+    ]
+    return "gear:  " + ",  ".join(texts)
+
+
+def _numbers(value) -> str:
+    """One number; several if they differ."""
+    if isinstance(value, int | float):
+        return f"{value:.4g}"
+    numbers = list(dict.fromkeys(f"{number:.4g}" for number in value))
+    return numbers[0] if len(numbers) == 1 else "\u2026".join((min(numbers, key=float), max(numbers, key=float)))
+
+
+def mesh_energies(plane: StoredPlane) -> tuple[str, str]:
+    """The lower and the upper mode by their share of strain energy in the mesh, as "46 % mesh" or "44–46 % mesh"."""
+    models = [model_at(plane.plan, value, plane.plan.sweep.low) for value in plane.rows[[0, -1]]]
+    texts = []
+    for shares in zip(*(mesh_shares(model) for model in models), strict=True):
+        low, high = sorted(f"{100.0 * share:.0f}" for share in shares)
+        texts.append(f"{low} % mesh" if low == high else f"{low}\u2013{high} % mesh")
+    return texts[0], texts[1]

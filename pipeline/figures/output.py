@@ -12,7 +12,8 @@ __all__ = ["write_figure"]
 def write_figure(
     figure: Figure, plane: StoredPlane, folder: Path, name: str, formats: list[str], dpi: int
 ) -> list[Path]:
-    """Write a figure in every format; the paths in that order."""
+    """Write a figure in every format; the paths in that order. That of dynamic stability has a name of its own."""
+    name = f"{name}-dynamic" if plane.dynamic else name
     title = f"{name}: {plane.about['title']}"
     source = f"bevelmap configuration {plane.about['configuration_hash']}"
     # Dates and the library's version, which are there unless taken out, would make equal figures differ.

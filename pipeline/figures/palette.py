@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-__all__ = ["NOT_COMPUTED", "hex_colour", "label_colour", "state_colour"]
+__all__ = ["NOT_COMPUTED", "hex_colour", "label_colour", "state_colour", "text_colour"]
 
 Colour = tuple[int, int, int]
 
@@ -82,6 +82,12 @@ def label_colour(label: str) -> Colour:
 def state_colour(symbol: str) -> Colour:
     """Colour of curves in the impact state that labels write as `symbol`."""
     return _rgb(*_LINES[symbol])
+
+
+def text_colour(colour: Colour) -> str:
+    """Black or white, whichever is read more easily on a colour."""
+    red, green, blue = (part / 255.0 for part in colour)
+    return "black" if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.2 else "white"
 
 
 def hex_colour(colour: Colour) -> str:

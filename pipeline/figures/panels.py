@@ -1,33 +1,33 @@
-"""What a panel of the map shows: an image of labels, the lines between them and marked points, from either source.
+"""What a panel of the map shows: labels, where a motion is unstable, the lines between, and marked points.
 
-With boundary curves in the store, lines are the curves themselves and labels are exact at every pixel; without, lines
-are the borders between neighbouring cells of the raster.
+With boundary curves in the store, lines are the curves themselves and all areas end at them, at any magnification;
+without, areas are the cells of the raster and lines their borders.
 """
 
 from dataclasses import dataclass, field
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from matplotlib.path import Path as Outline
 
 from pipeline.analysis.boundaries.events import MARGINS
 from pipeline.figures.edges import curves_along, label_edges
-from pipeline.figures.regions import region_codes
 from pipeline.plan.axes import Axis
 from pipeline.plane.boundaries import StoredBoundaries, special_places
-from pipeline.plane.segments import labels_at
+from pipeline.plane.division import parting_arcs, stored_division
 from pipeline.plane.stored import StoredPlane
 from solver import Event
 from solver.boundaries import SpecialPoint
+from solver.regions.labelling import dynamic_code, is_contradictory, static_code
 
-__all__ = ["MARKED", "Panel", "cell_borders", "lines_of", "panel_of"]
+__all__ = ["MARKED", "Panel", "cell_borders", "lines_of", "panel_of", "shares_of_labels"]
 
 #: Points that panels mark.
 MARKED = (SpecialPoint.CUSP, SpecialPoint.FOLD_GRAZING, SpecialPoint.ISOLA, SpecialPoint.MERGER)
 
 #: Pixels of an image with exact labels, across and up: as fine as print shows.
 _FINE = (1440, 900)
-#: Columns of an enlargement without boundaries.
-_COLUMNS = 240
+_BITS = 6
 
 
 @dataclass(frozen=True)
@@ -38,15 +38,21 @@ class Panel:
     ----------
     code : (m, n) array
         Labels, evenly over the panel.
+    unstable : (m, n) bool array
+        Where not all motions that the label counts are dynamically stable.
+    contradictory : (m, n) bool array
+        Where static and dynamic stability of one of them contradict each other.
     x, y : (float, float)
         What the image covers.
     lines : dict
-        "fold", "grazing", "period_doubling", "neimark_sacker" -> Outline, those that are there.
+        "fold", "grazing", "period_doubling", "neimark_sacker", "unit_multiplier" -> Outline, those that are there.
     marks : dict
         SpecialPoint -> (k, 2) array of places.
     """
 
     code: np.ndarray
+    unstable: np.ndarray
+    contradictory: np.ndarray
     x: tuple[float, float]
     y: tuple[float, float]
     lines: dict[str, Outline]
@@ -62,26 +68,52 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
     x, y : (low, high), optional
         On the sweep axis and on the parameter axis.
     """
-    sweep, parameter = plane.plan.sweep, plane.plan.parameter
-    if plane.boundaries is not None and not plane.dynamic and plane.plan.solver["balance"] == "describing_function":
-        return _exact_panel(plane, x or (sweep.low, sweep.high), y or (parameter.low, parameter.high))
-    rows, columns = cell_borders(parameter), cell_borders(sweep)
-    code, n = plane.domain, plane.n_stable
-    if x is not None and plane.dynamic:
-        inside = slice(np.searchsorted(columns, x[0], side="right") - 1, np.searchsorted(columns, x[1], side="left"))
-        code, n, columns = code[:, inside], n[:, inside], columns[inside.start : inside.stop + 1]
-    elif x is not None:
-        # Folds and grazings of the rows are located exactly, so that columns may be as fine as one likes.
-        columns = np.linspace(*x, _COLUMNS + 1)
-        code, n = labels_at(plane.pieces, 0.5 * (columns[1:] + columns[:-1]))
-        code[~plane.complete] = 0
-    if y is not None:
-        inside = slice(np.searchsorted(rows, y[0], side="right") - 1, np.searchsorted(rows, y[1], side="left"))
-        code, n, rows = code[inside], n[inside], rows[inside.start : inside.stop + 1]
-    ends = _ends(columns), _ends(rows)
-    if plane.boundaries is not None and not plane.dynamic:
-        return Panel(code, *ends, _lines(plane.boundaries, *ends), _marks(plane.boundaries, *ends))
-    return Panel(code, *ends, _cell_lines(code, n, columns, rows))
+    sweep, parameter, division = plane.plan.sweep, plane.plan.parameter, stored_division(plane)
+    if division is not None:
+        x, y = x or (sweep.low, sweep.high), y or (parameter.low, parameter.high)
+        columns, rows = (_middles(*ends, count) for ends, count in zip((x, y), _FINE, strict=True))
+        codes = division.codes_at(columns, rows)
+        codes[~plane.complete[np.abs(plane.rows[:, None] - rows).argmin(axis=0)]] = 0
+    else:
+        rows, columns = cell_borders(parameter), cell_borders(sweep)
+        within = tuple(_within(borders, ends) for borders, ends in ((rows, y), (columns, x)))
+        codes = plane.stability_codes[within]
+        rows, columns = rows[within[0].start : within[0].stop + 1], columns[within[1].start : within[1].stop + 1]
+        x, y = (float(columns[0]), float(columns[-1])), (float(rows[0]), float(rows[-1]))
+    static, dynamic = static_code(codes), dynamic_code(codes)
+    code = (dynamic if plane.dynamic else static).astype(np.uint16)
+    if plane.boundaries is not None:
+        lines, marks = _lines(plane, x, y), _marks(plane.boundaries, x, y)
+    else:
+        lines, marks = _cell_lines(code, code - 1 >> _BITS, columns, rows), {}
+    unstable = (static != dynamic) & (not plane.dynamic)
+    return Panel(code, unstable, is_contradictory(codes), x, y, lines, marks)
+
+
+def shares_of_labels(plane: StoredPlane) -> dict[int, float]:
+    """Share of every label of the plane, by code: from the curves where they divide it, else of the computed cells."""
+    division = stored_division(plane) if np.all(plane.complete) else None
+    if division is None:
+        computed = plane.domain[plane.domain != 0]
+        codes, cells = np.unique(computed, return_counts=True)
+        return dict(zip(codes.tolist(), (cells / max(computed.size, 1)).tolist(), strict=True))
+    shares: dict[int, float] = {}
+    for code, share in division.shares().items():
+        label = int(dynamic_code(code) if plane.dynamic else static_code(code))
+        shares[label] = shares.get(label, 0.0) + share
+    return shares
+
+
+def _middles(low: float, high: float, count: int) -> np.ndarray:
+    return low + (np.arange(count) + 0.5) / count * (high - low)
+
+
+def _within(borders: np.ndarray, ends: tuple[float, float] | None) -> slice:
+    """The cells that a range touches."""
+    if ends is None:
+        return slice(0, borders.size - 1)
+    first, last = np.searchsorted(borders, ends[0], side="right") - 1, np.searchsorted(borders, ends[1], side="left")
+    return slice(max(int(first), 0), int(last))
 
 
 def _cell_lines(code: np.ndarray, n: np.ndarray, columns: np.ndarray, rows: np.ndarray) -> dict[str, Outline]:
@@ -100,52 +132,48 @@ def cell_borders(axis: Axis) -> np.ndarray:
     return np.linspace(axis.low - half, axis.high + half, axis.num + 1)
 
 
-def _ends(borders: np.ndarray) -> tuple[float, float]:
-    return float(borders[0]), float(borders[-1])
-
-
 def _polygons(segments: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
     """Cell borders, joined where they meet."""
     lines = [Outline(np.column_stack([x[corner[:, 1]], y[corner[:, 0]]])) for corner in curves_along(segments)]
     return Outline.make_compound_path(*lines) if lines else Outline(np.empty((0, 2)))
 
 
-def _exact_panel(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> Panel:
-    middles = [
-        low + (np.arange(count) + 0.5) / count * (high - low) for (low, high), count in zip((x, y), _FINE, strict=True)
-    ]
-    code, _ = region_codes(plane, *middles)
-    return Panel(code, x, y, _lines(plane.boundaries, x, y), _marks(plane.boundaries, x, y))
-
-
 def lines_of(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
     """Line kind -> the lines within a part of the plane, without the labels between them."""
     if plane.boundaries is not None:
-        return _lines(plane.boundaries, x, y)
-    return _cell_lines(plane.domain, plane.n_stable, cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter))
+        return _lines(plane, x, y)
+    borders = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
+    return _cell_lines(plane.domain, plane.n_stable, *borders)
 
 
-def _lines(boundaries: StoredBoundaries, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
-    """Line kind -> the curves of that kind within a window."""
+def _lines(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
+    """Line kind -> the curves of that kind within a window, where they part labels."""
     kinds = {
         "fold": (Event.FOLD,),
         "grazing": tuple(MARGINS),
         "period_doubling": (Event.PERIOD_DOUBLING,),
         "neimark_sacker": (Event.NEIMARK_SACKER,),
+        "unit_multiplier": (Event.UNIT_MULTIPLIER,),
     }
-    return _present({kind: _outline(boundaries, events, x, y) for kind, events in kinds.items()})
+    if plane not in _PARTING:
+        _PARTING[plane] = parting_arcs(plane)
+    return _present({kind: _outline(plane, events, x, y) for kind, events in kinds.items()})
 
 
-def _outline(boundaries: StoredBoundaries, kinds, x: tuple[float, float], y: tuple[float, float]) -> Outline:
+_PARTING: WeakKeyDictionary[StoredPlane, dict[int, np.ndarray]] = WeakKeyDictionary()
+
+
+def _outline(plane: StoredPlane, kinds, x: tuple[float, float], y: tuple[float, float]) -> Outline:
     """The curves within a window as Bezier curves, which are the stored cubics and stay smooth at any magnification."""
     vertices, codes = [np.empty((0, 2))], [np.empty(0, Outline.code_type)]
-    for curve in boundaries.curves:
-        if curve.kind not in kinds or len(curve.points) < 2:
+    for number, shows in _PARTING[plane].items():
+        curve = plane.boundaries.curves[number]
+        if curve.kind not in kinds:
             continue
         controls = curve.arcs.controls()
         # An arc lies within the hull of its control points. What lies outside would only cost dashes.
         lowest, highest = controls.min(axis=1), controls.max(axis=1)
-        near = np.all((highest >= (x[0], y[0])) & (lowest <= (x[1], y[1])), axis=1) & curve.arc_shows
+        near = np.all((highest >= (x[0], y[0])) & (lowest <= (x[1], y[1])), axis=1) & shows
         for first, stop in _runs(near):
             vertices.append(np.concatenate([controls[first, :1], controls[first:stop, 1:].reshape(-1, 2)]))
             codes.append(np.full(len(vertices[-1]), Outline.CURVE4, Outline.code_type))

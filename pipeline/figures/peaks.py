@@ -1,34 +1,41 @@
-"""Resonance peaks of the stored rows."""
+"""Resonance peaks of rows."""
+
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from pipeline.plane.peaks import resonance_peak
 from pipeline.plane.resonances import resonances_of
-from pipeline.plane.stored import StoredPlane
+from pipeline.plane.row_curves import RowCurves
 
 __all__ = ["resonance_peaks"]
 
 
-def resonance_peaks(plane: StoredPlane, rows: np.ndarray) -> np.ndarray:
+def resonance_peaks(rows: Sequence[RowCurves], dynamic: bool = False) -> np.ndarray:
     """The peak at each of the two resonances, where one stands out.
 
     Parameters
     ----------
-    plane : StoredPlane
-        Its rows run over omega.
-    rows : (k,) int array
-        Of the plane.
+    rows : sequence of RowCurves
+        Over omega.
+    dynamic : bool
+        Whether only dynamically stable motions count, instead of statically stable ones.
 
     Returns
     -------
     (k, 2, 2) array
         Frequency and amplitude of the lower and of the upper peak; nan where there is none.
     """
-    peaks = np.full((rows.size, 2, 2), np.nan)
+    peaks = np.full((len(rows), 2, 2), np.nan)
     for number, row in enumerate(rows):
-        points = plane.row_points(row)
-        for mode, resonance in enumerate(resonances_of(*plane.modes[row])):
-            peak = resonance_peak(points, plane.pieces[row], resonance.low, resonance.high)
+        pieces = row.pieces
+        if dynamic:
+            pieces = [replace(piece, stable=bool(lasts)) for piece, lasts in zip(pieces, row.lasting, strict=True)]
+        if not pieces:
+            continue
+        for mode, resonance in enumerate(resonances_of(*row.modes)):
+            peak = resonance_peak(row.points, pieces, resonance.low, resonance.high)
             if peak:
                 peaks[number, mode] = peak.omega, peak.amplitude
     return peaks

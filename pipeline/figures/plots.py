@@ -62,15 +62,15 @@ class Plots:
             return draw_map(plane) if window is None else draw_window(plane, window)
 
     def curves(self, units: str = "dimensionless", **values: float | Sequence[float]):
-        """Amplitude and mean over the sweep axis for some rows, each the one nearest to a value.
+        """Amplitude and mean over the sweep axis at some values of the row parameter.
 
         Parameters
         ----------
         units : str
             As for `map`.
         **values : float or sequence of float
-            Of the row parameter, by its name, such as `f_e=0.2` or `f_e=[0.1, 0.2]`; a quarter, half and three quarters
-            of the way unless given.
+            Of the row parameter, by its name, such as `f_e=0.2` or `f_e=[0.1, 0.2]`, solved where no row has them; a
+            quarter, half and three quarters of the way unless given.
 
         Returns
         -------

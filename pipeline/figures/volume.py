@@ -66,7 +66,5 @@ def draw_volume(stored: StoredPlane) -> Drawing:
 
 def _entries(planes, panels) -> list:
     """What any of the panels shows."""
-    codes = np.unique(np.concatenate([np.unique(plane.domain) for plane in planes]))
-    lines = {kind for panel in panels for kind in panel.lines}
     modes = np.any([modes_within(plane, panel) for plane, panel in zip(planes, panels, strict=True)], axis=0)
-    return legend_entries(planes, [int(code) for code in codes if code], lines, (), modes, False)
+    return legend_entries(planes, panels, modes, False)

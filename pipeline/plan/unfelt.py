@@ -8,6 +8,9 @@ from pipeline.plan.plan import Plan
 
 __all__ = ["UnfeltHarmonics", "unfelt_harmonics"]
 
+#: Of the largest harmonic.
+_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class UnfeltHarmonics:
@@ -32,11 +35,15 @@ class UnfeltHarmonics:
         Examples
         --------
         >>> UnfeltHarmonics(1, (2, 3), (2,)).words
-        'harmonics 2, 3 of the stiffness and 2 of the transmission error'
+        'stiffness harmonics 2, 3 and transmission error harmonic 2'
         """
         named = (("stiffness", self.stiffness), ("transmission error", self.error))
-        parts = [f"{', '.join(map(str, numbers))} of the {name}" for name, numbers in named if numbers]
-        return f"harmonics {' and '.join(parts)}"
+        parts = [
+            f"{name} harmonic{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}"
+            for name, numbers in named
+            if numbers
+        ]
+        return " and ".join(parts)
 
     @property
     def sentence(self) -> str:
@@ -72,5 +79,7 @@ def unfelt_harmonics(plan: Plan) -> UnfeltHarmonics | None:
 
 
 def _above(order: int, harmonics) -> set[int]:
-    """The numbers of the harmonics above an order that are there."""
-    return {number for number, (amplitude, _) in enumerate(harmonics, start=1) if amplitude and number > order}
+    """The numbers of the harmonics above an order that are there; those that a fit leaves by rounding are not."""
+    largest = max(abs(amplitude) for amplitude, _ in harmonics)
+    there = (number for number, (size, _) in enumerate(harmonics, start=1) if abs(size) > _ROUNDING * largest)
+    return {number for number in there if number > order}

@@ -11,7 +11,7 @@ import numpy as np
 
 __all__ = ["Arcs", "Crossings", "arcs_of"]
 
-_HALVINGS = 52
+_MOST_STEPS, _CLOSE = 60, 4e-16
 
 
 @dataclass(frozen=True)
@@ -74,18 +74,34 @@ class Arcs:
         piece = np.repeat(np.arange(number.size), count)
         line = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + begin[piece]
         number, low, high, rises = number[piece], low[piece], high[piece], rises[piece]
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            before = (self._place(number, middle, axis, p, q) < values[line]) == rises
-            low, high = np.where(before, middle, low), np.where(before, high, middle)
-        points = self.at(number, 0.5 * (low + high))
-        points[:, axis] = values[line]
+        a, b, u, p = self._powers(axis, number)
+        level, t = values[line], 0.5 * (low + high)
+        for _ in range(_MOST_STEPS):
+            miss = p + t * (u + t * (b + t * a)) - level
+            before = (miss < 0.0) == rises
+            low, high = np.where(before, t, low), np.where(before, high, t)
+            # Newton, or half the bracket where that would leave it.
+            with np.errstate(all="ignore"):
+                following = t - miss / (u + t * (2.0 * b + t * 3.0 * a))
+            inside = (following >= low) & (following <= high)
+            following = np.where(inside, following, 0.5 * (low + high))
+            if np.all(np.abs(following - t) <= _CLOSE):
+                break
+            t = following
+        points = self.at(number, t)
+        points[:, axis] = level
         return Crossings(line, number, points, np.where(rises, 1, -1))
 
     def _place(self, number, t, axis, p, q) -> np.ndarray:
         """One component; at the ends exactly the stored value, so that neighbouring arcs agree."""
-        value = self.at(number, t)[:, axis]
+        a, b, u, start = self._powers(axis, number)
+        value = start + t * (u + t * (b + t * a))
         return np.where(t == 0.0, p[number], np.where(t == 1.0, q[number], value))
+
+    def _powers(self, axis: int, number) -> tuple[np.ndarray, ...]:
+        """Coefficients of t^3, t^2, t and 1 of one component of some arcs."""
+        p, q, u, v = (part[number, axis] for part in (self.start, self.end, self.leave, self.arrive))
+        return 2.0 * (p - q) + u + v, 3.0 * (q - p) - 2.0 * u - v, u, p
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,7 @@ class StoredCurve:
 
     @property
     def arc_shows(self) -> np.ndarray:
-        """(k - 1,) bool: arcs on whose two sides the labels differ, which are folds and grazings of stable motions."""
+        """(k - 1,) bool: arcs on whose two sides something differs: folds, and what happens to stable motions."""
         if self.kind is Event.FOLD:
             return np.ones(max(len(self.points) - 1, 0), dtype=bool)
         # Where stability changes, at a fold, there is a point, and it counts as unstable.

@@ -6,8 +6,9 @@ import numpy as np
 
 from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
+from solver import Model
 
-__all__ = ["Resonance", "common_resonances", "resonances", "resonances_of"]
+__all__ = ["Resonance", "common_resonances", "mesh_shares", "resonances", "resonances_of"]
 
 # Rows whose natural frequencies differ by no more than this share have the same modes.
 _SAME = 1e-9
@@ -42,6 +43,21 @@ def resonances_of(lower: float, upper: float) -> tuple[Resonance, Resonance]:
 def resonances(plan: Plan, value: float) -> tuple[Resonance, Resonance]:
     """Both resonances of one row of a plane over omega: of the pair that the mean load keeps in contact."""
     return resonances_of(*model_at(plan, value, plan.sweep.low).mesh_modes())
+
+
+def mesh_shares(model: Model) -> tuple[float, float]:
+    """Share of strain energy in the mesh of the loaded pair's lower and upper mode (docs/physics.md, section 10).
+
+    With x_j = -d_j kappa_g/(k_j - w^2) lambda the share is lambda^2/(lambda^2 + sum k_j x_j^2/kappa_g).
+    """
+    stiffness, kappa = np.array(model.k_support), np.repeat(model.kappa, 3)
+    found = []
+    for frequency in model.mesh_modes():
+        with np.errstate(all="ignore"):
+            x = model.direction * kappa / (stiffness - frequency**2)
+        supports = np.sum(np.where(model.direction != 0.0, stiffness * x * x / kappa, 0.0))
+        found.append(float(1.0 / (1.0 + supports)))
+    return found[0], found[1]
 
 
 def common_resonances(plan: Plan) -> tuple[Resonance, Resonance] | None:

@@ -15,7 +15,9 @@ from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
 from pipeline.plane.segments import Piece, pieces_of_row
 from pipeline.store import COMPLETE, read_plan
 from solver import Scales, domain_code
+from solver.regions.labelling import stability_code
 from solver.stability import Instability
+from solver.stability.instability import LEFT_TO_FOLDS
 
 __all__ = ["StoredPlane", "read_stored"]
 
@@ -159,6 +161,22 @@ class StoredPlane:
         return np.any((self.stable == 1) & (self.instability == Instability.CONTRADICTORY), axis=-1)
 
     @cached_property
+    def motions(self) -> np.ndarray:
+        """All unknowns of the balance in every cell, (P, X, S, n)."""
+        if self.plan.motion_size:
+            return self.motion
+        return np.stack([self.mean, self.amplitude * np.cos(self.phase), -self.amplitude * np.sin(self.phase)], -1)
+
+    @cached_property
+    def stability_codes(self) -> np.ndarray:
+        """What the cells say of n/I and of dynamic stability, as `solver.regions.labelling.stability_code`, (P, X)."""
+        kept = self._kept
+        states = np.bitwise_or.reduce(np.where(kept, 1 << self.impact.astype(np.int64).clip(0), 0), axis=-1)
+        static = np.where(self.complete[..., None], self.array("domain"), 0).astype(np.int64)
+        dynamic = domain_code(np.sum(kept, axis=-1), states).astype(np.int64)
+        return np.where(static != 0, stability_code(static, dynamic, self.contradictory), 0)
+
+    @cached_property
     def points(self) -> dict[str, np.ndarray]:
         """Name -> (P, point) array of the branches; "position" is where on the sweep axis a point is."""
         return {**{name: self.along(name) for name in _POINT_ARRAYS}, "position": self.along(self.plan.sweep.name)}
@@ -222,8 +240,8 @@ class StoredPlane:
 
     @cached_property
     def _kept(self) -> np.ndarray:
-        """The motions that are dynamically stable."""
-        return (self.stable == 1) & (self.instability == Instability.NONE)
+        """The motions that are dynamically stable; a multiplier beyond +1 is left to static stability."""
+        return (self.stable == 1) & np.isin(self.instability, LEFT_TO_FOLDS)
 
 
 def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:

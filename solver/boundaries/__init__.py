@@ -2,13 +2,14 @@
 
 from solver.boundaries.coverage import missed_events
 from solver.boundaries.curve import BoundaryCurve
-from solver.boundaries.problem import BIFURCATIONS, FOLDS_AND_GRAZINGS
+from solver.boundaries.problem import BIFURCATIONS, FOLDS_AND_GRAZINGS, SPECTRAL
 from solver.boundaries.special_points import SpecialPoint
 from solver.boundaries.tracer import boundary_curves, row_events
 
 __all__ = [
     "BIFURCATIONS",
     "FOLDS_AND_GRAZINGS",
+    "SPECTRAL",
     "BoundaryCurve",
     "SpecialPoint",
     "boundary_curves",

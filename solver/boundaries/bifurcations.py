@@ -1,12 +1,12 @@
-"""Period doublings and Neimark-Sackers as extra rows of a curve problem: test functions of the monodromy matrix.
+"""Bifurcations as extra rows of a curve problem: test functions of the monodromy matrix.
 
-With P(z) = det(z I - M), a period doubling is P(-1) = det(M + I) = 0. A pair of multipliers exp(+-i phi) on the unit
-circle are the roots of z^2 - 2 kappa z + 1, kappa = cos phi, so that the remainder r_0 + r_1 z of P on division by it
-vanishes: two rows for one more unknown, kappa. This is the squared system for Neimark-Sackers (W. J. F. Govaerts,
-Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000; Y. A. Kuznetsov, Elements of Applied Bifurcation
-Theory, Springer 2004) on the characteristic polynomial. r_0 and r_1 are polynomials in kappa and the entries of M,
-hence regular through kappa = 1 and kappa = -1, where the pair meets on the real axis: the resonances 1:1 and 1:2.
-Beyond, it is a real pair of product 1, which is no bifurcation.
+With P(z) = det(z I - M), a period doubling is P(-1) = det(M + I) = 0, and a multiplier passes +1 where P(1) = 0. A pair
+of multipliers exp(+-i phi) on the unit circle are the roots of z^2 - 2 kappa z + 1, kappa = cos phi, so that the
+remainder r_0 + r_1 z of P on division by it vanishes: two rows for one more unknown, kappa. This is the squared system
+for Neimark-Sackers (W. J. F. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000; Y. A.
+Kuznetsov, Elements of Applied Bifurcation Theory, Springer 2004) on the characteristic polynomial. r_0 and r_1 are
+polynomials in kappa and the entries of M, hence regular through kappa = 1 and kappa = -1, where the pair meets on the
+real axis: the resonances 1:1 and 1:2. Beyond, it is a real pair of product 1, which is no bifurcation.
 
 M depends on the motion through the angles of contact alone. A contact that begins (sigma = 1) or ends (-1) at theta_c,
 tau_c = theta_c nu/Omega, changes M by a matrix of rank one,
@@ -82,11 +82,11 @@ def characteristic_remainder(matrix, kappa):
     return p[n, 0], p[n, 1], p[n, 2], p[n, 3]
 
 
-@kernel(types.UniTuple(_F, 4)(MATRIX, _B, _F), inner=True)
-def _tested(matrix, doubling, kappa):
+@kernel(types.UniTuple(_F, 4)(MATRIX, _F, _F), inner=True)
+def _tested(matrix, real, kappa):
     """The test functions, and their derivatives by kappa; `matrix` is overwritten."""
-    r_0, r_1, d_r_0, d_r_1 = characteristic_remainder(matrix, -1.0 if doubling else kappa)
-    return (r_0 - r_1, 0.0, 0.0, 0.0) if doubling else (r_0, r_1, d_r_0, d_r_1)
+    r_0, r_1, d_r_0, d_r_1 = characteristic_remainder(matrix, kappa if real == 0.0 else real)
+    return (r_0, r_1, d_r_0, d_r_1) if real == 0.0 else (r_0 + real * r_1, 0.0, 0.0, 0.0)
 
 
 @kernel(_I(ARRAY), inner=True)
@@ -147,14 +147,24 @@ def _carry(here, start, closed, switches, matrix, columns, rows):
 
 @kernel(types.void(ARRAY, ARRAY, _F, ARRAY), inner=True)
 def move_parameters(here, along, step, moved):
-    """Fill in the parameters a step further along an axis; the gaps, and with them the angles of contact, stay."""
+    """Fill in the parameters a step further along an axis; the gaps, and with them the angles of contact, stay.
+
+    Parameters
+    ----------
+    here, along : arrays
+        Parameters, and what an axis adds to them.
+    step : float
+        How far along the axis.
+    moved : array
+        Filled with the parameters there.
+    """
     for i in range(here.shape[0]):
         moved[i] = here[i] + step * along[i]
     moved[FRONT_GAP], moved[BACK_GAP] = here[FRONT_GAP], here[BACK_GAP]
 
 
-@kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _B, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
-def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start, closed, switches, by_angle, by_axis):
+@kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _F, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
+def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, closed, switches, by_angle, by_axis):
     """The test functions of a motion, and how they change.
 
     Parameters
@@ -163,10 +173,10 @@ def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start,
         Of `solver.boundaries.problem`: holds the steps of differences.
     here, along_x, along_p : arrays
         `parameters_at` a place (x, p), of `solver.model.packing.packed`.
-    doubling : bool
-        Whether of a period doubling or of a Neimark-Sacker.
+    real : float
+        The real multiplier that is tested for, -1 (period doubling) or 1; 0 for the pair of a Neimark-Sacker.
     kappa : float
-        Not used for a period doubling.
+        Of the pair.
     start : float
         Angle at which the period starts; the multipliers do not depend on it.
     closed : bool
@@ -182,7 +192,7 @@ def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start,
     Returns
     -------
     values, by_kappa : 2 floats each
-        Of a period doubling the first value counts. nan where M is not finite.
+        Of a real multiplier the first value counts. nan where M is not finite.
     """
     size, count = _states(here), switches.shape[0]
     matrix, changed = np.empty((size, size)), np.empty((size, size))
@@ -194,17 +204,17 @@ def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start,
         for j in range(size):
             changed[i, j] = matrix[i, j]
             largest = max(largest, abs(matrix[i, j]))
-    value = _tested(changed, doubling, kappa)
+    value = _tested(changed, real, kappa)
     for c in range(count):
         reach, width = 0.0, 0.0
         for i in range(size):
             reach, width = max(reach, abs(columns[c, i])), max(width, abs(rows[c, i]))
-        share = largest / (reach * width) if reach * width > 0.0 else 1.0
+        weight = largest / (reach * width) if reach * width > 0.0 else 1.0
         for i in range(size):
             for j in range(size):
-                changed[i, j] = matrix[i, j] + share * columns[c, i] * rows[c, j]
-        moved = _tested(changed, doubling, kappa)
-        factor = switches[c, SENSE] * here[PERIOD] / (here[MESH_FREQUENCY] * share)
+                changed[i, j] = matrix[i, j] + weight * columns[c, i] * rows[c, j]
+        moved = _tested(changed, real, kappa)
+        factor = switches[c, SENSE] * here[PERIOD] / (here[MESH_FREQUENCY] * weight)
         by_angle[0, c], by_angle[1, c] = factor * (moved[0] - value[0]), factor * (moved[1] - value[1])
     beyond, nothing = np.empty(here.shape[0]), np.empty((0, size))
     for axis in range(2):
@@ -213,7 +223,7 @@ def bifurcation_test(parameters, here, along_x, along_p, doubling, kappa, start,
         for side in (-1.0, 1.0):
             move_parameters(here, along, side * step, beyond)
             whole = _carry(beyond, start, closed, switches, changed, nothing, nothing)
-            moved = _tested(changed, doubling, kappa)
+            moved = _tested(changed, real, kappa)
             # Where a coupling vanishes the system has fewer coordinates, and no slope.
             weight = side / (2.0 * step) if whole else math.nan
             by_axis[0, axis] += weight * moved[0]

@@ -59,7 +59,15 @@ _RIGHT = 0.5 * math.pi
 
 @kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
 def plane_coefficients(parameters, parameter_slope, y):
-    """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both."""
+    """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        As `solver.boundaries.problem.parameters_at` takes them.
+    y : array
+        Unknowns of the boundary, with x and p last.
+    """
     here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
     gear = gear_numbers(here, here)
     values, by_x, constants, constants_x = coefficients(gear, gear_numbers(here, along_x), 0.0)

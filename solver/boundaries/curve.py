@@ -26,7 +26,7 @@ class BoundaryCurve:
     Parameters
     ----------
     kind : Event
-        FOLD, the grazing that happens along it, PERIOD_DOUBLING or NEIMARK_SACKER.
+        FOLD, the grazing that happens along it, PERIOD_DOUBLING, NEIMARK_SACKER or UNIT_MULTIPLIER.
     points : (k, 5) array
         lambda_m, lambda_c, lambda_s, x, p.
     slopes : (k, 5) array
@@ -128,8 +128,8 @@ class BoundaryCurve:
         for stretch in self.stretches:
             met = curve_crossings(stretch.problem, stretch.curve, values, continuation)
             if met.unreached.size:
-                place = values[met.unreached[0]]
-                raise ArithmeticError(f"the boundary passes {place!r}, but the corrector does not converge there")
+                value = values[met.unreached[0]]
+                raise ArithmeticError(f"the boundary passes {value!r}, but the corrector does not converge there")
             columns.append(met.column)
             points.append(np.column_stack([met.unknowns[:, self.shown[:-1]], values[met.column]]))
         return np.concatenate(columns), np.concatenate(points)
@@ -147,8 +147,8 @@ class BoundaryCurve:
             return np.full(len(points), np.inf)
         targets = np.zeros((len(points), self.stretches[0].problem.unknowns + 1))
         targets[:, self.shown] = points
-        found = [distances(one.problem, one.curve, targets, self.shown, continuation) for one in self.stretches]
-        return np.min(found, axis=0)
+        by_stretch = [distances(one.problem, one.curve, targets, self.shown, continuation) for one in self.stretches]
+        return np.min(by_stretch, axis=0)
 
     def refined(
         self, x_step: float, p_step: float, window=None, continuation: Continuation | None = None
@@ -177,13 +177,13 @@ class BoundaryCurve:
         continuation = _settings(continuation)
         parts = [self.points[:1]] if not self.stretches else []
         for stretch in self.stretches:
-            places = stretch.curve.points[:, self.shown[3:]]
-            moves = np.abs(np.diff(places, axis=0))
+            points = stretch.curve.points[:, self.shown[3:]]
+            moves = np.abs(np.diff(points, axis=0))
             number = np.maximum(np.ceil(np.max(moves / [x_step, p_step], axis=1)), 1.0)
             if window is not None:
                 # A step may bulge beyond its ends by about its own length where the curve turns.
-                lowest = np.minimum(places[:-1], places[1:]) - moves
-                highest = np.maximum(places[:-1], places[1:]) + moves
+                lowest = np.minimum(points[:-1], points[1:]) - moves
+                highest = np.maximum(points[:-1], points[1:]) + moves
                 near = (highest[:, 0] >= window[0]) & (lowest[:, 0] <= window[1])
                 near &= (highest[:, 1] >= window[2]) & (lowest[:, 1] <= window[3])
                 number = np.where(near, number, 1.0)
@@ -232,14 +232,16 @@ def assembled(boundary: BoundaryProblem, kind: Event, chain: Chain) -> BoundaryC
         travelled = lengths[-1][-1]
         special.append(codes)
         signs = [0.0 if kind is Event.FOLD else boundary.static_determinant(kind, problem, y) for y in curve.points]
-        stable.append((np.array(signs) > 0.0) & (codes != SpecialPoint.FOLD_GRAZING))
+        stable.append(
+            (np.array(signs) > 0.0) & ~np.isin(codes, (SpecialPoint.FOLD_GRAZING, SpecialPoint.FOLD_CROSSING))
+        )
     # The last stretch of a closed curve is followed by its first one.
     for number in range(0 if chain.closed and len(stretches) > 1 else 1, len(stretches)):
         special[number - 1][-1], special[number][0] = joint(kind, stretches[number - 1], stretches[number])
     codes, points = np.concatenate(special), np.concatenate(points)
-    for reason, place, y in zip(ends, (0, -1), chain.tips, strict=True):
+    for reason, index, y in zip(ends, (0, -1), chain.tips, strict=True):
         if reason is EndReason.RANGE_LEFT:
-            codes[place] = end_of(boundary.plane, kind, y)
+            codes[index] = end_of(boundary.plane, kind, y)
     return BoundaryCurve(
         kind,
         points,

@@ -20,7 +20,7 @@ import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
 from solver.boundaries.contact_angles import BACK, FRONT, TEST_COUNT, P, X, angle_rows, determinant, plane_coefficients
-from solver.boundaries.problem import BIFURCATIONS, Contact, Guess, Plane, Stretch, parameters_at, plane_parameters
+from solver.boundaries.problem import SPECTRAL, Contact, Guess, Plane, Stretch, parameters_at, plane_parameters
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -40,7 +40,7 @@ _GRAZED = {
 }
 _NOTHING_GRAZED = (-1, 0.0)
 _ANGLES = slice(FRONT, BACK + 1)
-_DOUBLING = int(Event.PERIOD_DOUBLING)
+_NEIMARK_SACKER, _DOUBLING = int(Event.NEIMARK_SACKER), int(Event.PERIOD_DOUBLING)
 _TURN = 2.0 * math.pi
 
 # Columns of the switches of contact behind those of `bifurcations`: the slot of the flank's angle of contact, and how
@@ -76,7 +76,7 @@ def _switches(parameters, y):
     angles goes on smoothly.
     """
     psi, count = math.atan2(y[2], y[1]), 0
-    found = np.empty((4, _SWITCHES))
+    switches = np.empty((4, _SWITCHES))
     front, back = parameters[FRONT_CONTACT], parameters[BACK_CONTACT]
     for i in range(4):
         # End of front contact, begin and end of back contact, begin of front contact.
@@ -84,19 +84,20 @@ def _switches(parameters, y):
         if (front if slot == FRONT else back) != 0.0:
             continue
         half, later = 0.5 * math.pi - y[slot], i >= 2
-        found[count, ANGLE] = psi + _TURN - half if later else psi + half
-        found[count, SENSE] = 1.0 if i % 2 == 1 else -1.0
-        found[count, _SLOT], found[count, _BY_CONTACT] = slot, 1.0 if later else -1.0
+        switches[count, ANGLE] = psi + _TURN - half if later else psi + half
+        switches[count, SENSE] = 1.0 if i % 2 == 1 else -1.0
+        switches[count, _SLOT], switches[count, _BY_CONTACT] = slot, 1.0 if later else -1.0
         count += 1
-    return psi, front <= 0.0 or back > 0.0, found[:count]
+    return psi, front <= 0.0 or back > 0.0, switches[:count]
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 def _bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
-    """Balance, angles and test functions: (6,) and (6, 7) for a period doubling, (7,) and (7, 8) for a
+    """Balance, angles and test functions: (6,) and (6, 7) for a real multiplier, (7,) and (7, 8) for a
     Neimark-Sacker."""
     here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
-    doubling, last = int(parameters[EVENT]) == _DOUBLING, y.shape[0] - 1
+    event, last = int(parameters[EVENT]), y.shape[0] - 1
+    real = 0.0 if event == _NEIMARK_SACKER else -1.0 if event == _DOUBLING else 1.0
     part = np.empty((5, 7))
     angle_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, part)
     for i in range(5):
@@ -107,9 +108,9 @@ def _bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
     start, closed, switches = _switches(parameters, y)
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
     at = here, along_x, along_p
-    values = bifurcation_test(parameters, *at, doubling, y[5], start, closed, switches, by_angle, by_axis)
+    values = bifurcation_test(parameters, *at, real, y[5], start, closed, switches, by_angle, by_axis)
     square = y[1] * y[1] + y[2] * y[2]
-    for row in range(1 if doubling else 2):
+    for row in range(2 if real == 0.0 else 1):
         residual[5 + row] = values[row]
         for j in range(5):
             jacobian[5 + row, j] = 0.0
@@ -130,8 +131,13 @@ def _test_functions(parameters, parameter_slope, y, values, gradient):
     if amplitude > 0.0:
         gradient[0, 1], gradient[0, 2] = y[1] / amplitude, y[2] / amplitude
     if values.shape[0] > 1:
-        known = plane_coefficients(parameters, parameter_slope, y)
-        values[1] = determinant(known, parameters, y, gradient[1], np.empty((3, 3)))
+        known, slopes, last = plane_coefficients(parameters, parameter_slope, y), np.empty(7), y.shape[0] - 1
+        values[1] = determinant(known, parameters, y, slopes, np.empty((3, 3)))
+        # Of a Neimark-Sacker kappa stands before the axes.
+        gradient[1, :] = 0.0
+        for j in range(5):
+            gradient[1, j] = slopes[j]
+        gradient[1, last - 1], gradient[1, last] = slopes[X], slopes[P]
 
 
 @dataclass(frozen=True)
@@ -181,9 +187,9 @@ class FirstOrderProblem:
         parameters[EVENT] = kind
         if kind is Event.FOLD:
             return Problem(_fold_balance, _test_functions, parameters, parameter_slope, scale, test_count=1)
-        if kind in BIFURCATIONS:
+        if kind in SPECTRAL:
             scale = np.insert(scale, X, 1.0) if kind is Event.NEIMARK_SACKER else scale
-            return Problem(_bifurcation_balance, _test_functions, parameters, parameter_slope, scale, test_count=1)
+            return Problem(_bifurcation_balance, _test_functions, parameters, parameter_slope, scale, TEST_COUNT)
         parameters[[FLANK, LEVEL]] = _GRAZED[kind]
         return Problem(_grazing_balance, _test_functions, parameters, parameter_slope, scale, TEST_COUNT)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from solver.boundaries.bifurcations import critical_cosines
 from solver.boundaries.harmonic_rows import harmonic_rows
-from solver.boundaries.problem import GRAZINGS, Contact, Guess, Plane, Stretch, plane_parameters
+from solver.boundaries.problem import GRAZINGS, SPECTRAL, Contact, Guess, Plane, Stretch, plane_parameters
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.harmonic.galerkin import Galerkin
 from solver.model.parameters import BACK_CONTACT, EVENT, FRONT_CONTACT
@@ -90,7 +90,7 @@ class HarmonicProblem:
         parameters[EVENT], parameters[[FRONT_CONTACT, BACK_CONTACT]] = kind, contact
         if kind is Event.NEIMARK_SACKER:
             scale = np.insert(scale, self.unknowns, 1.0)
-        test_count = 2 if kind in GRAZINGS else 1
+        test_count = 2 if kind in (*GRAZINGS, *SPECTRAL) else 1
         return Problem(harmonic_rows, harmonic_rows, parameters, parameter_slope, scale, test_count)
 
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:

@@ -72,18 +72,18 @@ def _switches_of(here, along_x, along_p, u):
     """
     angles, zones = np.empty(2 * u.shape[0] + 8), np.empty(2 * u.shape[0] + 8, np.int64)
     count = contact_arcs(u, here[FRONT_GAP], here[BACK_GAP], angles, zones)
-    found, k = np.empty((count, SWITCHES)), 0
+    switches, k = np.empty((count, SWITCHES)), 0
     for i in range(count):
         before, after = zones[i - 1 if i > 0 else count - 1], zones[i]
         # From one flank to the other at once, as without backlash, is no switch.
         if abs(after) == abs(before):
             continue
         slot, flank = (FRONT_GAP, 1.0) if before + after > 0 else (BACK_GAP, -1.0)
-        found[k, ANGLE], found[k, SENSE], found[k, FLANK] = angles[i], abs(after) - abs(before), flank
-        found[k, LEVEL_X], found[k, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
-        found[k, SLOPE] = displacement(u, angles[i])[1]
+        switches[k, ANGLE], switches[k, SENSE], switches[k, FLANK] = angles[i], abs(after) - abs(before), flank
+        switches[k, LEVEL_X], switches[k, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
+        switches[k, SLOPE] = displacement(u, angles[i])[1]
         k += 1
-    return zones[max(count - 1, 0)] != 0, found[:k]
+    return zones[max(count - 1, 0)] != 0, switches[:k]
 
 
 @kernel(types.void(ARRAY, _F, ARRAY, _I), inner=True)
@@ -147,11 +147,11 @@ def _static_determinant(parameters, here, along_x, along_p, motion, switches, gr
                 force[2 * k - 1], force[2 * k] = 2.0 * row.real, -2.0 * row.imag
                 harmonics[2 * k - 1], harmonics[2 * k] = cosine, sine
             largest = max(largest, abs(row))
-        share = 1.0 / largest if largest > 0.0 else 1.0
+        factor = 1.0 / largest if largest > 0.0 else 1.0
         for i in range(n):
             for j in range(n):
-                changed[i, j] = square[i, j] + share * force[i] * harmonics[j]
-        slope = (eliminate(changed, dump) - value) / share
+                changed[i, j] = square[i, j] + factor * force[i] * harmonics[j]
+        slope = (eliminate(changed, dump) - value) / factor
         _spread_slopes(switches[c], -switches[c, SENSE] * slope / _TURN, gradient, n)
     moved = np.empty(here.shape[0])
     for axis in range(2):
@@ -213,13 +213,14 @@ def _test_functions(parameters, motion, switches, values, gradient):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _B, MATRIX, ARRAY, MATRIX), inner=True)
 def _bifurcation_rows(parameters, here, along_x, along_p, y, closed, switches, residual, jacobian):
-    """Fill in the row of a period doubling, y = (u, x, p), or both of a Neimark-Sacker, y = (u, kappa, x, p)."""
-    doubling, last = int(parameters[EVENT]) == _DOUBLING, y.shape[0] - 1
-    number = 1 if doubling else 2
+    """Fill in the row of a real multiplier, y = (u, x, p), or both of a Neimark-Sacker, y = (u, kappa, x, p)."""
+    event, last = int(parameters[EVENT]), y.shape[0] - 1
+    real = 0.0 if event == _NEIMARK_SACKER else -1.0 if event == _DOUBLING else 1.0
+    number = 2 if real == 0.0 else 1
     n = last - number
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
     at = here, along_x, along_p
-    values = bifurcation_test(parameters, *at, doubling, y[n], 0.0, closed, switches, by_angle, by_axis)
+    values = bifurcation_test(parameters, *at, real, y[n], 0.0, closed, switches, by_angle, by_axis)
     for row in range(number):
         residual[n + row] = values[row]
         for j in range(n):
@@ -235,8 +236,17 @@ def harmonic_rows(parameters, parameter_slope, y, values, gradient):
     """Rows and test functions of a problem: one kernel, as most of it takes seconds to compile.
 
     Where there is room for more than two values, the rows of the module. Otherwise the size of the oscillation and, for
-    grazings, det dE/du, which vanishes where the motion folds as well; for no event the switches of contact at the
+    all but folds, det dE/du, which vanishes where the motion folds as well; for no event the switches of contact at the
     front and at the back flank.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    y : (n + 2,) array
+        (u, x, p).
+    values, gradient : arrays
+        Filled: (m,) and (m, n + 2).
     """
     here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
     event, last = int(parameters[EVENT]), y.shape[0] - 1
@@ -248,7 +258,15 @@ def harmonic_rows(parameters, parameter_slope, y, values, gradient):
     if values.shape[0] <= 2:
         _test_functions(parameters, motion, switches, values, gradient)
         if event != 0 and values.shape[0] == 2:
-            values[1] = _static_determinant(parameters, here, along_x, along_p, motion, switches, gradient[1])
+            if not (math.isfinite(y[last - 1]) and math.isfinite(y[last])):
+                values[1] = math.nan
+                return
+            slopes = np.empty(n + 2)
+            values[1] = _static_determinant(parameters, here, along_x, along_p, motion, switches, slopes)
+            gradient[1, :] = 0.0
+            for j in range(n):
+                gradient[1, j] = slopes[j]
+            gradient[1, last - 1], gradient[1, last] = slopes[n], slopes[n + 1]
         return
     if _is_beyond(parameters, switches, values):
         return

@@ -48,7 +48,7 @@ def _foot(left, right, leave, arrive, scale, arc, factors, level, seed):
 def _distances(setup, strand, targets, seen, nearest):
     n, scale = setup.unknowns, setup.scale
     points, tangents, arclength = strand.points, strand.tangents, strand.arclength
-    factors, normal, seed, found = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
+    factors, normal, seed, foot = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     last = points.shape[0] - 1
     far = np.empty(last + 1)
     for k in range(targets.shape[0]):
@@ -84,13 +84,13 @@ def _distances(setup, strand, targets, seen, nearest):
             for j in range(n + 1):
                 normal[j] /= length
             _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
-            copy_into(found, seed)
+            copy_into(foot, seed)
             iterations = setup.corrector(
                 setup.residual_and_jacobian,
                 setup.parameters,
                 setup.parameter_slope,
                 scale,
-                found,
+                foot,
                 normal,
                 setup.tolerance,
                 setup.limit,
@@ -100,9 +100,9 @@ def _distances(setup, strand, targets, seen, nearest):
                 continue
             moved, distance = 0.0, 0.0
             for j in range(n + 1):
-                moved = max(moved, abs(found[j] - seed[j]) / scale[j])
+                moved = max(moved, abs(foot[j] - seed[j]) / scale[j])
                 if seen[j]:
-                    distance = max(distance, abs(found[j] - target[j]) / scale[j])
+                    distance = max(distance, abs(foot[j] - target[j]) / scale[j])
             # What the corrector finds further off may belong to another curve.
             if moved <= 0.1 * arc + 1e-9:
                 nearest[k] = min(nearest[k], distance)

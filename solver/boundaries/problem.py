@@ -39,6 +39,7 @@ __all__ = [
     "FOLDS_AND_GRAZINGS",
     "GRAZINGS",
     "SAME",
+    "SPECTRAL",
     "BoundaryProblem",
     "Contact",
     "Guess",
@@ -52,6 +53,8 @@ __all__ = [
 GRAZINGS = (Event.MIN_AT_DRIVE, Event.MIN_AT_BACK, Event.MAX_AT_DRIVE, Event.MAX_AT_BACK)
 FOLDS_AND_GRAZINGS = (Event.FOLD, *GRAZINGS)
 BIFURCATIONS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
+#: What test functions of the monodromy matrix tell.
+SPECTRAL = (*BIFURCATIONS, Event.UNIT_MULTIPLIER)
 
 #: Points this close, in scaled unknowns, are the same one.
 SAME = 1e-6
@@ -286,7 +289,15 @@ def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
 
 @kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
 def parameters_at(parameters, parameter_slope, y):
-    """The parameters at y = (..., x, p), and what either axis adds to them there."""
+    """The parameters at y = (..., x, p), and what either axis adds to them there.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        A plane's header, its parameters at x = p = 0 and what x adds to them; what p adds to them.
+    y : array
+        Unknowns of the boundary, with x and p last.
+    """
     size, last = parameter_slope.shape[0], y.shape[0] - 1
     here, along_x, along_p = np.empty(size), np.empty(size), np.empty(size)
     for i in range(size):

@@ -19,7 +19,7 @@ def _refined(setup, strand, parts, result):
     """Fill `result` with the points and parts[i] - 1 more after point i; -1 - i if one of those cannot be found."""
     n, points, tangents, arclength = setup.unknowns, strand.points, strand.tangents, strand.arclength
     size = point_size(setup)
-    left, right, found = np.zeros(size), np.zeros(size), np.zeros(size)
+    left, right, point = np.zeros(size), np.zeros(size), np.zeros(size)
     count = 0
     for i in range(points.shape[0] - 1):
         copy_into(result[count], points[i])
@@ -28,9 +28,9 @@ def _refined(setup, strand, parts, result):
             left[j], right[j] = points[i, j], points[i + 1, j]
             left[n + 1 + j], right[n + 1 + j] = tangents[i, j], tangents[i + 1, j]
         for k in range(1, parts[i]):
-            if state_at(setup, left, right, arclength[i + 1] - arclength[i], k / parts[i], found) < 0:
+            if state_at(setup, left, right, arclength[i + 1] - arclength[i], k / parts[i], point) < 0:
                 return -1 - i
-            copy_into(result[count], found)
+            copy_into(result[count], point)
             count += 1
     copy_into(result[count], points[-1])
     return count + 1

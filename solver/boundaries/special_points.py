@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.boundaries.problem import BIFURCATIONS, BoundaryProblem, Plane, Stretch
+from solver.boundaries.problem import SPECTRAL, BoundaryProblem, Plane, Stretch
 from solver.continuation.continuation import Event
 from solver.explained import Explained
 
@@ -27,6 +27,7 @@ class SpecialPoint(Explained):
     RESONANCE_1_1 = 8, "The critical pair of multipliers meets at 1: the Neimark-Sacker boundary ends."
     CORNER = 9, "The bifurcating motion just touches a flank: the boundary has a corner."
     RESONANCE_1_2 = 10, "The critical pair meets at -1: the Neimark-Sacker boundary ends on a period doubling."
+    FOLD_CROSSING = 11, "The bifurcating motion folds as well: beyond, it is statically unstable."
 
 
 def named_points(boundary: BoundaryProblem, kind: Event, stretch: Stretch) -> np.ndarray:
@@ -44,7 +45,7 @@ def named_points(boundary: BoundaryProblem, kind: Event, stretch: Stretch) -> np
         if stretch.curve.event[i] == Event.FOLD:
             codes[i] = _turning_point(boundary, stretch, i) if kind is Event.FOLD else SpecialPoint.EXTREMUM
         elif stretch.curve.event[i] != Event.BRANCH_POINT:
-            codes[i] = SpecialPoint.FOLD_GRAZING
+            codes[i] = SpecialPoint.FOLD_CROSSING if kind in SPECTRAL else SpecialPoint.FOLD_GRAZING
     return codes
 
 
@@ -58,7 +59,7 @@ def joint(kind: Event, before: Stretch, after: Stretch) -> tuple[SpecialPoint, S
     kind : Event
     before, after : Stretch
     """
-    if kind in BIFURCATIONS:
+    if kind in SPECTRAL:
         return SpecialPoint.CORNER, SpecialPoint.NONE
     if kind is not Event.FOLD:
         return SpecialPoint.DOUBLE_GRAZING, SpecialPoint.NONE

@@ -10,9 +10,9 @@ from solver.boundaries.first_order import FirstOrderProblem
 from solver.boundaries.harmonic import HarmonicProblem
 from solver.boundaries.incidence import distances
 from solver.boundaries.problem import (
-    BIFURCATIONS,
     FOLDS_AND_GRAZINGS,
     SAME,
+    SPECTRAL,
     BoundaryProblem,
     Contact,
     Guess,
@@ -29,7 +29,7 @@ from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
 
-__all__ = ["Tracer", "boundary_curves", "row_events"]
+__all__ = ["Tracer", "boundary_curves", "events_near", "row_events"]
 
 _MOST_STRETCHES = 1000
 
@@ -127,10 +127,66 @@ def boundary_curves(
     continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
     kinds, points = _sorted(plane, balance.unknowns, starts)
     curves: list[BoundaryCurve] = []
-    boundary = FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
+    boundary = _boundary_problem(plane, balance)
     for kind in np.unique(kinds):
         curves += _curves(Tracer(boundary, Event(kind), continuation), points[kinds == kind])
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
+
+
+def events_near(
+    system: Model | ContactSystem,
+    x_axis: str,
+    p_axis: str | ParameterPath,
+    x_range: tuple[float, float],
+    p_range: tuple[float, float],
+    guesses: Iterable[tuple[Event, np.ndarray]],
+    reach: float,
+    *,
+    omega: float | None = None,
+    balance: Balance | None = None,
+    continuation: Continuation | None = None,
+) -> list[tuple[Event, np.ndarray]]:
+    """Points of boundaries in the rows of guesses, as starts for `boundary_curves`.
+
+    Parameters
+    ----------
+    system, x_axis, p_axis, x_range, p_range, omega, balance, continuation
+        As for `boundary_curves`.
+    guesses : iterable of (Event, (n + 2,) array)
+        Kind and (u, x, p) near a boundary.
+    reach : float
+        Largest distance along x of a point from its guess.
+
+    Returns
+    -------
+    list of (Event, (n + 2,) array)
+        With p as guessed; guesses that lead nowhere, or beyond the plane, are left out.
+
+    Raises
+    ------
+    ParameterError
+        As `boundary_curves`.
+    """
+    plane, reach = Plane(system, x_axis, p_axis, x_range, p_range, omega), finite_number("reach", reach, above=0.0)
+    balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
+    corrector = (Continuation() if continuation is None else continuation).corrector
+    boundary, found = _boundary_problem(plane, balance), []
+    for kind, guess in zip(*_sorted(plane, balance.unknowns, guesses), strict=True):
+        kind = Event(kind)
+        here = list(boundary.components(kind))
+        for contact, y in boundary.starts(kind, guess):
+            y = boundary.problem(kind, contact).corrected(y, corrector, max_iterations=4 * corrector.max_iterations)
+            if y is None:
+                continue
+            point = y[here]
+            if abs(point[-2] - guess[-2]) <= reach and x_range[0] <= point[-2] <= x_range[1]:
+                found.append((kind, point))
+                break
+    return found
+
+
+def _boundary_problem(plane: Plane, balance: Balance) -> BoundaryProblem:
+    return FirstOrderProblem(plane) if balance.truncated else HarmonicProblem(plane, balance)
 
 
 def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray]:
@@ -139,7 +195,7 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
     By kind, p, x and unknowns, but those on the plane's border last: a boundary that ends there may do so at a
     singular point (b = 0).
     """
-    size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)
+    size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *SPECTRAL)
     kinds, points = checked_events("starts", starts, size)
     for kind in np.unique(kinds):
         if kind not in allowed:
@@ -155,7 +211,7 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
 
 def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
     """All boundaries of one kind on which starts (k, n + 2) lie."""
-    curves, found = [], list[Chain]()
+    curves, chains = [], list[Chain]()
     while len(waiting):
         chain = tracer.boundary(waiting[0])
         nearest = np.full(len(waiting), np.inf) if chain is None else tracer.distances(chain, waiting)
@@ -165,10 +221,10 @@ def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
             continue
         # Two starts may lead to the same stretch between two corners, and from one of them alone across.
         for part in chain.parts():
-            if not any(tracer.covers(known, part) for known in found):
-                found = [*(known for known in found if not tracer.covers(part, known)), part]
+            if not any(tracer.covers(known, part) for known in chains):
+                chains = [*(known for known in chains if not tracer.covers(part, known)), part]
         waiting = waiting[nearest > SAME]
-    return [*curves, *(assembled(tracer.boundary_problem, tracer.kind, chain) for chain in joined(found))]
+    return [*curves, *(assembled(tracer.boundary_problem, tracer.kind, chain) for chain in joined(chains))]
 
 
 class Tracer:
@@ -199,8 +255,8 @@ class Tracer:
         for stretch in chain.stretches:
             targets = np.zeros((len(points), stretch.problem.unknowns + 1))
             targets[:, here] = points
-            found = distances(stretch.problem, stretch.curve, targets, here, self.continuation)
-            nearest = np.minimum(nearest, found)
+            from_stretch = distances(stretch.problem, stretch.curve, targets, here, self.continuation)
+            nearest = np.minimum(nearest, from_stretch)
         return nearest
 
     def covers(self, chain: Chain, other: Chain) -> bool:
@@ -211,7 +267,7 @@ class Tracer:
 
     def _through(self, point: np.ndarray) -> Stretch | None:
         """The stretch on which a start (u, x, p) lies."""
-        found = None
+        longest = None
         for contact, y in self.boundary_problem.starts(self.kind, point):
             # Held at its own p, so that a start on the border stays there, unless the boundary runs along the row.
             heading = curve_tangent(self.boundary_problem.problem(self.kind, contact), y)
@@ -223,11 +279,11 @@ class Tracer:
             if not _finite(heading):
                 continue
             stretch = self._followed(contact, y, heading, self.continuation.trace_both_ways)
-            found = stretch if len(stretch.curve.points) else found
+            longest = stretch if len(stretch.curve.points) else longest
             # A start on a wall and on the plane's border has its boundary on one side of the wall only.
             if len(stretch.curve.points) > 1:
                 break
-        return found
+        return longest
 
     def _correct_onto_curve(
         self, contact: Contact, y: np.ndarray, normal: np.ndarray, reach: float, beyond: float
@@ -263,8 +319,8 @@ class Tracer:
         """Follow a boundary beyond its last stretch."""
         while len(chain.stretches) < _MOST_STRETCHES and not chain.closed:
             last = chain.stretches[-1]
-            found = (self._beyond(last, guess) for guess in self.boundary_problem.guesses_beyond(self.kind, last))
-            stretch = next((stretch for stretch in found if stretch is not None), None)
+            candidates = (self._beyond(last, guess) for guess in self.boundary_problem.guesses_beyond(self.kind, last))
+            stretch = next((stretch for stretch in candidates if stretch is not None), None)
             if stretch is None:
                 break
             chain = chain.followed_by(stretch)

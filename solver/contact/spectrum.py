@@ -194,6 +194,15 @@ def extrema(u, slope, angles, zones):
     """Local extrema of lambda: their number, angles, and zones: 1 at a minimum, where the slope becomes positive.
 
     `slope` (2 H + 1,) is filled with d lambda/d theta; angles and zones have room for `most_arcs(H)`.
+
+    Parameters
+    ----------
+    u : (n,) array
+        Unknowns (Lambda_0, c_1, s_1, ...).
+    slope : (n,) array
+        Room for the coefficients of the derivative.
+    angles, zones : (2 n + 8,) arrays
+        Filled with angles (rad) and, for each, whether the derivative becomes positive there.
     """
     slope[0] = 0.0
     for k in range(1, u.shape[0] // 2 + 1):

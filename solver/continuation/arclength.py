@@ -129,20 +129,20 @@ def _begin(setup, here, heading):
     types.UniTuple(_I, 2)(SETUP, LIMITS, ARRAY, ARRAY, ARRAY, _F, _I, _I, _F, STRAND, MATRIX, ARRAY, types.int64[::1]),
     inner=True,
 )
-def _take(setup, limits, home, here, there, arc, event, count, travelled, strand, found, fractions, kinds):
+def _take(setup, limits, home, here, there, arc, event, count, travelled, strand, event_points, fractions, kinds):
     """Write what lies on a step, and its last point: points then written (perhaps more than fit), and end reason.
 
     The reason is 0 where the curve goes on, -1 where something was not located and nothing was written. `event` is that
-    of the last point; what vanishes there exactly is not looked for. The last row of `found` is the point it ends at.
+    of the last point; what vanishes there exactly is not looked for. The last row of `event_points` is its end.
     """
-    last = found[found.shape[0] - 1]
+    last = event_points[event_points.shape[0] - 1]
     reason, end = find_end(setup, limits, here, there, arc, home, count > 3, last)
-    located = find_events(setup, limits, here, there, arc, event, found, fractions, kinds) if reason >= 0 else -1
+    located = find_events(setup, limits, here, there, arc, event, event_points, fractions, kinds) if reason >= 0 else -1
     if located < 0:
         return count, -1
     for i in range(located):
         if fractions[i] < end:
-            _record(setup, strand, count, found[i], kinds[i], travelled + fractions[i] * arc)
+            _record(setup, strand, count, event_points[i], kinds[i], travelled + fractions[i] * arc)
             count += 1
     if reason > 0:
         _record(setup, strand, count, last, event if event == _BRANCH_POINT else 0, travelled + end * arc)
@@ -158,6 +158,17 @@ def trace(setup, limits, start, heading, strand, log):
     It ends where it leaves the box of `limits`; at once if `start` lies on its border and the curve heads out. Fills
     `strand` as far as there is room, and a row of `log` (any number, PLACE + n + 1) for every step that was tried.
 
+    Parameters
+    ----------
+    setup : Setup
+    limits : Limits
+    start, heading : (n + 1,) arrays
+        Where the curve begins, and the side to which it is followed.
+    strand : Strand
+        Filled with points.
+    log : (k, PLACE + n + 1) array
+        Filled with a row for every step that was tried.
+
     Returns
     -------
     count, reason, refused : int
@@ -166,7 +177,7 @@ def trace(setup, limits, start, heading, strand, log):
     n, scale, room = setup.unknowns, setup.scale, strand.points.shape[0]
     size = point_size(setup)
     here, there, again, guess = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(n + 1)
-    found, fractions = np.zeros((setup.test_count + 1, size)), np.empty(setup.test_count)
+    event_points, fractions = np.zeros((setup.test_count + 1, size)), np.empty(setup.test_count)
     kinds = np.empty(setup.test_count, np.int64)
     corner, corner_kinds = np.empty((0, size)), np.empty(CORNER_ROOM, np.int64)
 
@@ -213,10 +224,10 @@ def trace(setup, limits, start, heading, strand, log):
         if outcome == _ACCEPTED:
             event = _BRANCH_POINT if (here[-1] < 0.0) != (there[-1] < 0.0) else 0
             count, reason = _take(
-                setup, limits, home, here, there, arc, event, count, travelled, strand, found, fractions, kinds
+                setup, limits, home, here, there, arc, event, count, travelled, strand, event_points, fractions, kinds
             )
             outcome = _ACCEPTED if reason >= 0 else _NOT_LOCATED
-        final = found[setup.test_count] if reason > 0 else there
+        final = event_points[setup.test_count] if reason > 0 else there
         _note(log, attempts, outcome, step, iterations, error, angle, count, final[: n + 1])
         attempts += 1
         if outcome == _ACCEPTED:
@@ -254,11 +265,11 @@ def trace(setup, limits, start, heading, strand, log):
                 count,
                 travelled,
                 strand,
-                found,
+                event_points,
                 fractions,
                 kinds,
             )
-            final, outcome = found[setup.test_count] if reason > 0 else there, _ROUND_A_CORNER
+            final, outcome = event_points[setup.test_count] if reason > 0 else there, _ROUND_A_CORNER
             if reason < 0:
                 outcome = _NOT_LOCATED
             _note(log, attempts, outcome, arc, 0, math.nan, angle, count, final[: n + 1])

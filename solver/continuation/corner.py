@@ -155,9 +155,9 @@ def _agrees(setup, corner, normal, point):
     at_corner, at_point = dot(normal, corner[n + 1 : 2 * n + 2]), dot(normal, point[n + 1 : 2 * n + 2])
     gap, size = 0.0, 0.0
     for j in range(n + 1):
-        place = 3.0 * (point[j] - corner[j]) / scale[j] - depth * corner[n + 1 + j] / at_corner
+        value = 3.0 * (point[j] - corner[j]) / scale[j] - depth * corner[n + 1 + j] / at_corner
         slope = 2.0 * depth * point[n + 1 + j] / at_point
-        gap, size = gap + (place - slope) ** 2, size + slope * slope
+        gap, size = gap + (value - slope) ** 2, size + slope * slope
     return depth > 0.0 and gap <= _AGREEMENT**2 * size
 
 
@@ -179,8 +179,8 @@ def _find_beyond(setup, corner, normal, least, most, point):
 @kernel(_B(SETUP, ARRAY, ARRAY), inline=True)
 def _flips(setup, left, right):
     """Whether another branch crosses between two points that are too far apart to take that for granted."""
-    apart = scaled_distance(left, right, setup.scale)
-    return (left[-1] < 0.0) != (right[-1] < 0.0) and apart > BRANCH_POINT_STEP
+    distance = scaled_distance(left, right, setup.scale)
+    return (left[-1] < 0.0) != (right[-1] < 0.0) and distance > BRANCH_POINT_STEP
 
 
 @kernel(types.void(MATRIX, ARRAY, _INTS, _I, _I), inner=True)
@@ -206,8 +206,8 @@ def _fill(setup, limits, normal, points, sigmas, kinds):
         _cubic_point(setup, normal, left, right, sigmas[k], sigmas[k + 1], 0.5, point[: n + 1], tangent)
         predicted = point[: n + 1].copy()
         noise = _placed(setup, normal, point)
-        apart = min(scaled_distance(left, point, scale), scaled_distance(point, right, scale))
-        if not (0.0 <= noise <= _NOISE * apart and scaled_distance(point, predicted, scale) <= _STRAY * apart):
+        distance = min(scaled_distance(left, point, scale), scaled_distance(point, right, scale))
+        if not (0.0 <= noise <= _NOISE * distance and scaled_distance(point, predicted, scale) <= _STRAY * distance):
             if scaled_distance(left, right, scale) > _FINE:
                 return 0
             k += 1

@@ -25,7 +25,27 @@ def workspace_rows(unknowns: int) -> int:
 
 @kernel(types.void(RESIDUAL_AND_JACOBIAN, ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX, ARRAY, MATRIX), inner=True)
 def bordered(residual_and_jacobian, parameters, parameter_slope, scale, y, border, jacobian, residual, matrix):
-    """Fill `matrix` (n+1, n+1) with the Jacobian in scaled unknowns above row `border`, `residual` (n,) with E(y)."""
+    """Fill `matrix` (n+1, n+1) with the Jacobian in scaled unknowns above row `border`, `residual` (n,) with E(y).
+
+    Parameters
+    ----------
+    residual_and_jacobian : kernel
+        The curve's equations.
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    scale : (n + 1,) array
+        Typical size of every unknown and of p.
+    y : (n + 1,) array
+        (u, p).
+    border : (n + 1,) array
+        Last row of the matrix, in scaled unknowns.
+    jacobian : (n, n + 1) array
+        Filled with the Jacobian.
+    residual : (n,) array
+        Filled with the residual.
+    matrix : (n + 1, n + 1) array
+        Filled with the bordered matrix.
+    """
     n = y.shape[0] - 1
     residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian)
     for i in range(n):
@@ -37,7 +57,17 @@ def bordered(residual_and_jacobian, parameters, parameter_slope, scale, y, borde
 
 @kernel(types.float64(ARRAY, ARRAY, ARRAY), inline=True)
 def advance(y, scale, step):
-    """Add a scaled step to y; its length, or nan if it is not finite."""
+    """Add a scaled step to y; its length, or nan if it is not finite.
+
+    Parameters
+    ----------
+    y : (n + 1,) array
+        Moved by the step.
+    scale : (n + 1,) array
+        Typical size of every unknown and of p.
+    step : (n + 1,) array
+        In scaled unknowns.
+    """
     length = 0.0
     for j in range(y.shape[0]):
         length += step[j] * step[j]
@@ -128,15 +158,33 @@ def correct_all(
     parameters,
     parameter_slope,
     scale,
-    places,
+    guesses,
     normal,
     tolerance,
     max_iterations,
     work,
 ):
-    """Correct every row of `places` (k, n + 1) across one normal; those that do not settle are filled with nan."""
-    for i in range(places.shape[0]):
-        y = places[i]
+    """Correct every row of `guesses` (k, n + 1) across one normal; those that do not settle are filled with nan.
+
+    Parameters
+    ----------
+    corrector, residual_and_jacobian : kernels
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    scale : (n + 1,) array
+        Typical size of every unknown and of p.
+    guesses : (k, n + 1) array
+        Overwritten with what the corrector reaches; nan where it does not converge.
+    normal : (n + 1,) array
+        Across the hyperplanes, in scaled unknowns.
+    tolerance : float
+        Of the corrector.
+    max_iterations : int
+    work : (workspace_rows(n), n + 1) array
+        Overwritten.
+    """
+    for i in range(guesses.shape[0]):
+        y = guesses[i]
         if (
             corrector(
                 residual_and_jacobian, parameters, parameter_slope, scale, y, normal, tolerance, max_iterations, work

@@ -42,7 +42,15 @@ def point_size(setup):
 
 @kernel(_F(ARRAY, ARRAY, ARRAY), inline=True)
 def scaled_distance(left, right, scale):
-    """Distance of two points' y in scaled unknowns."""
+    """Distance of two points' y in scaled unknowns.
+
+    Parameters
+    ----------
+    left, right : (n + 1,) arrays
+        Or point arrays, which begin with y.
+    scale : (n + 1,) array
+        Typical size of every unknown and of p.
+    """
     total = 0.0
     for j in range(scale.shape[0]):
         total += ((left[j] - right[j]) / scale[j]) ** 2
@@ -51,7 +59,13 @@ def scaled_distance(left, right, scale):
 
 @kernel(_F(SETUP, ARRAY, ARRAY), inline=True)
 def angle_between(setup, left, right):
-    """Angle between the tangents of two points."""
+    """Angle between the tangents of two points.
+
+    Parameters
+    ----------
+    setup : Setup
+    left, right : point arrays
+    """
     n = setup.unknowns
     return math.acos(min(max(dot(left[n + 1 : 2 * n + 2], right[n + 1 : 2 * n + 2]), -1.0), 1.0))
 
@@ -62,6 +76,14 @@ def orient(setup, point, border):
 
     The Jacobian is at hand, so y gets one more Newton correction across `border` on the way: whatever corrector brought
     it here, what is left of its error is squared.
+
+    Parameters
+    ----------
+    setup : Setup
+    point : point array
+        At a solution; its tangent and determinant are filled.
+    border : (n + 1,) array
+        To which side the tangent points, in scaled unknowns.
     """
     n = setup.unknowns
     y, tangent = point[: n + 1], point[n + 1 : 2 * n + 2]
@@ -114,6 +136,14 @@ def correct_onto_curve(setup, point, normal):
     """Correct the predicted y of `point` on the hyperplane across `normal`; fill in tangent and determinant.
 
     The test functions's part of the point is left to `observe_from`. Returns the corrector's iterations, or -1.
+
+    Parameters
+    ----------
+    setup : Setup
+    point : array
+        Begins with y, which is corrected.
+    normal : (n + 1,) array
+        Across the hyperplane, in scaled unknowns.
     """
     iterations = setup.corrector(
         setup.residual_and_jacobian,
@@ -133,7 +163,20 @@ def correct_onto_curve(setup, point, normal):
 
 @kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
 def state_at(setup, left, right, arc, x, point):
-    """The point at fraction x of the way from `left` to `right`, guided by the cubic through both ends and tangents."""
+    """The point at fraction x of the way from `left` to `right`, guided by the cubic through both ends and tangents.
+
+    Parameters
+    ----------
+    setup : Setup
+    left, right : point arrays
+        Ends of the step.
+    arc : float
+        Its length in scaled unknowns.
+    x : float
+        Fraction of it, from 0 to 1.
+    point : point array
+        Filled.
+    """
     n = setup.unknowns
     normal = np.empty(n + 1)
     for j in range(n + 1):
@@ -152,7 +195,7 @@ def state_at(setup, left, right, arc, x, point):
 
 
 @kernel(_F(SETUP, ARRAY, ARRAY, _F, _I, ARRAY, _F, ARRAY), inner=True)
-def locate(setup, left, right, arc, slot, factors, level, found):
+def locate(setup, left, right, arc, slot, factors, level, point):
     """Find where a linear function of the point array equals `level` between two points of the curve.
 
     Parameters
@@ -168,7 +211,7 @@ def locate(setup, left, right, arc, slot, factors, level, found):
         With slot -1 the function is factors . y.
     level : float
         What the function shall equal.
-    found : point array
+    point : point array
         Filled with the place found.
 
     Returns
@@ -189,9 +232,9 @@ def locate(setup, left, right, arc, slot, factors, level, found):
         x = (low * g_high - high * g_low) / (g_high - g_low)
         margin = 1e-3 * (high - low)
         x = min(max(x, low + margin), high - margin)
-        if state_at(setup, left, right, arc, x, found) < 0:
+        if state_at(setup, left, right, arc, x, point) < 0:
             return -1.0
-        g = (found[slot] if slot >= 0 else dot(factors, found[: n + 1])) - level
+        g = (point[slot] if slot >= 0 else dot(factors, point[: n + 1])) - level
         # Steps round a corner may be shorter than what rounding leaves of a place on them.
         if abs(g) <= 1e-14 * reference or ((high - low) * arc <= 1e-13 and high - low <= 1e-4):
             break
@@ -210,7 +253,18 @@ def locate(setup, left, right, arc, slot, factors, level, found):
 
 @kernel(types.void(SETUP, ARRAY, _I, _F), inner=True)
 def snap_to_level(setup, point, slot, level):
-    """Move a point that lies within rounding of y[slot] = level onto it, unless the curve is tangent to that plane."""
+    """Move a point that lies within rounding of y[slot] = level onto it, unless the curve is tangent to that plane.
+
+    Parameters
+    ----------
+    setup : Setup
+    point : point array
+        Whose y is overwritten in one component.
+    slot : int
+        Of that component.
+    level : float
+        Its value.
+    """
     n = setup.unknowns
     normal, snapped = np.zeros(n + 1), point.copy()
     normal[slot] = 1.0

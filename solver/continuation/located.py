@@ -25,7 +25,7 @@ def _slot_of(setup, event):
 
 
 @kernel(_B(SETUP, ARRAY, MATRIX, types.int64[::1], _I), inner=True)
-def _contradicts(setup, left, found, kinds, count):
+def _contradicts(setup, left, event_points, kinds, count):
     """Do the points of `count` located events, in order, show signs that the located events do not explain?"""
     for event in range(_FOLD, _FOLD + setup.test_count):
         slot = _slot_of(setup, event)
@@ -33,17 +33,32 @@ def _contradicts(setup, left, found, kinds, count):
         for k in range(count):
             if kinds[k] == event:
                 sign = -sign
-            elif found[k, slot] * sign < 0.0:
+            elif event_points[k, slot] * sign < 0.0:
                 return True
     return False
 
 
 @kernel(_I(SETUP, LIMITS, ARRAY, ARRAY, _F, _I, MATRIX, ARRAY, types.int64[::1]), inner=True)
-def find_events(setup, limits, left, right, arc, event, found, fractions, kinds):
+def find_events(setup, limits, left, right, arc, event, event_points, fractions, kinds):
     """Locate the fold and the grazings between two points, in order of arc.
 
     Their number; -1 if one was not found, or if (in longer steps) a pair of another kind lies around it. What
     vanishes at the right point exactly is left out if that has a known `event`, which is recorded with it.
+
+    Parameters
+    ----------
+    setup : Setup
+    limits : Limits
+    left, right : point arrays
+        Ends of the step.
+    arc : float
+        Its length in scaled unknowns.
+    event : int
+        `Event` of the right point; 0 if it is none.
+    event_points : (k, size) array
+        Filled with point arrays.
+    fractions, kinds : (k,) arrays
+        Filled: where along the step, and `Event`.
     """
     n = setup.unknowns
     count = 0
@@ -53,7 +68,7 @@ def find_events(setup, limits, left, right, arc, event, found, fractions, kinds)
             continue
         if kind == _FOLD and is_level(setup, left, right):
             continue
-        fraction = locate(setup, left, right, arc, slot, left[: n + 1], 0.0, found[count])
+        fraction = locate(setup, left, right, arc, slot, left[: n + 1], 0.0, event_points[count])
         if fraction < 0.0:
             return -1
         kinds[count], fractions[count] = kind, fraction
@@ -61,12 +76,12 @@ def find_events(setup, limits, left, right, arc, event, found, fractions, kinds)
         while k > 0 and fractions[k - 1] > fractions[k]:
             fractions[k - 1], fractions[k] = fractions[k], fractions[k - 1]
             kinds[k - 1], kinds[k] = kinds[k], kinds[k - 1]
-            for j in range(found.shape[1]):
-                found[k - 1, j], found[k, j] = found[k, j], found[k - 1, j]
+            for j in range(event_points.shape[1]):
+                event_points[k - 1, j], event_points[k, j] = event_points[k, j], event_points[k - 1, j]
             k -= 1
         count += 1
     # A curve bends sharply where it grazes, and may fold twice there between two points that look harmless.
-    if arc > LEAST * limits.smallest and _contradicts(setup, left, found, kinds, count):
+    if arc > LEAST * limits.smallest and _contradicts(setup, left, event_points, kinds, count):
         return -1
     return count
 
@@ -81,7 +96,7 @@ def _inside(y, low, high):
 
 
 @kernel(_B(ARRAY, ARRAY, ARRAY), inline=True)
-def _same_place(left, right, scale):
+def _same_point(left, right, scale):
     """Whether two points are one, to what the corrector leaves."""
     for j in range(scale.shape[0]):  # noqa: SIM110 (kernels have no generators)
         if not abs((left[j] - right[j]) / scale[j]) <= 1e-6:
@@ -90,17 +105,32 @@ def _same_place(left, right, scale):
 
 
 @kernel(types.Tuple((_I, _F))(SETUP, LIMITS, ARRAY, ARRAY, _F, ARRAY, _B, ARRAY), inner=True)
-def find_end(setup, limits, left, right, arc, home, away, found):
-    """Does the curve end between two points? Reason (0 no, -1 not located) and fraction; `found` is the last point.
+def find_end(setup, limits, left, right, arc, home, away, end):
+    """Does the curve end between two points? Reason (0 no, -1 not located) and fraction; `end` is the last point.
 
     `home` is the first point of the curve, which may close there once it has been `away`.
+
+    Parameters
+    ----------
+    setup : Setup
+    limits : Limits
+    left, right : point arrays
+        Ends of the step.
+    arc : float
+        Its length in scaled unknowns.
+    home : point array
+        First point of the curve.
+    away : bool
+        Whether the curve has been far from it.
+    end : point array
+        Filled.
     """
     n, low, high = setup.unknowns, limits.low, limits.high
     reason, fraction = 0, 2.0
     near_home = away and scaled_distance(right, home, setup.scale) <= 2.0 * arc
     if _inside(right, low, high) and right[2 * n + 2] <= limits.ceiling and not near_home:
         return reason, fraction
-    plane, trial = np.empty(n + 1), np.empty(found.shape[0])
+    plane, trial = np.empty(n + 1), np.empty(end.shape[0])
     for j in range(n + 1):
         plane[j] = home[n + 1 + j] / setup.scale[j]
     # One candidate for every component of y that leaves the box, then the return to the start, then the ceiling.
@@ -119,16 +149,16 @@ def find_end(setup, limits, left, right, arc, home, away, found):
             if right[2 * n + 2] <= limits.ceiling:
                 continue
             kind, slot, level = _CEILING, 2 * n + 2, limits.ceiling
-        place = locate(setup, left, right, arc, slot, plane, level, trial)
-        if place < 0.0:
+        at = locate(setup, left, right, arc, slot, plane, level, trial)
+        if at < 0.0:
             return -1, 0.0
-        if kind == _CLOSED and not _same_place(trial, home, setup.scale):
+        if kind == _CLOSED and not _same_point(trial, home, setup.scale):
             continue
-        if place < fraction:
-            reason, fraction = kind, place
-            copy_into(found, trial)
+        if at < fraction:
+            reason, fraction = kind, at
+            copy_into(end, trial)
             if kind == _RANGE_LEFT:
-                snap_to_level(setup, found, slot, level)
+                snap_to_level(setup, end, slot, level)
             elif kind == _CLOSED:
-                copy_into(found, home)
+                copy_into(end, home)
     return reason, fraction

@@ -55,19 +55,19 @@ def _nearest(point, solutions, stable, scale, wanted):
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def _place_between(left, right, leave, arrive, scale, arc, level, place):
-    """Fill `place` (n,) with the unknowns at p = level of the cubic through two points (n + 1,) with tangents."""
-    n = place.shape[0]
+def _estimated(left, right, leave, arrive, scale, arc, level, estimate):
+    """Fill `estimate` (n,) with the unknowns at p = level of the cubic through two points (n + 1,) with tangents."""
+    n = estimate.shape[0]
     x = fraction_at(left[n], right[n], arc * leave[n] * scale[n], arc * arrive[n] * scale[n], level, 1e-7)
     for j in range(n):
         off, on = arc * leave[j] * scale[j], arc * arrive[j] * scale[j]
         a, b = cubic(left[j], right[j], off, on)
-        place[j] = cubic_value(a, b, off, left[j], x)
+        estimate[j] = cubic_value(a, b, off, left[j], x)
 
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def _meet(setup, left, right, arc, level, found):
-    """Fill `found` with the point between two points at p = level; False if it cannot be found."""
+def _meet(setup, left, right, arc, level, point):
+    """Fill `point` with the point between two points at p = level; False if it cannot be found."""
     n, scale = setup.unknowns, setup.scale
     start, end = left[n], right[n]
     leave, arrive = arc * left[2 * n + 1] * scale[n], arc * right[2 * n + 1] * scale[n]
@@ -85,20 +85,20 @@ def _meet(setup, left, right, arc, level, found):
         a, b = cubic(left[j], right[j], leave, arrive)
         seed[j] = cubic_value(a, b, leave, left[j], low)
     seed[n], normal[n] = level, 1.0
-    copy_into(found[: n + 1], seed)
+    copy_into(point[: n + 1], seed)
     sense = 1.0 if end > start else -1.0
     regular = left if abs(left[2 * n + 1]) > abs(right[2 * n + 1]) else right
     if (
-        correct_onto_curve(setup, found, normal) > 0
-        and scaled_distance(found, seed, scale) <= 0.1 * arc
+        correct_onto_curve(setup, point, normal) > 0
+        and scaled_distance(point, seed, scale) <= 0.1 * arc
         # Both sides of a fold meet this p; the determinant tells which one this is.
-        and found[-1] * found[2 * n + 1] * regular[-1] * sense > 0.0
+        and point[-1] * point[2 * n + 1] * regular[-1] * sense > 0.0
     ):
-        found[n] = level
+        point[n] = level
         return True
-    if locate(setup, left, right, arc, n, normal, level, found) < 0.0:
+    if locate(setup, left, right, arc, n, normal, level, point) < 0.0:
         return False
-    snap_to_level(setup, found, n, level)
+    snap_to_level(setup, point, n, level)
     return True
 
 
@@ -111,7 +111,7 @@ def _crossings(setup, strand, closed, grid, known, known_stable, complete, on_cu
     n, scale, points, tangents = setup.unknowns, setup.scale, strand.points, strand.tangents
     arclength, stable, events = strand.arclength, strand.stable, strand.event
     size = point_size(setup)
-    left, right, found, place = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(n)
+    left, right, point, estimate = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(n)
     count, capacity = 0, columns.shape[0]
     for i in range(-1, points.shape[0] - 1):
         before, after = points[max(i, 0), n], points[i + 1, n]
@@ -128,13 +128,13 @@ def _crossings(setup, strand, closed, grid, known, known_stable, complete, on_cu
                 continue
             if grid[k] == after:
                 piece, reached = stable[i + 1], True
-                copy_into(found[:n], points[i + 1])
+                copy_into(point[:n], points[i + 1])
             else:
                 arc = arclength[i + 1] - arclength[i]
                 piece = stable[i] if events[i] != _FOLD else stable[i + 1]
                 if complete[k]:
-                    _place_between(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, grid[k], place)
-                    index, least, second = _nearest(place, known[k], known_stable[k], scale, np.int64(piece))
+                    _estimated(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, grid[k], estimate)
+                    index, least, second = _nearest(estimate, known[k], known_stable[k], scale, np.int64(piece))
                     if least <= _NEAR * arc and second >= _APART * arc:
                         on_curve[k, index] = 1
                         continue
@@ -146,16 +146,16 @@ def _crossings(setup, strand, closed, grid, known, known_stable, complete, on_cu
                     sense = 1.0 if after > before else -1.0
                     left[-1] = right[-1] = sense if piece == 1 else -sense
                     filled = True
-                reached = _meet(setup, left, right, arc, grid[k], found)
+                reached = _meet(setup, left, right, arc, grid[k], point)
             if reached:
-                index, least, second = _nearest(found, known[k], known_stable[k], scale, np.int64(-1))
+                index, least, second = _nearest(point, known[k], known_stable[k], scale, np.int64(-1))
                 if least <= _SAME:
                     on_curve[k, index] = 1
                     continue
             if count == capacity:
                 return capacity + 1
             for j in range(n):
-                unknowns[count, j] = found[j] if reached else np.nan
+                unknowns[count, j] = point[j] if reached else np.nan
             columns[count], stabilities[count] = k, piece if reached else _UNREACHED
             count += 1
     return count

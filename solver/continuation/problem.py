@@ -96,7 +96,7 @@ class Problem:
         ParameterError
             If y is no vector of n + 1 numbers.
         """
-        n, y = self.unknowns, self._place(y)
+        n, y = self.unknowns, self._checked(y)
         residual, jacobian = np.empty(n), np.empty((n, n + 1))
         self.residual_and_jacobian(self.parameters, self.parameter_slope, y, residual, jacobian)
         return residual, jacobian
@@ -109,13 +109,13 @@ class Problem:
         ParameterError
             If y is no vector of n + 1 numbers, or the count is no whole number from 1 to 10000.
         """
-        count, y = whole_number("count", count, 1, 10_000), self._place(y)
+        count, y = whole_number("count", count, 1, 10_000), self._checked(y)
         # The kernel fills all of its values, however few are wanted.
         values = np.full(max(count, self.test_count), np.nan)
         self.test_functions(self.parameters, self.parameter_slope, y, values, np.empty((values.size, y.size)))
         return values[:count]
 
-    def _place(self, y) -> np.ndarray:
+    def _checked(self, y) -> np.ndarray:
         """A copy of y = (u, p); raises ParameterError if it is no vector of n + 1 numbers."""
         y = number_array("y", y).astype(float)
         if y.shape != (self.unknowns + 1,):
@@ -123,13 +123,13 @@ class Problem:
         return y
 
     def corrected_all(
-        self, places, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
+        self, guesses, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
     ) -> np.ndarray:
         """The solutions that a corrector reaches from many guesses, each on a hyperplane through it.
 
         Parameters
         ----------
-        places : (k, n + 1) array_like
+        guesses : (k, n + 1) array_like
             The guesses (u, p).
         corrector : Newton or Broyden
         normal : (n + 1,) array_like, optional
@@ -148,27 +148,27 @@ class Problem:
             If an argument has another size or is not finite, or is no corrector.
         """
         n = self.unknowns
-        found = finite_array("places", places, (None, n + 1))
+        solutions = finite_array("guesses", guesses, (None, n + 1))
         instance_of("corrector", corrector, Newton, Broyden)
         if max_iterations is not None:
             whole_number("max_iterations", max_iterations, 1, 10_000)
-        p = found[:, n].copy()
+        p = solutions[:, n].copy()
         correct_all(
             corrector.kernel,
             self.residual_and_jacobian,
             self.parameters,
             self.parameter_slope,
             self.scale,
-            found,
+            solutions,
             np.eye(n + 1)[n] if normal is None else finite_array("normal", normal, (n + 1,)),
             corrector.tolerance,
             max_iterations or corrector.max_iterations,
             np.empty((workspace_rows(n), n + 1)),
         )
         if normal is None:
-            found[:, n] = p
-        found[~np.all(np.isfinite(found), axis=1)] = np.nan
-        return found
+            solutions[:, n] = p
+        solutions[~np.all(np.isfinite(solutions), axis=1)] = np.nan
+        return solutions
 
     def corrected(
         self, y, corrector: Newton | Broyden, normal=None, max_iterations: int | None = None
@@ -188,8 +188,8 @@ class Problem:
             If an argument has another size or is not finite, or is no corrector.
         """
         guess = finite_array("y", y, (self.unknowns + 1,))
-        (found,) = self.corrected_all(guess[None], corrector, normal, max_iterations)
-        return None if np.isnan(found[0]) else found
+        (solution,) = self.corrected_all(guess[None], corrector, normal, max_iterations)
+        return None if np.isnan(solution[0]) else solution
 
 
 class Balance(Protocol):

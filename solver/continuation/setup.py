@@ -24,7 +24,17 @@ ANGLE, FLANK, SENSE, MARGIN, CONTACT_ROW = range(5)
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX))
 def no_contacts(parameters, parameter_slope, y, rows):
-    """The contacts of a problem whose force is smooth, or soft enough to be stepped over: none."""
+    """The contacts of a problem whose force is smooth, or soft enough to be stepped over: none.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    y : (n + 1,) array
+        (u, p).
+    rows : (k, CONTACT_ROW + n + 1) array
+        Not touched.
+    """
     return 0
 
 

@@ -36,6 +36,7 @@ class Event(Explained):
     BRANCH_POINT = 6, "Another branch crosses here."
     PERIOD_DOUBLING = 7, "A multiplier passes -1: motions of twice the period branch off."
     NEIMARK_SACKER = 8, "A pair of multipliers passes the unit circle: quasi-periodic motions branch off."
+    UNIT_MULTIPLIER = 9, "A multiplier passes +1 where no branch folds: the order of the balance is too low."
 
 
 class Outcome(Explained):

@@ -60,7 +60,14 @@ def _touches_zero(left, right, leave, arrive):
 
 @kernel(types.boolean(SETUP, ARRAY, ARRAY), inline=True)
 def is_level(setup, left, right):
-    """Whether the curve runs at constant p between two points, to rounding."""
+    """Whether the curve runs at constant p between two points, to rounding.
+
+    Parameters
+    ----------
+    setup : Setup
+    left, right : point arrays
+        Ends of the step.
+    """
     slot = 2 * setup.unknowns + 1
     return abs(left[slot]) < _LEVEL and abs(right[slot]) < _LEVEL
 
@@ -91,6 +98,21 @@ def judge(setup, limits, left, right, step, error, angle, arc):
     """Whether a corrected step may be taken, before anything is located on it: its `Outcome`.
 
     `error` is the distance of the corrected from the predicted point, `angle` that between the tangents.
+
+    Parameters
+    ----------
+    setup : Setup
+    limits : Limits
+    left, right : point arrays
+        Ends of the step.
+    step : float
+        Its length as tried, in scaled unknowns.
+    error : float
+        Distance of the corrected from the predicted point.
+    angle : float
+        Between the tangents, rad.
+    arc : float
+        Length of the step as taken.
     """
     if angle > limits.angle:
         return _TURNED
@@ -105,7 +127,17 @@ def judge(setup, limits, left, right, step, error, angle, arc):
 
 @kernel(_F(SETUP, LIMITS, ARRAY, _F), inline=True)
 def limited(setup, limits, point, step):
-    """The step within its bounds: absolute, per cent of the unknowns' size, and per move of p."""
+    """The step within its bounds: absolute, per cent of the unknowns' size, and per move of p.
+
+    Parameters
+    ----------
+    setup : Setup
+    limits : Limits
+    point : point array
+        Where the step begins.
+    step : float
+        As it is wished for, in scaled unknowns.
+    """
     n = setup.unknowns
     size = 0.0
     for j in range(n):

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from solver.enumeration.reduction import GAP, ROWS, determinant_over, motion_over, reduce_balance
+from solver.enumeration.gain_equation import motion_over
+from solver.enumeration.reduction import GAP, ROWS, determinant_over, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
@@ -79,16 +80,16 @@ def _alone(box, b):
 
 
 @kernel(types.void(MATRIX, _I), inner=True)
-def _settle(found, last):
+def _settle(solutions, last):
     """Move row `last` down to where it belongs: ascending amplitude."""
-    while last > 0 and found[last - 1, AMPLITUDE] > found[last, AMPLITUDE]:
+    while last > 0 and solutions[last - 1, AMPLITUDE] > solutions[last, AMPLITUDE]:
         for j in range(_COLUMNS):
-            found[last - 1, j], found[last, j] = found[last, j], found[last - 1, j]
+            solutions[last - 1, j], solutions[last, j] = solutions[last, j], solutions[last - 1, j]
         last -= 1
 
 
 @kernel(types.UniTuple(_I, 5)(ARRAY, ARRAY, _F, _F, MATRIX, MATRIX, MATRIX), inner=True)
-def enumerate_point(parameters, parameter_slope, p, ceiling, found, undecided, work):
+def enumerate_point(parameters, parameter_slope, p, ceiling, solutions, undecided, work):
     """All solutions at one axis value.
 
     Parameters
@@ -98,12 +99,12 @@ def enumerate_point(parameters, parameter_slope, p, ceiling, found, undecided, w
         Axis value.
     ceiling : float
         Amplitude ceiling.
-    found, undecided, work : arrays
+    solutions, undecided, work : arrays
         From `workspace`; the first two are filled with boxes.
 
     Returns
     -------
-    found, undecided, proof, above, visits : int
+    solutions, undecided, proof, above, visits : int
         Numbers of boxes, `Proof`, `Above` and the number of intervals that the search looked at.
     """
     reduced = work[:ROWS]
@@ -119,32 +120,32 @@ def enumerate_point(parameters, parameter_slope, p, ceiling, found, undecided, w
         roots[i, 0], roots[i, 1], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1], roots[i, 2])
     for i in range(n_roots):
         left, right, sign = roots[i, 0], roots[i, 1], roots[i, 2]
-        _describe(reduced, left, right, roots[i, 3], found[count])
+        _describe(reduced, left, right, roots[i, 3], solutions[count])
         # Every root lies in one of the intervals: between the neighbours there is no other. A free motion has gain 0.
         if flags & FREE_MOTION:
-            found[count, GAIN_BOUNDS] = 1e-300
+            solutions[count, GAIN_BOUNDS] = 1e-300
         for j in range(n_roots + n_boxes):
             low, high = (roots[j, 0], roots[j, 1]) if j < n_roots else (boxes[j - n_roots, 0], boxes[j - n_roots, 1])
             if j != i and high <= left:
-                found[count, GAIN_BOUNDS] = max(found[count, GAIN_BOUNDS], high)
+                solutions[count, GAIN_BOUNDS] = max(solutions[count, GAIN_BOUNDS], high)
             elif j != i:
-                found[count, GAIN_BOUNDS + 1] = min(found[count, GAIN_BOUNDS + 1], low)
+                solutions[count, GAIN_BOUNDS + 1] = min(solutions[count, GAIN_BOUNDS + 1], low)
         q = determinant_over(reduced, left, right)
-        if not (q[0] > 0.0 or q[1] < 0.0) or not _alone(found[count], reduced[GAP, 0]):
+        if not (q[0] > 0.0 or q[1] < 0.0) or not _alone(solutions[count], reduced[GAP, 0]):
             # A root whose motion may be infinite, or whose box is so coarse that it may reach to another solution.
-            if found[count, AMPLITUDE] > ceiling:
+            if solutions[count, AMPLITUDE] > ceiling:
                 above = _OPEN
             else:
-                copy_into(undecided[n_open], found[count])
+                copy_into(undecided[n_open], solutions[count])
                 n_open += 1
             continue
         stable = (sign < 0.0) == (q[0] > 0.0)
         degree += 1 if stable else -1
-        if found[count, AMPLITUDE] > ceiling:
+        if solutions[count, AMPLITUDE] > ceiling:
             above = max(above, _OCCUPIED)
             continue
-        found[count, STABLE] = 1.0 if stable else 0.0
-        _settle(found, count)
+        solutions[count, STABLE] = 1.0 if stable else 0.0
+        _settle(solutions, count)
         count += 1
     decided = n_open == 0 and above != _OPEN
     for i in range(n_boxes):
@@ -198,14 +199,14 @@ def enumerate_points(parameters, parameter_slope, grid, ceiling):
         `Proof` and `Above`.
     """
     size, most = grid.shape[0], 1
-    found, undecided, work = workspace()
+    solutions, undecided, work = workspace()
     # All solutions one after the other; there is mostly one at a value.
     boxes = np.empty((2 * size + MOST, _COLUMNS))
     counts, proof, above = np.empty(size, np.int64), np.empty(size, np.int8), np.empty(size, np.int8)
     total = 0
     for i in range(size):
         counts[i], _open, proof[i], above[i], _visits = enumerate_point(
-            parameters, parameter_slope, grid[i], ceiling, found, undecided, work
+            parameters, parameter_slope, grid[i], ceiling, solutions, undecided, work
         )
         if total + counts[i] > boxes.shape[0]:
             longer = np.empty((2 * boxes.shape[0] + MOST, _COLUMNS))
@@ -213,7 +214,7 @@ def enumerate_points(parameters, parameter_slope, grid, ceiling):
                 copy_into(longer[k], boxes[k])
             boxes = longer
         for k in range(counts[i]):
-            copy_into(boxes[total + k], found[k])
+            copy_into(boxes[total + k], solutions[k])
         total += counts[i]
         most = max(most, counts[i])
     motions, radius = np.full((size, most, 3), np.nan), np.full((size, most), np.nan)

@@ -1,4 +1,4 @@
-"""Branch and bound for all roots of the reduced balance h(t) = N - t on [0, 1] (`solver.enumeration.reduction`).
+"""Branch and bound for all roots of the reduced balance h(t) = N - t on [0, 1] (`solver.enumeration.gain_equation`).
 
 Every interval on the stack carries the proven signs of h at its two ends, so that cuts never fall onto a root and no
 root is counted twice; at t = 1, where h <= 0 and may be 0, the sign counts as negative. An interval is
@@ -15,8 +15,9 @@ returned as undecided.
 
 import math
 
+from solver.enumeration.gain_equation import approximate_gain, gain_at, slope_over, turning_point
 from solver.enumeration.interval import above, absolute, below, divide, exact, subtract
-from solver.enumeration.reduction import GAP, LOAD, approximate_gain, gain_at, numerators_at, slope_over, turning_point
+from solver.enumeration.reduction import GAP, LOAD, numerators_at
 from solver.kernels import types
 from solver.kernels.compile import MATRIX, kernel
 
@@ -108,7 +109,7 @@ def search(reduced, roots, undecided, stack):
     roots, undecided, flags, visits : int
         Numbers of roots and undecided intervals, the sum of the flags that apply, and the intervals looked at.
     """
-    found, open_boxes, flags, visits, size = 0, 0, 0, 0, 0
+    n_roots, open_boxes, flags, visits, size = 0, 0, 0, 0, 0
     start_sign = 1.0
     if reduced[GAP, 0] == 0.0:
         # Without backlash N is 1 throughout.
@@ -133,9 +134,9 @@ def search(reduced, roots, undecided, stack):
         if phi[0] >= 1.0:
             if sign_left != sign_right and right != 1.0:
                 flags |= CONTRADICTION
-            elif right == 1.0 and found < roots.shape[0]:
-                roots[found, 0], roots[found, 1], roots[found, 2] = left, right, -1.0
-                found += 1
+            elif right == 1.0 and n_roots < roots.shape[0]:
+                roots[n_roots, 0], roots[n_roots, 1], roots[n_roots, 2] = left, right, -1.0
+                n_roots += 1
             elif right == 1.0:
                 open_boxes = _append(undecided, open_boxes, left, right)
             continue
@@ -157,11 +158,11 @@ def search(reduced, roots, undecided, stack):
         if regular and (slope[0] > 0.0 or slope[1] < 0.0) and sign_left != _UNKNOWN:
             # With h(0) = 0 that zero is the only one here, and it belongs to the continuum.
             if sign_left != sign_right and sign_left != _ZERO:
-                if found == roots.shape[0]:
+                if n_roots == roots.shape[0]:
                     open_boxes = _append(undecided, open_boxes, left, right)
                     continue
-                roots[found, 0], roots[found, 1], roots[found, 2] = left, right, sign_right
-                found += 1
+                roots[n_roots, 0], roots[n_roots, 1], roots[n_roots, 2] = left, right, sign_right
+                n_roots += 1
             continue
 
         cut, h_low, h_high, near = math.nan, 0.0, 0.0, math.nan
@@ -184,7 +185,7 @@ def search(reduced, roots, undecided, stack):
             size += 1
         elif sign != sign_left and sign_left != _UNKNOWN:
             flags |= CONTRADICTION
-    return found, open_boxes, flags, visits
+    return n_roots, open_boxes, flags, visits
 
 
 @kernel(types.UniTuple(_F, 2)(MATRIX, _F, _F, _F), inner=True)

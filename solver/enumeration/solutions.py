@@ -147,7 +147,7 @@ class RowSolutions:
         """lambda_a, (X, S)."""
         return np.hypot(self.cos, self.sin)
 
-    def take(self, places: np.ndarray) -> "RowSolutions":
+    def take(self, indices: np.ndarray) -> "RowSolutions":
         """Those at some of the values, by their indices.
 
         Raises
@@ -155,10 +155,10 @@ class RowSolutions:
         ParameterError
             If they are no whole numbers, or there is no such value.
         """
-        places = number_array("places", places, kind=int).astype(np.int64)
-        if places.ndim != 1 or np.any((places < 0) | (places >= len(self.stable))):
-            raise ParameterError("places", places, f"a vector of indices from 0 to {len(self.stable) - 1}")
-        return RowSolutions(*(getattr(self, part.name)[places] for part in dataclasses.fields(self)))
+        indices = number_array("indices", indices, kind=int).astype(np.int64)
+        if indices.ndim != 1 or np.any((indices < 0) | (indices >= len(self.stable))):
+            raise ParameterError("indices", indices, f"a vector of indices from 0 to {len(self.stable) - 1}")
+        return RowSolutions(*(getattr(self, part.name)[indices] for part in dataclasses.fields(self)))
 
 
 def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -> Solutions:
@@ -192,21 +192,21 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     instance_of("model", model, Model)
     omega, ceiling = frequency(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
     parameters, parameter_slope = axis_vectors(model, "omega")
-    found, undecided, work = workspace()
+    solutions, undecided, work = workspace()
     count, n_open, proof, above, visits = enumerate_point(
-        parameters, parameter_slope, omega, ceiling, found, undecided, work
+        parameters, parameter_slope, omega, ceiling, solutions, undecided, work
     )
     proof = Proof(proof)
     if proof is Proof.CONTRADICTION:
         raise ArithmeticError(f"{proof.sentence} It happened at omega = {omega!r} for {model!r}.")
-    boxes = found[:count, MEAN:AMPLITUDE].reshape(count, 3, 2).copy()
+    boxes = solutions[:count, MEAN:AMPLITUDE].reshape(count, 3, 2).copy()
     motions = undecided[:n_open][:, [ROOT, ROOT + 1, MEAN, MEAN + 1, AMPLITUDE, AMPLITUDE + 1]]
     return Solutions(
         omega,
         *np.mean(boxes, axis=2).T,
-        found[:count, STABLE].astype(np.int8),
+        solutions[:count, STABLE].astype(np.int8),
         boxes,
-        found[:count, GAIN_BOUNDS:MEAN].copy(),
+        solutions[:count, GAIN_BOUNDS:MEAN].copy(),
         motions.reshape(n_open, 3, 2),
         proof,
         Above(above),

@@ -217,10 +217,10 @@ class _Table:
         if isinstance(points, str) or not hasattr(points, "__len__") or len(points) < 2:
             raise ParameterError("table", points, "a list of at least 2 [temperature, value] pairs")
         _set(self, "table", tuple(_finite("table", pair, 2) for pair in points))
-        places = np.array(self.table)[:, 0]
-        if not np.all(np.diff(places) > 0.0):
+        temperatures = np.array(self.table)[:, 0]
+        if not np.all(np.diff(temperatures) > 0.0):
             raise ParameterError("table", points, "a list of pairs with ascending temperatures, none of them twice")
-        if not np.min(self._spline(np.linspace(places[0], places[-1], 1001))) > 0.0:
+        if not np.min(self._spline(np.linspace(temperatures[0], temperatures[-1], 1001))) > 0.0:
             allowed = "a list of pairs whose values, and the spline between them, are above 0"
             raise ParameterError("table", points, allowed)
 
@@ -238,7 +238,7 @@ class _Table:
 
     @property
     def knots(self) -> tuple[float, ...]:
-        return tuple(place for place, _ in self.table)
+        return tuple(temperature for temperature, _ in self.table)
 
 
 class RatioTable(_Table):

@@ -21,7 +21,19 @@ def coefficient(coefficients, k):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
 def contact_of(parameters, parameter_slope, u, p, contact, ahead, behind):
-    """Fill the spectra chi, chi+ and chi- of a motion u at one axis value."""
+    """Fill the spectra chi, chi+ and chi- of a motion u at one axis value.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    u : (n,) array
+        Unknowns (Lambda_0, c_1, s_1, ...).
+    p : float
+        Axis value.
+    contact, ahead, behind : arrays
+        Filled with the harmonics of the contact, and of the contact at either flank.
+    """
     room = 2 * u.shape[0] + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
     (front, _), (back, _) = (
@@ -37,6 +49,17 @@ def modulated(parameters, parameter_slope, p, spectrum, product, slope):
     """Coefficients of s(tau) times a real function: fill `product`, and `slope` with the derivative along the axis.
 
     `spectrum` must reach N nu further than `product`.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    spectrum : array
+        Coefficients of the function, from k = 0 on.
+    product, slope : arrays
+        Filled.
     """
     period = int(parameters[PERIOD])
     for k in range(product.shape[0]):

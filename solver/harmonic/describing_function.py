@@ -109,7 +109,17 @@ def coefficients(parameters, parameter_slope, p):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
-    """Residual (3,) and Jacobian (3, 4) at y = (lambda_m, lambda_c, lambda_s, axis value); see the module."""
+    """Residual (3,) and Jacobian (3, 4) at y = (lambda_m, lambda_c, lambda_s, axis value); see the module.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    y : (4,) array
+        (lambda_m, lambda_c, lambda_s, p).
+    residual, jacobian : (3,) and (3, 4) arrays
+        Filled.
+    """
     values, d_values, constants, d_constants = coefficients(parameters, parameter_slope, y[3])
     D, A, P_1, P_2, F, e = values
     d_D, d_A, d_P_1, d_P_2, d_F, d_e = d_values
@@ -153,6 +163,15 @@ def test_functions(parameters, parameter_slope, y, values, gradient):
 
     values (5,) = lambda_a, lambda_min - b, lambda_min + b, lambda_max - b, lambda_max + b; gradient (5, 4). A zero of a
     margin is a grazing: the motion just touches a flank or just leaves it.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    y : (4,) array
+        (lambda_m, lambda_c, lambda_s, p).
+    values, gradient : (m,) and (m, 4) arrays
+        Filled.
     """
     b, d_b = parameters[B] + y[3] * parameter_slope[B], parameter_slope[B]
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
@@ -175,6 +194,15 @@ def linear_solution(parameters, parameter_slope, p, unknowns):
 
     As the dead zone differs from the linear force by at most b, the determinant's sign is the topological degree of the
     balance for every b: the signs of det J over all solutions add up to it.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    unknowns : (3,) array
+        Filled.
     """
     base, along = parameters.copy(), parameter_slope.copy()
     base[B], along[B] = 0.0, 0.0
@@ -190,7 +218,17 @@ def linear_solution(parameters, parameter_slope, p, unknowns):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY))
 def linear_degree(parameters, parameter_slope, grid, signs):
-    """Fill `signs` with the degree at every axis value of `grid`: the sign of the determinant of `linear_solution`."""
+    """Fill `signs` with the degree at every axis value of `grid`: the sign of the determinant of `linear_solution`.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    grid : (X,) array
+        Axis values.
+    signs : (X,) array
+        Filled.
+    """
     unknowns = np.empty(3)
     for i in range(grid.shape[0]):
         signs[i] = np.sign(linear_solution(parameters, parameter_slope, grid[i], unknowns))

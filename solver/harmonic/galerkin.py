@@ -39,7 +39,17 @@ _COMPLEX = np.complex128
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
 def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
-    """Residual (n,) and Jacobian (n, n + 1) at y = (unknowns, axis value), n = 2 H + 1; see the module."""
+    """Residual (n,) and Jacobian (n, n + 1) at y = (unknowns, axis value), n = 2 H + 1; see the module.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    y : (n + 1,) array
+        (u, p).
+    residual, jacobian : (n,) and (n, n + 1) arrays
+        Filled.
+    """
     n = y.shape[0] - 1
     order, period = n // 2, int(parameters[PERIOD])
     u, p = y[:n], y[n]
@@ -112,6 +122,15 @@ def test_functions(parameters, parameter_slope, y, values, gradient):
 
     values (5,) = sqrt(sum_k |Lambda_k|^2), then lambda_min - front, lambda_min + back, lambda_max - front, lambda_max +
     back from the true extremes of lambda; gradient (5, n + 1). Without a back contact its margins are 1.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    y : (n + 1,) array
+        (u, p).
+    values, gradient : (m,) and (m, n + 1) arrays
+        Filled.
     """
     n = y.shape[0] - 1
     low, low_at, high, high_at = extremes(y[:n])
@@ -141,17 +160,27 @@ def test_functions(parameters, parameter_slope, y, values, gradient):
 
 @kernel(types.int64(ARRAY, ARRAY, ARRAY, MATRIX))
 def contacts(parameters, parameter_slope, y, rows):
-    """Every local extremum of lambda against each flank that there is; see `solver.continuation.setup.CONTACTS`."""
+    """Every local extremum of lambda against each flank that there is; see `solver.continuation.setup.CONTACTS`.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    y : (n + 1,) array
+        (u, p).
+    rows : (k, CONTACT_ROW + n + 1) array
+        Filled as far as there is room.
+    """
     n = y.shape[0] - 1
     slope, angles, zones = np.empty(n), np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
-    count, found = extrema(y[:n], slope, angles, zones), 0
+    count, written = extrema(y[:n], slope, angles, zones), 0
     for i in range(count):
         value = displacement(y[:n], angles[i])[0]
         turn = complex(math.cos(angles[i]), math.sin(angles[i]))
         for slot, flank in ((FRONT_GAP, 1.0), (BACK_GAP, -1.0)):
-            if not math.isfinite(parameters[slot]) or found == rows.shape[0]:
+            if not math.isfinite(parameters[slot]) or written == rows.shape[0]:
                 continue
-            row = rows[found]
+            row = rows[written]
             # Where the slope becomes positive lambda is smallest.
             row[ANGLE], row[FLANK], row[SENSE] = angles[i], flank, -1.0 if zones[i] == 1 else 1.0
             row[MARGIN] = value - flank * (parameters[slot] + y[n] * parameter_slope[slot])
@@ -160,8 +189,8 @@ def contacts(parameters, parameter_slope, y, rows):
             for k in range(1, n // 2 + 1):
                 z *= turn
                 row[CONTACT_ROW + 2 * k - 1], row[CONTACT_ROW + 2 * k] = z.real, z.imag
-            found += 1
-    return found
+            written += 1
+    return written
 
 
 @kernel(_F(ARRAY, ARRAY, _F, ARRAY))
@@ -170,6 +199,15 @@ def linear_solution(parameters, parameter_slope, p, unknowns):
 
     As the dead zone of a two-sided gap differs from lambda by at most the gap, the sign is the topological degree of
     the balance for every gap: the signs of det J over all solutions add up to it.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    unknowns : (n,) array
+        Filled.
     """
     base, along = parameters.copy(), parameter_slope.copy()
     n = unknowns.shape[0]
@@ -195,10 +233,10 @@ def _linear_degree(parameters, parameter_slope, grid, unknowns, signs):
 
 
 @kernel(types.void(MATRIX, MATRIX))
-def _extremes(motions, found):
+def _extremes(motions, result):
     """Lowest and highest lambda of every motion: fill found (k, 2)."""
     for i in range(motions.shape[0]):
-        found[i, 0], _, found[i, 1], _ = extremes(motions[i])
+        result[i, 0], _, result[i, 1], _ = extremes(motions[i])
 
 
 @dataclass(frozen=True)
@@ -306,9 +344,9 @@ class Galerkin:
             If they are no numbers of that shape.
         """
         motions = number_array("motions", motions, last=3)
-        found = np.zeros((*motions.shape[:-1], self.unknowns))
-        found[..., [0, *self.fundamental]] = motions
-        return found
+        starts = np.zeros((*motions.shape[:-1], self.unknowns))
+        starts[..., [0, *self.fundamental]] = motions
+        return starts
 
     def extremes(self, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest lambda over the period of motions (..., n): two (...) arrays; nan where motions are.
@@ -319,12 +357,12 @@ class Galerkin:
             If they are no numbers of that shape.
         """
         motions = number_array("motions", motions, last=self.unknowns).astype(float)
-        found = np.full((*motions.shape[:-1], 2), np.nan)
+        result = np.full((*motions.shape[:-1], 2), np.nan)
         known = ~np.isnan(motions[..., 0])
         values = np.empty((int(np.sum(known)), 2))
         _extremes(np.ascontiguousarray(motions[known]), values)
-        found[known] = values
-        return found[..., 0], found[..., 1]
+        result[known] = values
+        return result[..., 0], result[..., 1]
 
     def linear_solution(self, problem: Problem, p: float) -> tuple[float, np.ndarray]:
         """Degree of the balance and solution (n,) without backlash at one axis value.

@@ -47,7 +47,15 @@ _COMPLEX = np.complex128
 
 @kernel(types.UniTuple(_F, 2)(ARRAY, ARRAY, _F), inline=True)
 def base_frequency(parameters, parameter_slope, p):
-    """Omega/nu at one axis value, and its derivative."""
+    """Omega/nu at one axis value, and its derivative.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    """
     return (parameters[MESH_FREQUENCY] + p * parameter_slope[MESH_FREQUENCY]) / parameters[PERIOD], parameter_slope[
         MESH_FREQUENCY
     ] / parameters[PERIOD]
@@ -55,7 +63,17 @@ def base_frequency(parameters, parameter_slope, p):
 
 @kernel(types.UniTuple(_C, 2)(ARRAY, ARRAY, _F, _I), inline=True)
 def stiffness_phasor(parameters, parameter_slope, p, l):
-    """S_l = alpha_l exp(i Phi_kl), l >= 1, and its derivative along the axis."""
+    """S_l = alpha_l exp(i Phi_kl), l >= 1, and its derivative along the axis.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    l : int
+        Harmonic of the mesh frequency, >= 1.
+    """
     return phasor(parameters, parameter_slope, p, stiffness_slot(l))
 
 

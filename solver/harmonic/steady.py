@@ -2,10 +2,15 @@
 
 Where full steps do not lead to a solution they are shortened until the next one would be shorter, measured as the
 method itself moves: the length of J^-1 E for the Jacobian at hand, which does not depend on how equations are scaled
-(P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, section 3.3). At a corner of the force no share of
-a step may do that; then the full one is taken.
+(P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, section 3.3). At a corner of the force no fraction
+of a step may do that; then the full one is taken.
+
+A motion that hits a stiff stop differs from one that misses it, or goes through it, by more than this method bridges.
+Where it fails, the contact is softened by powers of ten until it does not, and stiffened again step by step: the depth
+of a hit is proportional to the compliance 1/k of a stiff stop, along which the motion is extrapolated.
 """
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,9 +27,11 @@ from solver.model.gear_model import Model
 __all__ = ["SolveStatus", "SteadyMotion", "solve"]
 
 # Length of the last step, in scaled unknowns; Newton's method has squared the error by then. Jacobians beyond the
-# condition are singular to rounding. Shares of a step that are tried; the last one is taken whatever it leads to.
+# condition are singular to rounding. Fractions of a step that are tried; the last is taken whatever it leads to.
 _TOLERANCE, _CONDITION = 1e-9, 1e14
-_SHARES = (*0.5 ** np.arange(11), 1.0)
+_FRACTIONS = (*0.5 ** np.arange(11), 1.0)
+# Of the contact's stiffness: the softest that is tried, the first factor by which it is raised, the largest and least.
+_SOFTEST, _FIRST, _LARGEST, _LEAST = 1e-8, 10.0, 100.0, 1.01
 
 
 class SolveStatus(Explained):
@@ -32,7 +39,7 @@ class SolveStatus(Explained):
 
     CONVERGED = 0, "The motion solves the balance."
     SINGULAR = 1, "The Jacobian is singular where the search came to: without contact nothing holds the mean."
-    NOT_SETTLED = 2, "Newton's method did not settle, neither by full steps nor by shorter ones."
+    NOT_SETTLED = 2, "Newton's method did not settle, by full or shorter steps, nor from a softer contact."
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,8 @@ def solve(
 ) -> SteadyMotion:
     """The steady motion that Newton's method reaches from a guess, or the reason why it reaches none.
 
+    Of a `ContactSystem` that is stiff the method may start from a softer contact: see the module.
+
     Parameters
     ----------
     system : Model or ContactSystem
@@ -72,7 +81,7 @@ def solve(
         Unless given, of three numbers for a gear pair the describing function of first order, else the `Galerkin`
         balance of as many harmonics as the guess has.
     max_iterations : int
-        At most so many full steps, and then so many that may be shortened.
+        At most so many full steps, and then so many that may be shortened, at each stiffness of the contact.
 
     Returns
     -------
@@ -109,8 +118,61 @@ def solve(
         guess = balance.lifted(guess)
     if guess.size != balance.unknowns:
         raise ParameterError("guess", guess.tolist(), f"3 or {balance.unknowns} numbers")
-    problem = balance.problem(system, "omega", 0.5 * omega, 1.5 * omega)
-    return _settled(problem, np.append(guess, omega), max_iterations)
+
+    def settled(this: Model | ContactSystem, start: np.ndarray) -> SteadyMotion:
+        problem = balance.problem(this, "omega", 0.5 * omega, 1.5 * omega)
+        return _settled(problem, np.append(start, omega), max_iterations)
+
+    result = settled(system, guess)
+    if result.status is SolveStatus.NOT_SETTLED and isinstance(system, ContactSystem):
+        result = _stiffened(system, guess, settled) or result
+    if result.status is SolveStatus.CONVERGED:
+        result = dataclasses.replace(result, distance=float(np.max(np.abs(result.motion - guess))))
+    return result
+
+
+def _softened(system: ContactSystem, stiffness: float) -> ContactSystem:
+    """The system with the contact's stiffness multiplied by a number."""
+    return dataclasses.replace(system, force=stiffness * system.force, varying_force=stiffness * system.varying_force)
+
+
+def _stiffened(system: ContactSystem, guess: np.ndarray, settled) -> SteadyMotion | None:
+    """The motion that a guess leads to with a softer contact, followed to the contact's own stiffness; None if it ends.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    guess : (n,) array
+    settled : callable
+        The `SteadyMotion` of a system that Newton's method reaches from a start (n,).
+    """
+    stiffness, result = 1.0, None
+    while result is None or result.status is not SolveStatus.CONVERGED:
+        stiffness *= 0.1
+        if stiffness < _SOFTEST:
+            return None
+        try:
+            result = settled(_softened(system, stiffness), guess)
+        except ParameterError:
+            # The contact holds up what is unstable without it, and has to be as stiff as that.
+            return None
+    factor, softer = _FIRST, None
+    while stiffness < 1.0:
+        stiffer = min(stiffness * factor, 1.0)
+        this, starts = _softened(system, stiffer), [result.motion]
+        if softer is not None:
+            before, motion = softer
+            along = (1.0 / stiffer - 1.0 / stiffness) / (1.0 / stiffness - 1.0 / before)
+            starts.insert(0, result.motion + along * (result.motion - motion))
+        attempts = (settled(this, start) for start in starts)
+        reached = next((one for one in attempts if one.status is SolveStatus.CONVERGED), None)
+        if reached is not None:
+            softer, stiffness, result, factor = (stiffness, result.motion), stiffer, reached, min(factor**1.5, _LARGEST)
+            continue
+        factor = factor**0.5
+        if factor < _LEAST:
+            return None
+    return result
 
 
 def _settled(problem: Problem, start: np.ndarray, max_iterations: int) -> SteadyMotion:
@@ -130,12 +192,12 @@ def _settled(problem: Problem, start: np.ndarray, max_iterations: int) -> Steady
         if length <= _TOLERANCE:
             y[:n] += step * scale
             stable = bool(np.linalg.slogdet(jacobian[:, :n])[0] > 0.0)
-            return SteadyMotion(y[:n], stable, float(np.max(np.abs(y - start))), SolveStatus.CONVERGED)
-        for share in _SHARES:
+            return SteadyMotion(y[:n], stable, np.nan, SolveStatus.CONVERGED)
+        for fraction in _FRACTIONS:
             trial = y.copy()
-            trial[:n] += share * step * scale
+            trial[:n] += fraction * step * scale
             residual, jacobian = problem.evaluated(trial)
-            if np.linalg.norm(np.linalg.solve(matrix, residual)) <= (1.0 - 0.25 * share) * length:
+            if np.linalg.norm(np.linalg.solve(matrix, residual)) <= (1.0 - 0.25 * fraction) * length:
                 break
         y = trial
     return SteadyMotion(np.full(n, np.nan), False, np.nan, status)

@@ -16,16 +16,16 @@ def kernels_of(names: Iterable[str]) -> list[Kernel]:
     names : iterable of str
         Such as `solver.continuation.arclength` or `solver.continuation.correctors._newton`.
     """
-    found = {}
+    kernels = {}
     for name in names:
         parent, _, own = name.rpartition(".")
         one = getattr(importlib.import_module(parent), own, None) if parent else None
         if isinstance(one, Kernel):
-            found[one] = None
+            kernels[one] = None
             continue
         members = vars(importlib.import_module(name)).values()
-        found |= {k: None for k in members if isinstance(k, Kernel) and k.__module__ == name and not k.inner}
-    return list(found)
+        kernels |= {k: None for k in members if isinstance(k, Kernel) and k.__module__ == name and not k.inner}
+    return list(kernels)
 
 
 def warm(kernels: Iterable[Kernel], report: Callable[[str, int, int], None] = lambda *_: None) -> None:

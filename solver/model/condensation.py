@@ -27,7 +27,17 @@ __all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
 
 @kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64), inline=True)
 def phasor(parameters, parameter_slope, p, slot):
-    """amplitude exp(i phase) of a pair of numbers, the amplitude at a slot, and its derivative along the axis."""
+    """amplitude exp(i phase) of a pair of numbers, the amplitude at a slot, and its derivative along the axis.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    slot : int
+        Of the amplitude; the phase is in the next one.
+    """
     (size, d_size), (phase, d_phase) = (
         number_at(parameters, parameter_slope, p, slot),
         number_at(parameters, parameter_slope, p, slot + 1),
@@ -38,7 +48,15 @@ def phasor(parameters, parameter_slope, p, slot):
 
 @kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64), inline=True)
 def rotation_coupling(parameters, parameter_slope, p):
-    """Rotation coupling c at axis value p and its derivative along the axis."""
+    """Rotation coupling c at axis value p and its derivative along the axis.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    """
     radians = math.pi / 180.0
     value, slope = number_at(parameters, parameter_slope, p, ROTATION)
     if parameters[ROTATION_GEOMETRIC] != 0.0:

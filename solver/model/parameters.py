@@ -40,7 +40,16 @@ _I = types.int64
 
 @kernel(types.UniTuple(types.float64, 2)(ARRAY, ARRAY, types.float64, _I), inline=True)
 def number_at(parameters, parameter_slope, p, slot):
-    """One number at axis value p, and its derivative."""
+    """One number at axis value p, and its derivative.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    slot : int
+    """
     return parameters[slot] + p * parameter_slope[slot], parameter_slope[slot]
 
 

@@ -33,7 +33,7 @@ _FRACTIONS = _FRACTIONS[_SORTED]
 
 
 def slab_areas(
-    crossings: RowCrossings, slabs: Sequence[Slab], tolerance: float
+    crossings: RowCrossings, slabs: Sequence[Slab], tolerance: float, window: tuple[float, float] | None = None
 ) -> tuple[list[np.ndarray], float, list[float]]:
     """Area between neighbouring arcs of every slab.
 
@@ -44,6 +44,8 @@ def slab_areas(
         Ascending.
     tolerance : float
         Largest difference between two quadratures of one area, per share of the height.
+    window : (low, high), optional
+        Only the areas within this range of x.
 
     Returns
     -------
@@ -63,7 +65,7 @@ def slab_areas(
         rows = [low + (high - low) * _FRACTIONS for _, low, high in open_panels]
         table, start, divided = crossings.table(np.concatenate(rows)), 0, []
         for (number, low, high), values in zip(open_panels, rows, strict=True):
-            widths = _widths(crossings, slabs[number], table[start : start + values.size], values)
+            widths = _widths(crossings, slabs[number], table[start : start + values.size], values, window)
             start += values.size
             few, many = (high - low) * (_WEIGHTS @ widths)
             error = np.abs(few - many)
@@ -78,11 +80,12 @@ def slab_areas(
     return areas, total_error, disorder
 
 
-def _widths(crossings: RowCrossings, slab: Slab, table, values: np.ndarray) -> np.ndarray:
-    """Distances of neighbouring arcs (rows, arcs - 1) of one slab."""
+def _widths(crossings: RowCrossings, slab: Slab, table, values: np.ndarray, window) -> np.ndarray:
+    """Distances of neighbouring arcs (rows, arcs - 1) of one slab, within a range of x."""
     arcs, x = crossings.joined(table, values)
-    place = {arc: k for k, arc in enumerate(arcs)}
+    x = x if window is None else np.clip(x, *window)
+    column = {arc: k for k, arc in enumerate(arcs)}
     try:
-        return np.diff(x[:, [place[arc] for arc in slab.arcs]], axis=1)
+        return np.diff(x[:, [column[arc] for arc in slab.arcs]], axis=1)
     except KeyError as error:
         raise RegionError(f"the boundary {error} does not cross the row at {values[0]!r}") from None

@@ -14,9 +14,6 @@ __all__ = ["Band", "Line", "band", "lines"]
 
 # Relative to the plane's area.
 _TOLERANCE = 1e-9
-# How far inside of a slab, as a share of its height, a row is looked at that lies on the slab's border: there some
-# boundary turns round, ends or meets another, and the order of the crossings is not defined.
-_INSIDE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +37,10 @@ class Line:
     @property
     def lengths(self) -> dict[str, float]:
         """Length in x of every label."""
-        found: dict[str, float] = {}
+        totals: dict[str, float] = {}
         for label, size in zip(self.labels, np.diff(self.ends), strict=True):
-            found[label] = found.get(label, 0.0) + float(size)
-        return found
+            totals[label] = totals.get(label, 0.0) + float(size)
+        return totals
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,16 +80,14 @@ def lines(regions: Regions, values: Sequence[float]) -> list[Line]:
     """
     crossings = RowCrossings(regions.curves, regions.plane.x_range)
     lows = np.array([part.slab.low for part in regions.slabs])
-    found = []
+    result = []
     for value in values:
         _refuse_outside(regions, "p", value)
         part = regions.slabs[max(int(np.searchsorted(lows, value, side="right")) - 1, 0)]
         slab = part.slab
-        margin = _INSIDE * (slab.high - slab.low)
-        inside = float(np.clip(value, slab.low + margin, slab.high - margin))
-        arcs, x = crossings.matrix(np.array([inside]))
-        found.append(Line(float(value), part.labels, np.array([x[0, arcs.index(arc)] for arc in slab.arcs])))
-    return found
+        arcs, x = crossings.matrix(np.array([slab.inner(value)]))
+        result.append(Line(float(value), part.labels, np.array([x[0, arcs.index(arc)] for arc in slab.arcs])))
+    return result
 
 
 def band(regions: Regions, low: float, high: float) -> Band:

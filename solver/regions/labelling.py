@@ -1,4 +1,8 @@
-"""Labels between the boundaries that cross a row: solutions enumerated in several places, so that none is guessed."""
+"""What holds between the boundaries that cross a row: solutions enumerated in several places, so that none is guessed.
+
+What holds is one whole number: the code of the n/I label, and where dynamic stability is asked for also that of the
+dynamically stable motions alone, and whether static and dynamic stability contradict each other.
+"""
 
 import numpy as np
 
@@ -9,8 +13,18 @@ from solver.enumeration.solutions import Proof, enumerate_row
 from solver.model.parameter_path import place_on
 from solver.regions.ceiling import ceiling_curve
 from solver.regions.slabs import RegionError, RowCrossings, Slab
+from solver.stability import Instability, assess
+from solver.stability.instability import LEFT_TO_FOLDS
 
-__all__ = ["Labeller"]
+__all__ = [
+    "Labeller",
+    "dynamic_code",
+    "is_contradictory",
+    "row_codes",
+    "stability_code",
+    "stability_codes",
+    "static_code",
+]
 
 # Where in a slab solutions are enumerated, and elsewhere if they are too close to be told apart there; where between
 # two crossings. One place would do: the others show whether a boundary is missing.
@@ -20,13 +34,41 @@ _PLACES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 _NARROW, _BLURRED = 1e-12, 1e-6
 # The code of no label.
 _UNDECIDED = 0
+# Bits: code of the n/I label; above it the one of the dynamically stable motions; above that, whether one contradicts.
+_SIZE, _STATIC = 16, (1 << 16) - 1
+_CONTRADICTORY = 1 << 2 * _SIZE
 
 
 class Labeller:
-    """Finds the label between every two neighbouring arcs of a slab."""
+    """Finds what holds between every two neighbouring arcs of a slab.
 
-    def __init__(self, plane: Plane, crossings: RowCrossings, amplitude_max: float):
+    Parameters
+    ----------
+    plane : Plane
+    crossings : RowCrossings
+    amplitude_max : float
+    codes : callable, optional
+        (plane, p, x (k,), amplitude_max) -> what holds at places of a row, (k,) ints, 0 where that is not known;
+        `row_codes` unless given.
+    rows, at : arrays, optional
+        Fractions of a slab's height and of the distance between two arcs at which it is asked.
+    blur : float
+        Where a part of a slab is no larger than this share of the plane, what most of its places say holds, or what
+        holds beside it.
+    """
+
+    def __init__(
+        self,
+        plane: Plane,
+        crossings: RowCrossings,
+        amplitude_max: float,
+        codes=None,
+        rows=_ROWS,
+        at=_PLACES,
+        blur: float = 0.0,
+    ):
         self.plane, self.crossings, self.amplitude_max = plane, crossings, amplitude_max
+        self._codes, self._rows, self._at, self._blur = row_codes if codes is None else codes, rows, at, blur
 
     def codes(self, slab: Slab, fractions, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there.
@@ -44,7 +86,7 @@ class Labeller:
         x = x[:, [arcs.index(arc) for arc in slab.arcs]]
         at = x[:, :-1, None] + np.diff(x)[:, :, None] * np.asarray(places)
         rows = zip(values, at, strict=True)
-        codes = [row_codes(self.plane, value, row.ravel(), self.amplitude_max) for value, row in rows]
+        codes = [self._codes(self.plane, value, row.ravel(), self.amplitude_max) for value, row in rows]
         return values, at, np.reshape(codes, at.shape)
 
     def sequence(self, slab: Slab) -> list[int] | float | BoundaryCurve:
@@ -56,28 +98,30 @@ class Labeller:
         RegionError
             If places between the same two arcs have different labels for another reason, or none can be decided.
         """
-        seen: list[dict[int, tuple[float, float]]] = [{} for _ in slab.arcs[1:]]
-        for fractions in _ROWS:
-            values, at, codes = self.codes(slab, fractions, _PLACES)
+        seen: list[dict[int, list[tuple[float, float]]]] = [{} for _ in slab.arcs[1:]]
+        whole = np.ptp(self.plane.x_range) * np.ptp(self.plane.p_range)
+        for fractions in self._rows:
+            values, at, codes = self.codes(slab, fractions, self._at)
+            sizes = np.max(np.ptp(at, axis=2), axis=0) * (slab.high - slab.low) / whole
             for gap, labels in enumerate(seen):
                 for row, place in zip(*np.nonzero(codes[:, gap] != _UNDECIDED), strict=True):
-                    labels.setdefault(int(codes[row, gap, place]), (float(at[row, gap, place]), float(values[row])))
-                if len(labels) > 1:
-                    level = self._level(slab, gap, fractions)
-                    if level is not None:
-                        return level
-                    curve = self._ceiling(values, at[:, gap], codes[:, gap])
-                    if curve is not None:
-                        return curve
-                    where = "; ".join(f"{domain_label(code)} at {labels[code]}" for code in sorted(labels))
+                    labels.setdefault(int(codes[row, gap, place]), []).append((at[row, gap, place], values[row]))
+                if len({static_code(code) for code in labels}) > 1 and sizes[gap] > self._blur:
+                    further = self._level(slab, gap, fractions) or self._ceiling(values, at[:, gap], codes[:, gap])
+                    if further is not None:
+                        return further
+                    where = "; ".join(
+                        f"{domain_label(static_code(code))} at {tuple(map(float, labels[code][0]))}"
+                        for code in sorted(labels)
+                    )
                     raise RegionError(
                         f"no boundary parts different labels: {where} of ({self.plane.x_axis}, {self.plane.p_axis})"
                     )
-            if all(seen):
-                return [next(iter(labels)) for labels in seen]
-        nowhere = next(gap for gap, labels in enumerate(seen) if not labels)
+            if all(labels or size <= self._blur for labels, size in zip(seen, sizes, strict=True)):
+                return _settled(seen)
+        nowhere = next(gap for gap, labels in enumerate(seen) if not labels and sizes[gap] > self._blur)
         raise RegionError(
-            f"the solutions next to {(float(at[1, nowhere, 0]), float(values[1]))} of "
+            f"the solutions next to {(float(at[0, nowhere, 0]), float(values[0]))} of "
             f"({self.plane.x_axis}, {self.plane.p_axis}) cannot be told apart"
         )
 
@@ -113,21 +157,31 @@ class Labeller:
         jumps = np.argwhere((codes[:, 1:] != codes[:, :-1]) & known[:, 1:] & known[:, :-1])
         if not len(jumps):
             return None
-        row, place = jumps[0]
-        value, low, high = values[row], at[row, place], at[row, place + 1]
-        code = codes[row, place]
+        row, column = jumps[0]
+        value, low, high = values[row], at[row, column], at[row, column + 1]
+        code = codes[row, column]
         for _ in range(60):
             middle = 0.5 * (low + high)
-            if row_codes(self.plane, value, np.array([middle]), self.amplitude_max)[0] == code:
+            if self._codes(self.plane, value, np.array([middle]), self.amplitude_max)[0] == code:
                 low = middle
             else:
                 high = middle
-        found = _enumerated(self.plane, value, np.array([low]), 2.0 * self.amplitude_max)
-        motions = np.column_stack([found.mean[0], found.cos[0], found.sin[0]])
-        misses = np.abs(found.amplitude[0] / self.amplitude_max - 1.0)
+        solutions = _enumerated(self.plane, value, np.array([low]), 2.0 * self.amplitude_max)
+        motions = np.column_stack([solutions.mean[0], solutions.cos[0], solutions.sin[0]])
+        misses = np.abs(solutions.amplitude[0] / self.amplitude_max - 1.0)
         if not np.any(misses < 1e-6):
             return None
         return ceiling_curve(self.plane, self.amplitude_max, np.array([*motions[np.nanargmin(misses)], low, value]))
+
+
+def _settled(seen: list[dict[int, list]]) -> list[int]:
+    """What most places say; of what is seen nowhere, what holds beside it."""
+    codes = [max(sorted(found), key=lambda code: len(found[code]), default=_UNDECIDED) for found in seen]
+    known = [code for code in codes if code != _UNDECIDED]
+    for i, code in enumerate(codes):
+        if code == _UNDECIDED:
+            codes[i] = codes[i - 1] if i else known[0] if known else _UNDECIDED
+    return codes
 
 
 def _enumerated(plane: Plane, value: float, x: np.ndarray, amplitude_max: float):
@@ -137,10 +191,94 @@ def _enumerated(plane: Plane, value: float, x: np.ndarray, amplitude_max: float)
 
 
 def row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
-    """Codes of the labels at places of one row; 0 where the solutions are not proven to be all."""
+    """Codes of the labels at places of one row.
+
+    Parameters
+    ----------
+    plane, value, x, amplitude_max
+        As for `stability_codes`.
+
+    Returns
+    -------
+    (k,) int array
+        0 where the solutions are not proven to be all.
+    """
     found = _enumerated(plane, value, x, amplitude_max)
+    return np.where(found.proof == Proof.PROVEN, _label_codes(plane, value, x, found, found.stable == 1), _UNDECIDED)
+
+
+def stability_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
+    """What n/I and dynamic stability say at places of one row.
+
+    Parameters
+    ----------
+    plane : Plane
+    value : float
+        p of the row.
+    x : (k,) array
+    amplitude_max : float
+        Solutions of larger amplitude do not count.
+
+    Returns
+    -------
+    (k,) int64 array
+        0 where the solutions are not proven to be all; see `static_code`, `dynamic_code` and `is_contradictory`.
+    """
+    found = _enumerated(plane, value, x, amplitude_max)
+    stable = found.stable == 1
+    model, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
+    column, which = np.nonzero(stable)
+    kind = np.zeros(stable.shape, np.int8)
+    # No band about the unit circle: boundaries tell where multipliers pass it, and next to them they are close to it.
+    kind[column, which] = assess(
+        model,
+        plane.x_axis,
+        x[column],
+        found.motions[column, which],
+        omega=omega,
+        static=found.stable[column, which],
+        tolerance=0.0,
+    ).kind
+    static = _label_codes(plane, value, x, found, stable).astype(np.int64)
+    dynamic = _label_codes(plane, value, x, found, stable & np.isin(kind, LEFT_TO_FOLDS)).astype(np.int64)
+    contradictory = np.any(stable & (kind == Instability.CONTRADICTORY), axis=1)
+    known = (found.proof == Proof.PROVEN) & ~np.any(kind == Instability.UNDECIDED, axis=1)
+    return np.where(known, stability_code(static, dynamic, contradictory), _UNDECIDED)
+
+
+def _label_codes(plane: Plane, value: float, x: np.ndarray, found, counted: np.ndarray) -> np.ndarray:
+    """Codes of the labels of the solutions that are counted, (k,) uint16."""
     b = plane.half_backlash(x, value)
     states = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, b[:, None]).astype(np.int64)
-    stable = found.stable == 1
-    bits = np.bitwise_or.reduce(np.where(stable, 1 << states.clip(0), 0), axis=1, initial=0)
-    return np.where(found.proof == Proof.PROVEN, domain_code(np.sum(stable, axis=1), bits), _UNDECIDED)
+    bits = np.bitwise_or.reduce(np.where(counted, 1 << states.clip(0), 0), axis=1, initial=0)
+    return domain_code(np.sum(counted, axis=1), bits)
+
+
+def stability_code(static, dynamic, contradictory):
+    """One code of three.
+
+    Parameters
+    ----------
+    static, dynamic : int arrays
+        Codes of the label, and of the one that counts dynamically stable motions alone.
+    contradictory : bool array
+    """
+    return static | dynamic << _SIZE | np.where(contradictory, _CONTRADICTORY, 0)
+
+
+def static_code(code):
+    """The code of the n/I label."""
+    return code & _STATIC
+
+
+def dynamic_code(code):
+    """The code of the label that counts the dynamically stable ones of the motions of n/I.
+
+    One for which static and dynamic stability contradict each other counts.
+    """
+    return code >> _SIZE & _STATIC
+
+
+def is_contradictory(code):
+    """Whether static and dynamic stability of a motion of n/I contradict each other."""
+    return code & _CONTRADICTORY != 0

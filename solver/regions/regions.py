@@ -17,16 +17,14 @@ from solver.continuation.continuation import EndReason, Event
 from solver.model.checks import ParameterError, finite_number, instance_of, instances_of, value_range
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
-from solver.regions.areas import slab_areas
-from solver.regions.labelling import Labeller
-from solver.regions.slabs import RegionError, RowCrossings, Slab, slabs
+from solver.regions.division import Division, divided
+from solver.regions.labelling import Labeller, static_code
+from solver.regions.slabs import RegionError, Slab
 
-__all__ = ["Frontier", "LabelledSlab", "Occurrence", "RegionError", "Regions", "regions"]
+__all__ = ["Frontier", "LabelledSlab", "Occurrence", "RegionError", "Regions", "regions", "regions_of"]
 
-# Relative to the plane's area or the range of p.
-_TOLERANCE = 1e-9
+# Relative to the range of p.
 _JOINED = 1e-7
-_MOST_ROUNDS = 100
 # Slope below which a boundary belongs to one row.
 _LEVEL = 1e-6
 
@@ -161,19 +159,19 @@ class Regions:
         labels = instances_of("labels", labels, str)
         for label in labels:
             label_parts(label)
-        found: list[tuple[float, float, float]] = []
+        merged: list[tuple[float, float, float]] = []
         (x_low, x_high), (p_low, p_high) = self.plane.x_range, self.plane.p_range
         for part in self.slabs:
             if not any(label in labels for label in part.labels):
                 continue
             area = sum(float(size) for name, size in zip(part.labels, part.areas, strict=True) if name in labels)
             share = area / ((x_high - x_low) * (p_high - p_low))
-            if found and part.slab.low - found[-1][1] <= _JOINED * (p_high - p_low):
-                appears, _, before = found.pop()
-                found.append((appears, part.slab.high, before + share))
+            if merged and part.slab.low - merged[-1][1] <= _JOINED * (p_high - p_low):
+                appears, _, before = merged.pop()
+                merged.append((appears, part.slab.high, before + share))
             else:
-                found.append((part.slab.low, part.slab.high, share))
-        return tuple(found)
+                merged.append((part.slab.low, part.slab.high, share))
+        return tuple(merged)
 
     def within(self, x_window: tuple[float, float], p_window: tuple[float, float] | None = None) -> "Regions":
         """The regions of a part of the plane.
@@ -198,12 +196,12 @@ class Regions:
     def neighbours(self, label: str) -> dict[str, tuple[Event, ...]]:
         """The labels next to one n/I, and the kinds of the boundaries between; raises ParameterError for other text."""
         label_parts(label)
-        found: dict[str, tuple[Event, ...]] = {}
+        kinds: dict[str, tuple[Event, ...]] = {}
         for frontier in self.adjacency:
             if label in frontier.labels:
                 other = frontier.labels[frontier.labels[0] == label]
-                found[other] = (*found.get(other, ()), frontier.kind)
-        return found
+                kinds[other] = (*kinds.get(other, ()), frontier.kind)
+        return kinds
 
 
 def regions(
@@ -260,52 +258,39 @@ def regions(
 
 def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: float) -> Regions:
     _refuse_early_ends(plane, curves)
-    width, height = np.ptp(plane.x_range), np.ptp(plane.p_range)
-    levels: list[float] = []
-    watched: list[float] = []
-    known: dict[Slab, list[int]] = {}
-    for _ in range(_MOST_ROUNDS):
-        crossings = RowCrossings(curves, plane.x_range)
-        found = slabs(crossings, plane.p_range, watched, levels)
-        codes, further = _labelled(Labeller(plane, crossings, amplitude_max), found, known)
-        if isinstance(further, BoundaryCurve):
-            curves = (*curves, further)
-        elif further is not None:
-            levels.append(further)
-        else:
-            areas, error, disorder = slab_areas(crossings, found, _TOLERANCE * width * height)
-            if not disorder:
-                break
-            # Arcs that intersect twice between two samples: these are looked at as well.
-            watched += disorder
-    else:
-        slab = found[min(len(codes), len(found) - 1)]
-        raise RegionError(f"the plane is divided too often, last above {plane.p_axis} = {slab.low!r}")
-    # Slabs leave out what lies between critical values too close to be told apart: their neighbours share it.
-    stops = [0.5 * (a.high + b.low) for a, b in zip(found[:-1], found[1:], strict=True)]
-    heights = np.diff([plane.p_range[0], *stops, plane.p_range[1]])
-    parts, shares, borders = [], {}, {}
-    for slab, sequence, area, tall in zip(found, codes, areas, heights, strict=True):
-        area = area * (tall / (slab.high - slab.low))
-        merged = [[sequence[0], area[0]]]
-        arcs = [slab.arcs[0]]
-        for arc, code, size in zip(slab.arcs[1:-1], sequence[1:], area[1:], strict=True):
-            if code == merged[-1][0]:
-                merged[-1][1] += size
-                continue
-            key = (*sorted((merged[-1][0], code)), curves[arc[0]].kind)
-            borders[key] = borders.get(key, 0.0) + float(tall)
-            merged.append([code, size])
-            arcs.append(arc)
-        for code, size in merged:
-            shares[code] = shares.get(code, 0.0) + float(size / (width * height))
-        arcs.append(slab.arcs[-1])
-        labels = tuple(domain_label(code) for code, _ in merged)
-        parts.append(LabelledSlab(replace(slab, arcs=tuple(arcs)), labels, np.array([size for _, size in merged])))
+    return regions_of(divided(plane, curves, lambda met: Labeller(plane, met, amplitude_max)), amplitude_max)
+
+
+def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:
+    """Raise if a boundary was not followed to its end, unless it is level there: it is a critical value anyway."""
+    for curve in curves:
+        for end, index in zip(curve.ends, (0, -1), strict=True):
+            if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
+                along_x, along_p = np.abs(curve.slopes[index, 3:]) / [np.ptp(plane.x_range), np.ptp(plane.p_range)]
+                if not along_p < _LEVEL * along_x:
+                    x, p = (float(v) for v in curve.points[index, 3:])
+                    raise RegionError(f"a {curve.kind.name} boundary ends early, at {(x, p)}: {end.sentence}")
+
+
+def regions_of(division: Division, amplitude_max: float) -> Regions:
+    """The regions of a divided plane; what its codes say besides n/I is left out."""
+    plane, curves = division.plane, division.curves
+    parts, borders = [], {}
+    (x_low, x_high), (p_low, p_high) = plane.x_range, plane.p_range
+    for part in division.slabs:
+        merged = part.merged([static_code(code) for code in part.codes])
+        tall = float(np.sum(merged.areas)) / (x_high - x_low)
+        for arc, *pair in zip(merged.slab.arcs[1:-1], merged.codes[:-1], merged.codes[1:], strict=True):
+            key = (*sorted(pair), curves[arc[0]].kind)
+            borders[key] = borders.get(key, 0.0) + tall
+        parts.append(LabelledSlab(merged.slab, tuple(map(domain_label, merged.codes)), merged.areas))
+    shares: dict[int, float] = {}
+    for code, share in division.shares().items():
+        shares[static_code(code)] = shares.get(static_code(code), 0.0) + share
     return Regions(
         tuple(domain_label(code) for code in sorted(shares)),
         {domain_label(code): shares[code] for code in sorted(shares)},
-        float(error / (width * height)),
+        division.error / ((x_high - x_low) * (p_high - p_low)),
         tuple(
             Frontier((domain_label(a), domain_label(b)), kind, length)
             for (a, b, kind), length in sorted(borders.items())
@@ -315,31 +300,3 @@ def _divided(plane: Plane, curves: tuple[BoundaryCurve, ...], amplitude_max: flo
         curves,
         amplitude_max,
     )
-
-
-def _refuse_early_ends(plane: Plane, curves: tuple[BoundaryCurve, ...]) -> None:
-    """Raise if a boundary was not followed to its end, unless it is level there: it is a critical value anyway."""
-    for curve in curves:
-        for end, place in zip(curve.ends, (0, -1), strict=True):
-            if end in (EndReason.STEP_TOO_SMALL, EndReason.ITERATION_LIMIT):
-                along_x, along_p = np.abs(curve.slopes[place, 3:]) / [np.ptp(plane.x_range), np.ptp(plane.p_range)]
-                if not along_p < _LEVEL * along_x:
-                    x, p = (float(v) for v in curve.points[place, 3:])
-                    raise RegionError(f"a {curve.kind.name} boundary ends early, at {(x, p)}: {end.sentence}")
-
-
-def _labelled(
-    labeller: Labeller, found: tuple[Slab, ...], known: dict[Slab, list[int]]
-) -> tuple[list[list[int]], float | BoundaryCurve | None]:
-    """Codes of the labels of all slabs; or of the first ones, and what divides the next one further.
-
-    What is `known` of slabs that no further boundary has divided is kept.
-    """
-    codes: list[list[int]] = []
-    for slab in found:
-        sequence = known.get(slab) or labeller.sequence(slab)
-        if not isinstance(sequence, list):
-            return codes, sequence
-        known[slab] = sequence
-        codes.append(sequence)
-    return codes, None

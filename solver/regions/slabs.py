@@ -7,13 +7,14 @@ points, ends and intersections together are the critical values; between them th
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.special_points import SpecialPoint
+from solver.continuation.continuation import Event
 
-__all__ = ["Arc", "LEFT", "RIGHT", "RegionError", "RowCrossings", "Slab", "slabs"]
+__all__ = ["Arc", "LEFT", "RIGHT", "RegionError", "RowCrossings", "Slab", "SlabCurve", "slabs"]
 
 #: An arc: number of the curve and which of its crossings with the row it is, in order along the curve.
 Arc = tuple[int, int]
@@ -27,6 +28,8 @@ _SAME_X = 1e-10
 _ENDS = 10.0 ** -np.arange(1.0, 7.0)
 _NODES = np.concatenate([_ENDS, 1.0 - _ENDS, np.linspace(0.1, 0.9, 17)])
 _MOST_ROUNDS = 20
+# How far inside of a slab, as a share of its height.
+_INSIDE = 1e-6
 
 
 class RegionError(ArithmeticError):
@@ -53,18 +56,49 @@ class Slab:
         """Values of p strictly inside, at fractions of the height."""
         return self.low + (self.high - self.low) * np.asarray(fractions, dtype=float)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The lowest and the highest p."""
+        return self.low, self.high
+
+    def inner(self, value: float) -> float:
+        """A value of p, moved inside where it lies outside or on the border.
+
+        There some boundary turns round, ends or meets another, and the order of the crossings is not defined.
+        """
+        margin = _INSIDE * (self.high - self.low)
+        return float(np.clip(value, self.low + margin, self.high - margin))
+
+
+class SlabCurve(Protocol):
+    """A boundary in the plane, as far as slabs ask; `solver.boundaries.BoundaryCurve` is one."""
+
+    kind: Event
+
+    @property
+    def parameter(self) -> np.ndarray:
+        """p of some of its points in order, (k,): its ends, and where it turns round in p, among them."""
+
+    @property
+    def special(self) -> np.ndarray:
+        """`SpecialPoint` of these, (k,)."""
+
+    def crossings(self, values) -> tuple[np.ndarray, np.ndarray]:
+        """Where it meets ascending values of p: which value each place belongs to, (c,), and points (c, 5), in order
+        along the curve."""
+
 
 class RowCrossings:
     """Where rows meet the boundaries.
 
     Parameters
     ----------
-    curves : sequence of BoundaryCurve
+    curves : sequence of SlabCurve
     x_range : (low, high)
         Sides of the plane; they may lie inside of the plane for which the curves were traced.
     """
 
-    def __init__(self, curves: Sequence[BoundaryCurve], x_range: tuple[float, float]):
+    def __init__(self, curves: Sequence[SlabCurve], x_range: tuple[float, float]):
         self.curves, self.x_range = tuple(curves), x_range
 
     def table(self, values: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -86,9 +120,9 @@ class RowCrossings:
                 raise RegionError(str(error)) from error
             order = np.argsort(column, kind="stable")
             column = column[order]
-            place = np.arange(column.size) - np.searchsorted(column, column)
+            order_in_row = np.arange(column.size) - np.searchsorted(column, column)
             row.append(column)
-            arcs.append(np.column_stack([np.full(column.size, number), place]))
+            arcs.append(np.column_stack([np.full(column.size, number), order_in_row]))
             x.append(points[order, 3])
         row, arcs, x = np.concatenate(row), np.concatenate(arcs), np.concatenate(x)
         order = np.argsort(row, kind="stable")
@@ -161,7 +195,7 @@ def slabs(
     raise RegionError(f"the boundaries intersect too often near {extra[-1]!r}")
 
 
-def _turning_points(curve: BoundaryCurve) -> np.ndarray:
+def _turning_points(curve: SlabCurve) -> np.ndarray:
     """p where a curve turns round in p, ends, or is special."""
     p = curve.parameter
     sense = np.sign(np.diff(p))
@@ -191,7 +225,7 @@ def _intersections(crossings: RowCrossings, values: np.ndarray, table) -> np.nda
     """p at which any two arcs intersect, refined."""
     arcs, x = crossings.joined(table, values)
     floor = _SAME_X * (crossings.x_range[1] - crossings.x_range[0])
-    found = []
+    heights = []
     for i, arc in enumerate(arcs):
         for j in range(max(i + 1, 2), len(arcs)):
             gap = x[:, i] - x[:, j]
@@ -199,8 +233,8 @@ def _intersections(crossings: RowCrossings, values: np.ndarray, table) -> np.nda
             def distance(value, arc=arc, other=arcs[j]):
                 return crossings.x(arc, value) - crossings.x(other, value)
 
-            found.extend(_zeros(values, gap, distance, floor))
-    return np.array(found)
+            heights.extend(_zeros(values, gap, distance, floor))
+    return np.array(heights)
 
 
 def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], float], floor: float) -> list[float]:

@@ -240,10 +240,10 @@ def monodromies(
         return np.empty((0, 0, 0))
     one = np.empty((1, 0, 0))
     states = 2 * (fill_monodromies(parameters, parameter_slope, values[:1], motions[:1], one))
-    found = np.empty((values.size, states, states))
-    if fill_monodromies(parameters, parameter_slope, values, motions, found):
+    matrices = np.empty((values.size, states, states))
+    if fill_monodromies(parameters, parameter_slope, values, motions, matrices):
         raise ParameterError("values", values.tolist(), "such that all have the same number of coordinates")
-    return found
+    return matrices
 
 
 def multipliers(

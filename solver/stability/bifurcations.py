@@ -120,8 +120,8 @@ def _bifurcations(setup, strand, parameters, parameter_slope, known, found):
                     copy_into(at_high, known.tests[k])
                     low = search(setup, watch, found, i - 1, left, right, arc, low, x, at_low, at_high)
                     copy_into(at_low, at_high)
-                    place = arclength[i - 1] + x * arc
-                    search_dips(setup, watch, found, branch, tangents, arclength, recent, place, i - 1, at_low)
+                    position = arclength[i - 1] + x * arc
+                    search_dips(setup, watch, found, branch, tangents, arclength, recent, position, i - 1, at_low)
             if told:
                 search(setup, watch, found, i - 1, left, right, arc, low, 1.0, at_low, at_right)
         copy_into(at_low, at_right)

@@ -4,10 +4,19 @@ import numpy as np
 
 from solver.explained import Explained
 
-__all__ = ["BEYOND_MINUS_ONE", "BEYOND_ONE", "NEAR_CIRCLE", "NOT_FINITE", "PAIR_OUTSIDE", "Instability", "named"]
+__all__ = [
+    "BEYOND_MINUS_ONE",
+    "BEYOND_ONE",
+    "LEFT_TO_FOLDS",
+    "NEAR_CIRCLE",
+    "NOT_FINITE",
+    "PAIR_OUTSIDE",
+    "Instability",
+    "named",
+]
 
-#: Where multipliers lie, as bits: a real one beyond -1 or +1, a complex pair outside the unit circle, any one on it
-#: within the tolerance, one that is not finite.
+#: Where multipliers lie, as bits: a real one beyond -1, an odd number of them beyond +1, a pair outside the unit circle
+#: (complex, or real beyond +1), any one on it within the tolerance, one that is not finite.
 BEYOND_MINUS_ONE, BEYOND_ONE, PAIR_OUTSIDE, NEAR_CIRCLE, NOT_FINITE = 1, 2, 4, 8, 16
 
 
@@ -26,8 +35,9 @@ class Instability(Explained):
     5. with a real multiplier beyond +1: FOLD where det J <= 0, else CONTRADICTORY;
     6. without one: NONE where det J > 0, else CONTRADICTORY.
 
-    So along a branch the kinds 2 and 3 begin and end where multipliers pass the unit circle, never where others do.
-    (Two multipliers may meet outside the circle, on the negative real axis, and turn 3 into 2.)
+    A pair that meets on the real axis beyond +1 stays a pair until one of the two comes back through +1. So along a
+    branch the kinds 2 and 3 begin and end where multipliers pass the unit circle, never where others do. (Two
+    multipliers may meet outside the circle, on the negative real axis, and turn 3 into 2.)
     """
 
     NONE = 0, "Every small perturbation decays."
@@ -36,6 +46,10 @@ class Instability(Explained):
     NEIMARK_SACKER = 3, "A perturbation grows at a frequency of its own: quasi-periodic motions."
     CONTRADICTORY = 4, "Static and dynamic stability contradict each other: the order of the balance is too low here."
     UNDECIDED = 5, "A multiplier is on the unit circle, or cannot be computed: nothing is known."
+
+
+#: Kinds of which dynamic stability alone tells no instability: a statically stable motion of these counts as stable.
+LEFT_TO_FOLDS = (Instability.NONE, Instability.CONTRADICTORY)
 
 
 def named(bits, static=None) -> np.ndarray:

@@ -94,13 +94,33 @@ def _room(degrees, stiffnesses, unknowns):
 
 @kernel(ROOM(ARRAY, ARRAY, _F, _I), inner=True)
 def new_room(parameters, parameter_slope, p, unknowns):
-    """Room for the monodromy matrices of motions with so many unknowns; see the module."""
+    """Room for the monodromy matrices of motions with so many unknowns; see the module.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    unknowns : int
+        n, of the motions.
+    """
     return _room(count_degrees(parameters, parameter_slope, p), int(parameters[STIFFNESSES]), unknowns)
 
 
 @kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True)
 def fitted_room(parameters, parameter_slope, p, room):
-    """The room, or a new one where the system has another number of coordinates, with the system at p filled in."""
+    """The room, or a new one where the system has another number of coordinates, with the system at p filled in.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    p : float
+        Axis value.
+    room : Room
+        Whose system may be kept.
+    """
     degrees = count_degrees(parameters, parameter_slope, p)
     if degrees != room.system.vectors.shape[1]:
         room = _room(degrees, int(parameters[STIFFNESSES]), (room.angles.shape[0] - 8) // 2)
@@ -117,7 +137,17 @@ def find_switches(motion, room):
 
 @kernel(types.void(_I, _F, ROOM), inner=True)
 def carry_through(count, period, room):
-    """Fill `room.matrix` with the monodromy matrix of a motion whose switches are found, over `period` = nu periods."""
+    """Fill `room.matrix` with the monodromy matrix of a motion whose switches are found, over `period` = nu periods.
+
+    Parameters
+    ----------
+    count : int
+        Switches in `room`.
+    period : float
+        Of the motion, in units of tau.
+    room : Room
+        Overwritten.
+    """
     system, angles, zones = room.system, room.angles, room.zones
     set_identity(room.states)
     scale = period / system.numbers[FREQUENCY]
@@ -142,6 +172,17 @@ def carry_through(count, period, room):
 def monodromy_at(parameters, parameter_slope, motion, p, room):
     """Fill `room.matrix` with the monodromy matrix of a motion of packed parameters at one axis value; see the module.
 
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    motion : (n,) array
+        Unknowns (Lambda_0, c_1, s_1, ...).
+    p : float
+        Axis value.
+    room : Room
+        Overwritten; its matrix is the result.
+
     Returns
     -------
     Room
@@ -153,15 +194,26 @@ def monodromy_at(parameters, parameter_slope, motion, p, room):
 
 
 @kernel(_I(ARRAY, ARRAY, ARRAY, MATRIX, types.float64[:, :, ::1]))
-def fill_monodromies(parameters, parameter_slope, values, motions, found):
-    """Fill found (k, 2 n, 2 n); the number of coordinates of the first motion that has not n, else 0."""
+def fill_monodromies(parameters, parameter_slope, values, motions, matrices):
+    """Fill found (k, 2 n, 2 n); the number of coordinates of the first motion that has not n, else 0.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Parameters at p = 0 and what p adds to them.
+    values : (k,) array
+        Axis values.
+    motions : (k, n) array
+    matrices : (k, states, states) array
+        Filled.
+    """
     room = new_room(parameters, parameter_slope, values[0], motions.shape[1])
     for k in range(values.shape[0]):
         room = fitted_room(parameters, parameter_slope, values[k], room)
-        if room.matrix.shape[0] != found.shape[1]:
+        if room.matrix.shape[0] != matrices.shape[1]:
             return room.system.vectors.shape[1]
         carry_through(find_switches(motions[k], room), parameters[PERIOD], room)
-        for i in range(found.shape[1]):
-            for j in range(found.shape[1]):
-                found[k, i, j] = room.matrix[i, j]
+        for i in range(matrices.shape[1]):
+            for j in range(matrices.shape[1]):
+                matrices[k, i, j] = room.matrix[i, j]
     return 0

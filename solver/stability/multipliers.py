@@ -180,8 +180,18 @@ def eigenvalues(matrix, real, imaginary):
 
 @kernel(_I(ARRAY, ARRAY, _F), inner=True)
 def where_multipliers_lie(real, imaginary, tolerance):
-    """Bits of `solver.stability.instability`; a multiplier within the tolerance of the unit circle is nothing else."""
-    bits = 0
+    """Bits of `solver.stability.instability`; a multiplier within the tolerance of the unit circle is nothing else.
+
+    Two real multipliers beyond +1 are a pair that has met there, and count as one outside.
+
+    Parameters
+    ----------
+    real, imaginary : (k,) arrays
+        Of the multipliers.
+    tolerance : float
+        How close to the unit circle is undecided.
+    """
+    bits, above = 0, 0
     for i in range(real.shape[0]):
         x, y = real[i], imaginary[i]
         modulus = math.hypot(x, y)
@@ -192,8 +202,14 @@ def where_multipliers_lie(real, imaginary, tolerance):
         elif modulus > 1.0:
             if abs(y) > _REAL * modulus:
                 bits |= PAIR_OUTSIDE
+            elif x > 0.0:
+                above += 1
             else:
-                bits |= BEYOND_ONE if x > 0.0 else BEYOND_MINUS_ONE
+                bits |= BEYOND_MINUS_ONE
+    if above % 2 == 1:
+        bits |= BEYOND_ONE
+    if above > 1:
+        bits |= PAIR_OUTSIDE
     return bits
 
 

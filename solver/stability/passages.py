@@ -64,7 +64,7 @@ class Recent(NamedTuple):
     """The last three places of a branch whose test functions are known: arc lengths, ascending, behind which points of
     the branch lies what is between two of them, and the functions (3, TESTS)."""
 
-    places: np.ndarray
+    positions: np.ndarray
     pieces: np.ndarray
     tests: np.ndarray
 
@@ -77,7 +77,17 @@ LOCATED, MISSED, UNKNOWN = range(3)
 
 @kernel(types.void(WATCH, ARRAY, ARRAY), inner=True)
 def look(watch, y, tests):
-    """Fill in the test functions at y = (u, p)."""
+    """Fill in the test functions at y = (u, p).
+
+    Parameters
+    ----------
+    watch : Watch
+        What is looked with.
+    y : (n + 1,) array
+        (u, p).
+    tests : (TESTS,) array
+        Filled.
+    """
     n = y.shape[0] - 1
     room = monodromy_at(watch.parameters, watch.parameter_slope, y[:n], y[n], watch.room)
     eigenvalues(room.matrix, room.multipliers[0], room.multipliers[1])
@@ -94,7 +104,7 @@ def _value(kind, tests, level):
 
 
 @kernel(_F(SETUP, WATCH, ARRAY, ARRAY, _F, _I, _F, ARRAY, MATRIX, ARRAY, ARRAY), inner=True)
-def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tests, found):
+def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tests, point):
     """Locate an event between two fractions of a piece of the branch.
 
     Parameters
@@ -131,9 +141,9 @@ def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tes
             x = 0.5 * (low + high)
         if attempt % 3 == 2:
             width = high - low
-        if state_at(setup, left, right, arc, x, found) < 0:
+        if state_at(setup, left, right, arc, x, point) < 0:
             return -1.0
-        look(watch, found[: setup.unknowns + 1], tests)
+        look(watch, point[: setup.unknowns + 1], tests)
         if math.isnan(tests[LARGEST]):
             return -1.0
         g = _value(kind, tests, level)
@@ -176,15 +186,15 @@ def _end_on_branch(setup, watch, left, right, arc, x, sense, expected, tests, po
     Fills `tests` with them; x and what was expected where they are nowhere near.
     """
     for aside in _ASIDE:
-        place = min(max(x + sense * aside, 0.0), 1.0)
+        position = min(max(x + sense * aside, 0.0), 1.0)
         # At the points of the branch they are its own.
-        if place in (0.0, 1.0) and place == x:
+        if position in (0.0, 1.0) and position == x:
             break
-        if state_at(setup, left, right, arc, place, point) < 0:
+        if state_at(setup, left, right, arc, position, point) < 0:
             break
         look(watch, point[: setup.unknowns + 1], tests)
         if tests[OUTSIDE] == expected[OUTSIDE] and tests[DOUBLING] * expected[DOUBLING] > 0.0:
-            return place
+            return position
     copy_into(tests, expected)
     return x
 
@@ -194,6 +204,23 @@ def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_h
     """Locate all events between two neighbouring fractions of a piece whose test functions are known.
 
     Returns the fraction up to which it looked, which may be a little more.
+
+    Parameters
+    ----------
+    setup : Setup
+    watch : Watch
+    found : Found
+        Grows.
+    after : int
+        Point of the branch behind which the step lies.
+    left, right : point arrays
+        Ends of the step.
+    arc : float
+        Its length in scaled unknowns.
+    low, high : float
+        Fractions of the step between which events are looked for.
+    at_low, at_high : (TESTS,) arrays
+        Test functions there.
     """
     pairs = at_low[OUTSIDE] != at_high[OUTSIDE]
     # What lies on the circle on both sides, as in undamped systems, passes nothing.
@@ -203,15 +230,15 @@ def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_h
     bracket, at_ends = np.empty(2), np.empty((2, TESTS))
     tests, point = np.empty(TESTS), np.empty(point_size(setup))
     # Places, in order, between which a real multiplier may pass -1.
-    places, at_places = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
+    positions, at_positions = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
     for end in range(2):
         expected, x, sense = (at_low, low, -1.0) if end == 0 else (at_high, high, 1.0)
-        places[end] = _end_on_branch(setup, watch, left, right, arc, x, sense, expected, at_places[end], point)
-    low, high, count = places[0], places[1], 2
-    at_first, at_last = at_places[0].copy(), at_places[1].copy()
+        positions[end] = _end_on_branch(setup, watch, left, right, arc, x, sense, expected, at_positions[end], point)
+    low, high, count = positions[0], positions[1], 2
+    at_first, at_last = at_positions[0].copy(), at_positions[1].copy()
     if pairs:
         level, top = min(at_low[OUTSIDE], at_high[OUTSIDE]), max(at_low[OUTSIDE], at_high[OUTSIDE])
-        while level < top and count < places.shape[0]:
+        while level < top and count < positions.shape[0]:
             bracket[0], bracket[1] = low, high
             copy_into(at_ends[0], at_first)
             copy_into(at_ends[1], at_last)
@@ -224,21 +251,21 @@ def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_h
             # the second one is what was found here.
             for end in range(2):
                 k = count
-                while places[k - 1] > bracket[end]:
-                    places[k] = places[k - 1]
+                while positions[k - 1] > bracket[end]:
+                    positions[k] = positions[k - 1]
                     for i in range(TESTS):
-                        at_places[k, i] = at_places[k - 1, i]
+                        at_positions[k, i] = at_positions[k - 1, i]
                     k -= 1
-                places[k] = bracket[end]
+                positions[k] = bracket[end]
                 for i in range(TESTS):
-                    at_places[k, i] = at_ends[end, i]
+                    at_positions[k, i] = at_ends[end, i]
                 count += 1
             level += 2.0
     for k in range(1, count):
-        if at_places[k - 1, DOUBLING] * at_places[k, DOUBLING] < 0.0:
-            bracket[0], bracket[1] = places[k - 1], places[k]
+        if at_positions[k - 1, DOUBLING] * at_positions[k, DOUBLING] < 0.0:
+            bracket[0], bracket[1] = positions[k - 1], positions[k]
             for i in range(TESTS):
-                at_ends[0, i], at_ends[1, i] = at_places[k - 1, i], at_places[k, i]
+                at_ends[0, i], at_ends[1, i] = at_positions[k - 1, i], at_positions[k, i]
             x = _pinpoint(setup, watch, left, right, arc, _DOUBLING, 0.0, bracket, at_ends, tests, point)
             if x < 0.0:
                 found.counts[MISSED] += 1
@@ -258,58 +285,58 @@ def _dips(tests, slot):
 def _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot):
     """`search_dips` for one of the test functions."""
     n, size = setup.unknowns, point_size(setup)
-    places, pieces, at_places = recent.places.copy(), recent.pieces.copy(), recent.tests.copy()
+    positions, pieces, at_positions = recent.positions.copy(), recent.pieces.copy(), recent.tests.copy()
     left, right, point, tests = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(TESTS)
     for _ in range(_DIP_LOOKS):
-        if not _dips(at_places, slot):
+        if not _dips(at_positions, slot):
             return
-        before, least, behind = at_places[0, slot], at_places[1, slot], at_places[2, slot]
-        first = (least - before) / (places[1] - places[0])
-        bend = ((behind - least) / (places[2] - places[1]) - first) / (places[2] - places[0])
+        before, least, behind = at_positions[0, slot], at_positions[1, slot], at_positions[2, slot]
+        first = (least - before) / (positions[1] - positions[0])
+        bend = ((behind - least) / (positions[2] - positions[1]) - first) / (positions[2] - positions[0])
         if not bend * least > 0.0:
             return
-        place = 0.5 * (places[0] + places[1]) - 0.5 * first / bend
-        lowest = before + (place - places[0]) * (first + bend * (place - places[1]))
+        position = 0.5 * (positions[0] + positions[1]) - 0.5 * first / bend
+        lowest = before + (position - positions[0]) * (first + bend * (position - positions[1]))
         if not lowest * math.copysign(1.0, least) < _CLEARANCE * abs(least):
             return
-        margin = 0.05 * (places[2] - places[0])
-        if abs(place - places[1]) < margin:
-            place = places[1] + (margin if places[2] - places[1] > places[1] - places[0] else -margin)
-        side = 0 if place < places[1] else 1
+        margin = 0.05 * (positions[2] - positions[0])
+        if abs(position - positions[1]) < margin:
+            position = positions[1] + (margin if positions[2] - positions[1] > positions[1] - positions[0] else -margin)
+        side = 0 if position < positions[1] else 1
         piece = pieces[side]
         arc = arclength[piece + 1] - arclength[piece]
         for j in range(n + 1):
             left[j], left[n + 1 + j] = branch[piece, j], tangents[piece, j]
             right[j], right[n + 1 + j] = branch[piece + 1, j], tangents[piece + 1, j]
-        x = (place - arclength[piece]) / arc
+        x = (position - arclength[piece]) / arc
         if state_at(setup, left, right, arc, x, point) < 0:
             return
         look(watch, point[: n + 1], tests)
         if math.isnan(tests[LARGEST]):
             return
-        if tests[OUTSIDE] != at_places[side, OUTSIDE] or tests[DOUBLING] * at_places[side, DOUBLING] < 0.0:
+        if tests[OUTSIDE] != at_positions[side, OUTSIDE] or tests[DOUBLING] * at_positions[side, DOUBLING] < 0.0:
             # One call in a loop: every further one is compiled once more.
             for part in range(2):
-                low, high = (places[side] - arclength[piece]) / arc, x
-                at_low, at_high = at_places[side], tests
+                low, high = (positions[side] - arclength[piece]) / arc, x
+                at_low, at_high = at_positions[side], tests
                 if part == 1:
-                    low, high = x, (places[side + 1] - arclength[piece]) / arc
-                    at_low, at_high = tests, at_places[side + 1]
+                    low, high = x, (positions[side + 1] - arclength[piece]) / arc
+                    at_low, at_high = tests, at_positions[side + 1]
                 search(setup, watch, found, piece, left, right, arc, low, high, at_low, at_high)
             return
         # The three places among four that have the least value in the middle.
         closer = abs(tests[slot]) <= abs(least)
         if closer:
             other = 2 - 2 * side
-            places[other], pieces[1 - side] = places[1], piece
-            copy_into(at_places[other], at_places[1])
+            positions[other], pieces[1 - side] = positions[1], piece
+            copy_into(at_positions[other], at_positions[1])
         new = 1 if closer else 2 * side
-        places[new] = place
-        copy_into(at_places[new], tests)
+        positions[new] = position
+        copy_into(at_positions[new], tests)
 
 
 @kernel(types.void(SETUP, WATCH, FOUND, MATRIX, MATRIX, ARRAY, RECENT, _F, _I, ARRAY), inner=True)
-def search_dips(setup, watch, found, branch, tangents, arclength, recent, place, piece, tests):
+def search_dips(setup, watch, found, branch, tangents, arclength, recent, position, piece, tests):
     """Take one more place, and locate pairs of events that the last three suggest and do not bracket.
 
     Parameters
@@ -318,18 +345,18 @@ def search_dips(setup, watch, found, branch, tangents, arclength, recent, place,
     branch, tangents, arclength : (k, n + 1), (k, n + 1) and (k,) arrays
         Points of the branch.
     recent : Recent
-    place : float
+    position : float
         Its arc length.
     piece : int
         Behind which point of the branch it and the place before lie.
     tests : (TESTS,) array
     """
     for k in range(2):
-        recent.places[k] = recent.places[k + 1]
+        recent.positions[k] = recent.positions[k + 1]
         copy_into(recent.tests[k], recent.tests[k + 1])
-    recent.places[2], recent.pieces[0], recent.pieces[1] = place, recent.pieces[1], piece
+    recent.positions[2], recent.pieces[0], recent.pieces[1] = position, recent.pieces[1], piece
     copy_into(recent.tests[2], tests)
-    if not recent.places[0] < recent.places[1] < recent.places[2]:
+    if not recent.positions[0] < recent.positions[1] < recent.positions[2]:
         return
     if not recent.tests[0, OUTSIDE] == recent.tests[1, OUTSIDE] == recent.tests[2, OUTSIDE]:
         return

@@ -3,40 +3,39 @@
 Not imported by `import solver`: the kernels are many.
 """
 
-from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
-from solver.timedomain.basins import BasinShare, basin_box, basin_shares, same_attractor, wilson_interval
+from solver.timedomain.attractor import AttractorKind
+from solver.timedomain.attractors import (
+    AttractorRow,
+    AttractorSearch,
+    SeenFrom,
+    continue_attractors,
+    find_attractors,
+    settle,
+)
 from solver.timedomain.integrator import Status, Trajectory, Zone, integrate
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
-from solver.timedomain.settling import Settling, settle
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
-from solver.timedomain.sweeping import AttractorSweep, resting_state, sweep_attractors
 
 __all__ = [
-    "Attractor",
     "AttractorKind",
-    "AttractorSweep",
-    "BasinShare",
+    "AttractorRow",
+    "AttractorSearch",
     "Measurement",
     "PeriodicOrbit",
     "Sections",
-    "Settling",
+    "SeenFrom",
     "ShootingStatus",
     "Status",
     "Trajectory",
     "Zone",
     "advance",
-    "basin_box",
-    "basin_shares",
-    "contact_impact",
+    "continue_attractors",
+    "find_attractors",
     "growth",
     "integrate",
     "measure",
     "monodromy",
     "orbit_state",
-    "resting_state",
-    "same_attractor",
     "settle",
     "shoot",
-    "sweep_attractors",
-    "wilson_interval",
 ]

@@ -1,116 +1,66 @@
-"""Kinds of attractors, and what is recorded of one."""
-
-import math
-from dataclasses import dataclass
+"""Kinds of attractors, and the impact states of ranges of lambda."""
 
 import numpy as np
 
 from solver.contact.impact import ImpactState, impact_state
 from solver.explained import Explained
-from solver.model.checks import ParameterError, instance_of, number_array
-from solver.model.contact_system import ContactSystem
-from solver.timedomain.integrator import Status
 
-__all__ = ["Attractor", "AttractorKind", "contact_impact"]
+__all__ = ["AttractorKind", "impact_of_range"]
 
 
 class AttractorKind(Explained):
-    """What a motion settles on."""
+    """What a motion ends on."""
 
-    FAILED = 0, "The integrator could not continue the motion; its status says why."
+    NONE = 0, "Nothing is known."
     PERIOD_1 = 1, "The motion repeats after every forcing period."
     PERIOD_2 = 2, "The motion repeats after two forcing periods."
     PERIOD_3 = 3, "The motion repeats after three forcing periods."
     PERIOD_4 = 4, "The motion repeats after four forcing periods."
-    PERIOD_HIGHER = 5, "The motion repeats after more than four forcing periods."
-    QUASI_PERIODIC = 6, "The motion never repeats, and neighbouring motions neither part nor meet: a torus."
-    CHAOTIC = 7, "Neighbouring motions part exponentially: the largest Lyapunov exponent is above 0."
-    UNBOUNDED = 8, "The contact coordinate grew above the ceiling."
-    UNSETTLED = 9, "The motion still converges, slowly: it had not settled after the allowed periods."
+    PERIOD_5 = 5, "The motion repeats after five forcing periods."
+    PERIOD_6 = 6, "The motion repeats after six forcing periods."
+    PERIOD_7 = 7, "The motion repeats after seven forcing periods."
+    PERIOD_8 = 8, "The motion repeats after eight forcing periods."
+    PERIOD_LONGER = 9, "The motion repeats after more than eight forcing periods."
+    QUASI_PERIODIC = 10, "The motion never repeats, and neighbouring motions neither part nor meet: a torus."
+    CHAOTIC = 11, "Neighbouring motions part exponentially: the largest Lyapunov exponent is above 0."
+    UNBOUNDED = 12, "The contact coordinate grew above the ceiling."
+    UNSETTLED = 13, "The motion had not settled after the allowed periods."
 
     @property
     def periodic(self) -> bool:
-        """Whether the motion repeats."""
-        return AttractorKind.PERIOD_1 <= self <= AttractorKind.PERIOD_HIGHER
+        """Whether the motion repeats after a known number of periods, up to eight."""
+        return AttractorKind.PERIOD_1 <= self <= AttractorKind.PERIOD_8
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is a bounded attractor: periodic, a torus or chaos."""
+        return AttractorKind.PERIOD_1 <= self <= AttractorKind.CHAOTIC
+
+    @property
+    def label(self) -> str:
+        """ "1T" ... "8T", "nT" for more, or the name in small letters; empty for none."""
+        if self is AttractorKind.NONE:
+            return ""
+        if self is AttractorKind.PERIOD_LONGER:
+            return "nT"
+        return f"{int(self)}T" if self.periodic else self.name.lower()
 
 
-@dataclass(frozen=True, eq=False)
-class Attractor:
-    """What one motion settled on; numbers that do not apply are nan.
-
-    Parameters
-    ----------
-    kind : AttractorKind
-    period : int
-        Forcing periods after which the motion repeats; 0 if it does not.
-    periods_used : int
-        Forcing periods integrated before the kind was known.
-    mean, amplitude : float
-        Lambda_0 and |Lambda_1| at the forcing frequency, over the orbit or over the window of an aperiodic motion.
-    half_order_amplitude : float
-        |Lambda_{1/2}| at half the forcing frequency; 0 where the motion repeats after one period.
-    lowest, highest : float
-        Extremes of lambda.
-    impact : int
-        `solver.contact.impact.ImpactState` of these extremes for the gaps of the system; -1 if unknown.
-    lyapunov, lyapunov_error : float
-        Largest Lyapunov exponent per unit of tau and its standard error; of periodic motions from the multipliers.
-    largest_multiplier : float
-        Largest modulus of the multipliers over `period`.
-    state : (2 n,) array
-        The last state, at tau = 0 modulo the forcing period; of a periodic motion the point of the orbit itself.
-    points : (period, 2 n) array
-        All sections of a periodic motion; a sample of those of another.
-    status : Status
-        How the integration ended.
-    """
-
-    kind: AttractorKind
-    period: int
-    periods_used: int
-    mean: float
-    amplitude: float
-    half_order_amplitude: float
-    lowest: float
-    highest: float
-    impact: int
-    lyapunov: float
-    lyapunov_error: float
-    largest_multiplier: float
-    state: np.ndarray
-    points: np.ndarray
-    status: Status
-
-
-def contact_impact(system: ContactSystem, lowest: float, highest: float) -> ImpactState | int:
-    """Impact state for the two gaps of the system, which need not be alike.
+def impact_of_range(lowest: np.ndarray, highest: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Impact states (int8) of ranges of lambda between the ends of the dead zone; -1 where a range is nan.
 
     Parameters
     ----------
-    system : ContactSystem
-    lowest, highest : float
+    lowest, highest : arrays
         Extremes of lambda.
-
-    Returns
-    -------
-    ImpactState, or -1 where an extreme is nan.
-
-    Raises
-    ------
-    ParameterError
-        If an argument is not allowed.
+    low, high : arrays
+        Ends of the dead zone; low is -inf of a one-sided contact.
     """
-    instance_of("system", system, ContactSystem)
-    for name, value in (("lowest", lowest), ("highest", highest)):
-        if number_array(name, value).ndim:
-            raise ParameterError(name, value, "one number")
-    if not system.two_sided:
-        if math.isnan(lowest) or math.isnan(highest):
-            return -1
-        if lowest > system.front_gap:
-            return ImpactState.PERMANENT
-        return ImpactState.SINGLE_SIDED if highest > system.front_gap else ImpactState.FREE
+    one_sided = np.where(lowest > high, ImpactState.PERMANENT, ImpactState.SINGLE_SIDED)
+    one_sided = np.where(highest > high, one_sided, ImpactState.FREE)
     # Seen from the middle of the dead zone both gaps are alike.
-    middle, half = 0.5 * (system.front_gap - system.back_gap), 0.5 * (system.front_gap + system.back_gap)
-    code = int(impact_state(lowest - middle, highest - middle, half))
-    return ImpactState(code) if code >= 0 else -1
+    finite = np.where(np.isfinite(low), low, -high)
+    middle, half = 0.5 * (high + finite), np.maximum(0.5 * (high - finite), 0.0)
+    two_sided = impact_state(lowest - middle, highest - middle, half)
+    states = np.where(np.isfinite(low), two_sided, one_sided)
+    return np.where(np.isnan(lowest) | np.isnan(highest), -1, states).astype(np.int8)

@@ -37,7 +37,7 @@ from solver.timedomain.section_map import (
     widen_over,
 )
 
-__all__ = ["Measurement", "Sections", "advance", "growth", "measure", "monodromy"]
+__all__ = ["Measurement", "Sections", "add_harmonics", "advance", "growth", "measure", "monodromy"]
 
 _F, _I = types.float64, types.int64
 
@@ -57,7 +57,7 @@ def _advance(system, states, tolerance, ceiling, sections, status):
 
 
 @kernel(types.void(ZONE_FLOWS, MATRIX, _I, _F, _F, MATRIX, MAP_ROOM), inner=True)
-def _add_harmonics(flows, steps, count, start, base, sums, room):
+def add_harmonics(flows, steps, count, start, base, sums, room):
     """Add the Fourier integrals of lambda over the steps of a period that starts at a time."""
     half, intervals = flows.half[0], flows.count[0]
     for s in range(count):
@@ -81,7 +81,7 @@ def _measure(system, state, periods, tolerance, ceiling, extremes, sums, base, s
         if status != COMPLETE:
             return status
         widen_over(flows, steps, count, extremes, room)
-        _add_harmonics(flows, steps, count, period * span, base, sums, room)
+        add_harmonics(flows, steps, count, period * span, base, sums, room)
         for s in range(1, count):
             switches[0] += int(steps[s, ROW]) // flows.count[0] != int(steps[s - 1, ROW]) // flows.count[0]
     return COMPLETE

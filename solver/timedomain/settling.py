@@ -1,332 +1,393 @@
-"""Where motions settle.
+"""Where the motions of one cell settle.
 
-A motion that returns close to itself after q forcing periods is polished by Newton's method: if the orbit found is
-stable and near, and the motion still approaches it, it is the limit, however slowly it is reached. What does not settle
-on a periodic orbit is told by its largest Lyapunov exponent.
+Motions are followed from section to section until one is certain to end on a known attractor. One that returns close to
+itself after q forcing periods is polished by Newton's method, which makes an orbit known. What does not settle within
+`transient` periods is watched together with a small deviation: the growth of that tells chaos from a torus.
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from solver.model.checks import finite_number, frequency, instance_of
-from solver.model.contact_system import ContactSystem, in_motion, reduced
-from solver.timedomain.attractor import Attractor, AttractorKind, contact_impact
-from solver.timedomain.integrator import Status, checked_states, checked_tolerance, with_the_rest
-from solver.timedomain.poincare import advance, checked_count, growth, measure
-from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, shoot
+from solver.flow.switched_system import LENGTH, SWITCHED_SYSTEM
+from solver.flow.zone_flows import ZONE_FLOWS
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import copy_into
+from solver.timedomain.attractor import AttractorKind
+from solver.timedomain.integrator import CEILING, COMPLETE
+from solver.timedomain.orbits import ORBIT
+from solver.timedomain.recognition import (
+    HIGHEST_PERIOD,
+    KNOWN,
+    LOOKED,
+    SAMPLE,
+    distance,
+    keep_sample,
+    recognised,
+    try_orbit,
+    within_sample,
+)
+from solver.timedomain.section_map import MAP_ROOM, carry_period
 
-__all__ = ["Settling", "length_scale", "settle"]
+__all__ = ["FAILED", "LIMITS", "MEMORY", "NO_ROOM", "Limits", "Memory", "new_memory", "settle_state", "spread_sample"]
+
+_F, _I, _B = types.float64, types.int64, types.boolean
+_COUNTS = types.int64[::1]
+
+LONGER, QUASI_PERIODIC = int(AttractorKind.PERIOD_LONGER), int(AttractorKind.QUASI_PERIODIC)
+CHAOTIC = int(AttractorKind.CHAOTIC)
+UNBOUNDED, UNSETTLED = int(AttractorKind.UNBOUNDED), int(AttractorKind.UNSETTLED)
+
+#: What `settle_state` gives besides a slot: the integrator could not go on; there was no slot left.
+FAILED, NO_ROOM = -2, -3
+
+# What `_approached` gives where it cannot tell.
+_PERHAPS = -4
+
+# Sections that are kept of a motion: twice the longest period, and as many again to see that it stays.
+_KEPT = 3 * HIGHEST_PERIOD
+
+# Periods before a motion is compared with samples of attractors.
+_SETTLED = 40
+
+# Periods between two tries of Newton's method, at first and at most.
+_WAIT, _LONGEST_WAIT = 4, 128
+
+# Longest period that is looked for, from how many sections on, and how near a return must be: the motion has arrived.
+_MOST_PERIODS, _ENOUGH, _EXACT, _APART = 64, 160, 1e-6, 1e-4
+
+# How far a motion is moved that stays on an unstable orbit, as a share of the length.
+_NUDGE = 1e-3
+
+# A motion this near to an orbit, as a share of the length, that has come so much nearer is taken to end there; one that
+# has come a little nearer may do so.
+_NEAR_ENOUGH, _NEARER, _LITTLE = 0.2, 0.7, 0.97
+
+# Batches of the growth of a deviation; the first part lets it turn into the direction that grows fastest.
+_BATCHES, _TURNING = 20, 40
+
+# Chaos is told every so many periods, from the third time on, if it is so much stronger than the floor. Weak chaos is
+# often a transient: it is watched to the end, and followed so many times as long.
+_TOLD_EVERY, _STRONG, _LONG = 200, 10.0, 4
 
 
-@dataclass(frozen=True)
-class Settling:
-    """How long and how strictly motions are watched.
+class Limits(NamedTuple):
+    """How long and how strictly motions are watched; see `solver.timedomain.attractors.AttractorSearch`."""
 
-    Parameters
-    ----------
-    max_periods : int
-        Forcing periods before the Lyapunov exponent decides.
-    block : int
-        Periods between two looks at the sections.
-    highest_period : int
-        Periodic motions are sought up to this number of forcing periods.
-    near : float
-        A return within this distance, relative to the scale of the motion, is polished by shooting.
-    close : float
-        A stable periodic orbit is the limit when the motion has come this near to it, and nearer than a block before.
-    lyapunov_periods : int
-        Window over which the exponent, the harmonics and the extremes of aperiodic motions are taken.
-    lyapunov_floor : float
-        An exponent per forcing period is above or below 0 only if its modulus exceeds this: deviations on a torus grow
-        or shrink like powers of time, which over a window of N periods looks like an exponent of some (log N) / N.
-        Chaos weaker than this is taken for a torus.
-    tolerance : float
-        Of the integration.
-    ceiling : float
-        A motion is unbounded when |lambda| exceeds this many times the length of the system (gaps, static deflection).
+    tolerance: float
+    ceiling: float
+    near: float
+    transient: int
+    watched: int
+    floor: float
 
-    Raises
-    ------
-    ParameterError
-        If a setting is not allowed.
+
+LIMITS = types.NamedTuple((_F, _F, _F, _I, _I, _F), Limits)
+
+
+class Memory(NamedTuple):
+    """What is kept of a motion while it is followed.
+
+    `before` (m,): the last section but one. `entry` and `returns` (A,), `hits` (A, 48): see `recognised` and
+    `within_sample`. `tries` (18,): for every period up to 8 when Newton's method may be tried again, and how long to
+    wait after that. `kept` (24, m): a ring of the last sections. `sections` (N, m) and `logarithms` (N,): what is
+    watched. `tangent` (1, m), `work` (3, m), `sample` (128, m) and `gaps` (128,) are worked in; `none` (0, m).
     """
 
-    max_periods: int = 3000
-    block: int = 60
-    highest_period: int = 24
-    near: float = 1e-2
-    close: float = 1e-3
-    lyapunov_periods: int = 2000
-    lyapunov_floor: float = 4e-3
-    tolerance: float = 1e-10
-    ceiling: float = 1e4
-
-    def __post_init__(self):
-        checked_count("max_periods", self.max_periods)
-        checked_count("highest_period", self.highest_period, 4, 1000)
-        checked_count("block", self.block, 2 * self.highest_period)
-        checked_count("lyapunov_periods", self.lyapunov_periods, 40)
-        checked_tolerance(self.tolerance)
-        for name in ("near", "close", "lyapunov_floor", "ceiling"):
-            finite_number(name, getattr(self, name), above=0.0)
+    before: np.ndarray
+    entry: np.ndarray
+    returns: np.ndarray
+    hits: np.ndarray
+    tries: np.ndarray
+    kept: np.ndarray
+    sections: np.ndarray
+    logarithms: np.ndarray
+    tangent: np.ndarray
+    work: np.ndarray
+    sample: np.ndarray
+    gaps: np.ndarray
+    none: np.ndarray
 
 
-def length_scale(system: ContactSystem, omega: float) -> float:
-    """A length of the system at one frequency: gaps and the deflection under the loads, at least."""
-    gaps = [abs(system.front_gap), abs(system.back_gap) if system.two_sided else 0.0]
-    rows = max(len(system.load), len(system.inertial_load))
-    loads = np.abs(system.load_harmonics(omega, rows - 1)).sum(axis=0)
-    closed = system.stiffness + np.outer(system.force, system.contact)
-    deflection = np.max(np.abs(np.linalg.lstsq(closed, loads, rcond=None)[0]))
-    return max(*gaps, float(deflection)) or 1.0
+MEMORY = types.NamedTuple(
+    (ARRAY, ARRAY, _COUNTS, types.int64[:, ::1], _COUNTS, MATRIX, MATRIX, ARRAY, MATRIX, MATRIX, MATRIX, ARRAY, MATRIX),
+    Memory,
+)
 
 
-def settle(system: ContactSystem, omega: float, states, *, settling: Settling | None = None) -> tuple[Attractor, ...]:
-    """Follow motions from tau = 0 until it is known where they settle.
+def new_memory(size: int, room: int, watched: int) -> Memory:
+    """Room for a motion.
 
     Parameters
     ----------
-    system : ContactSystem
-    omega : float
-    states : (k, 2 n) array_like
-        Initial states.
-    settling : Settling, optional
+    size : int
+        Numbers m of a state.
+    room : int
+        Attractors that it may end on.
+    watched : int
+        Sections over which it may be watched.
+    """
+    return Memory(
+        np.empty(size),
+        np.empty(room),
+        np.empty(room, np.int64),
+        np.empty((room, LOOKED), np.int64),
+        np.empty(2 * (HIGHEST_PERIOD + 1), np.int64),
+        np.empty((_KEPT, size)),
+        np.empty((watched, size)),
+        np.empty(watched),
+        np.empty((1, size)),
+        np.empty((3, size)),
+        np.empty((SAMPLE, size)),
+        np.empty(SAMPLE),
+        np.empty((0, size)),
+    )
+
+
+@kernel(types.void(MEMORY), inner=True)
+def _forget(memory):
+    """Nothing has been seen and tried yet."""
+    memory.returns[:] = 0
+    memory.hits[:, :] = 0
+    for period in range(HIGHEST_PERIOD + 1):
+        memory.tries[period], memory.tries[HIGHEST_PERIOD + 1 + period] = 0, _WAIT
+
+
+@kernel(_I(KNOWN, _I), inner=True)
+def _slot_of(known, kind):
+    """The slot of what has no sections (unbounded and unsettled motions), which is taken if it was not; or NO_ROOM."""
+    for slot in range(known.count[0]):
+        if known.kind[slot] == kind:
+            return slot
+    slot = known.count[0]
+    if slot == known.kind.shape[0]:
+        return NO_ROOM
+    known.kind[slot] = kind
+    known.count[0] += 1
+    return slot
+
+
+@kernel(types.void(ZONE_FLOWS, KNOWN, MEMORY, _I, LIMITS, ORBIT, MAP_ROOM), inner=True)
+def _seek_return(flows, known, memory, now, limits, orbit, room):
+    """Try Newton's method where the motion has stayed near itself for q periods; at most one orbit becomes known.
+
+    Parameters
+    ----------
+    flows : ZoneFlows
+    known : Known
+    memory : Memory
+        Its ring of sections is full.
+    now : int
+        Number of the newest section.
+    limits : Limits
+    orbit : Orbit
+    room : MapRoom
+    """
+    near, kept, tries = limits.near * flows.system.numbers[LENGTH], memory.kept, memory.tries
+    for slot in range(known.count[0]):
+        # It is on its way to what is known.
+        if memory.returns[slot] > 0:
+            return
+    for period in range(1, HIGHEST_PERIOD + 1):
+        if now < tries[period]:
+            continue
+        stays, back = True, 0
+        while stays and back <= period:
+            one, other = (now - back) % _KEPT, (now - back - period) % _KEPT
+            stays = distance(flows.system, kept[one], kept[other]) < near
+            back += 1
+        if stays:
+            # Found or not: what is known by now is recognised without another try.
+            wait = HIGHEST_PERIOD + 1 + period
+            tries[period] = now + tries[wait]
+            tries[wait] = min(4 * tries[wait], _LONGEST_WAIT)
+            if try_orbit(flows, known, kept[now % _KEPT], period, limits.ceiling, 10.0 * near, orbit, room) >= 0:
+                return
+
+
+@kernel(types.UniTuple(_F, 2)(ARRAY, _I), inner=True)
+def _batch_means(logarithms, count):
+    """Mean growth of a deviation in a period and its standard error, from batches after the first periods."""
+    per = (count - _TURNING) // _BATCHES
+    mean, square = 0.0, 0.0
+    for batch in range(_BATCHES):
+        total = 0.0
+        for i in range(per):
+            total += logarithms[count - _BATCHES * per + batch * per + i]
+        total /= per
+        mean += total
+        square += total * total
+    mean /= _BATCHES
+    variance = max(square / _BATCHES - mean * mean, 0.0) * _BATCHES / (_BATCHES - 1.0)
+    return mean, math.sqrt(variance / _BATCHES)
+
+
+@kernel(types.void(MATRIX, _I, MATRIX), inner=True)
+def spread_sample(sections, count, sample):
+    """Fill a sample (128, m) with sections spread over the later ones, so that slow turns of a torus are seen whole."""
+    for i in range(SAMPLE):
+        # Multiples of the golden ratio: evenly spread, and in step with no period.
+        share = (i * 0.6180339887498949) % 1.0
+        copy_into(sample[i], sections[count - 1 - int(share * (count - _TURNING))])
+
+
+@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), inner=True)
+def _repeats(system, sections, now):
+    """Whether a motion has come to repeat itself after more than eight periods."""
+    scale = system.numbers[LENGTH]
+    for period in range(1, HIGHEST_PERIOD + 1):
+        if distance(system, sections[now], sections[now - period]) < _APART * scale:
+            return False
+    for period in range(HIGHEST_PERIOD + 1, _MOST_PERIODS + 1):
+        near = distance(system, sections[now], sections[now - period]) < _EXACT * scale
+        if near and distance(system, sections[now - period], sections[now - 2 * period]) < _EXACT * scale:
+            return True
+    return False
+
+
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, MATRIX), inner=True)
+def _approached(system, known, sections):
+    """Slot of a stable orbit that a motion slowly ends on: near, and nearer at half the pace of its multipliers.
+
+    -1 where there is none, _PERHAPS where it may be approaching one. A growth so close to 0 looks like that of a torus;
+    the largest distance over many sections does not feel where in its slow beat the motion happens to be.
+    """
+    count, answer = sections.shape[0], -1
+    for slot in range(known.count[0]):
+        if known.kind[slot] > HIGHEST_PERIOD or known.kind[slot] < 1:
+            continue
+        early, late = 0.0, 0.0
+        for i in range(2 * SAMPLE):
+            at = i if i < SAMPLE else count - 2 * SAMPLE + i
+            least = math.inf
+            for j in range(known.kind[slot]):
+                least = min(least, distance(system, known.points[slot, j], sections[at]))
+            if i < SAMPLE:
+                early = max(early, least)
+            else:
+                late = max(late, least)
+        promised = math.exp(0.5 * known.rates[slot, 0] * (count - SAMPLE))
+        if late < _NEAR_ENOUGH * system.numbers[LENGTH] and late < min(promised, _NEARER) * early:
+            return slot
+        if late < _LITTLE * early:
+            answer = _PERHAPS
+    return answer
+
+
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True)
+def settle_state(flows, known, state, limits, memory, orbit, room):
+    """Follow a motion until it is known where it settles.
+
+    Parameters
+    ----------
+    flows : ZoneFlows
+    known : Known
+        What is found becomes known.
+    state : (m,) array
+        On the section; overwritten.
+    limits : Limits
+    memory : Memory
+    orbit : Orbit
+    room : MapRoom
 
     Returns
     -------
-    tuple of k Attractor
-        0 where a coordinate is no part of the motion (`solver.model.contact_system.in_motion`).
-
-    Raises
-    ------
-    ParameterError
-        If an argument is not allowed.
+    int
+        The slot that it ends in, or FAILED or NO_ROOM.
     """
-    instance_of("system", system, ContactSystem)
-    settling = Settling() if settling is None else instance_of("settling", settling, Settling)
-    omega = frequency(omega)
-    starts, kept = checked_states(system, states), np.tile(in_motion(system), 2)
-    if not np.all(kept):
-        found = settle(reduced(system), omega, starts[:, kept], settling=settling)
-        wholes = ((with_the_rest(system, one.state), with_the_rest(system, one.points)) for one in found)
-        return tuple(replace(one, state=s, points=p) for one, (s, p) in zip(found, wholes, strict=True))
-    settler = _Settler(system, omega, settling)
-    return tuple(settler.run(state) for state in starts)
+    slot = _follow(flows, known, state, limits.transient, limits, memory, orbit, room)
+    if slot == -1 and _stands_still(flows.system, memory.kept, limits.transient - 1):
+        # It repeats, and is recognised as nothing stable: a nudge shows where it goes.
+        for i in range(state.shape[0]):
+            state[i] += _NUDGE * flows.system.numbers[LENGTH]
+        slot = _follow(flows, known, state, limits.transient, limits, memory, orbit, room)
+    return slot if slot != -1 else _watch(flows, known, state, limits, memory, orbit, room)
 
 
-@dataclass
-class _Settler:
-    """Settles motions one after another and remembers the periodic orbits found, so that Newton runs once for each."""
-
-    system: ContactSystem
-    omega: float
-    settling: Settling
-    known: list[tuple[PeriodicOrbit, np.ndarray]] = field(default_factory=list)
-
-    def __post_init__(self):
-        self.length = length_scale(self.system, self.omega)
-        self.ceiling = self.settling.ceiling * self.length
-
-    def run(self, start) -> Attractor:
-        settling = self.settling
-        current, used, before = start, 0, {}
-        while used < settling.max_periods:
-            block = min(settling.block, settling.max_periods - used)
-            sections = advance(
-                self.system, self.omega, current, block, tolerance=settling.tolerance, ceiling=self.ceiling
-            )
-            status = Status(sections.status[0])
-            if status is not Status.COMPLETE:
-                return self._ended(current, used, status)
-            current, used = sections.states[0, -1], used + block
-            limit = self._limit(sections.states[0], before)
-            if limit is not None:
-                return self._periodic(*limit, used)
-        return self._aperiodic(current, used)
-
-    def _limit(self, sections, before):
-        """The periodic orbit that the motion approaches, with its points in the order of the last section, or None.
-
-        `before` holds the distances to known orbits one block ago and is brought up to date.
-        """
-        scale = max(self.length, float(np.max(np.abs(sections))))
-        for number in range(len(self.known)):
-            if self._approached(number, sections, scale, before):
-                return self.known[number]
-        # Two attractors may lie close together: a known orbit nearby does not spare the search for another.
-        if self._polish(sections, scale) and self._approached(len(self.known) - 1, sections, scale, before):
-            return self.known[-1]
-        return None
-
-    def _approached(self, number, sections, scale, before) -> bool:
-        """Whether the motion is near one of the known orbits and comes nearer."""
-        settling, last = self.settling, sections[-1]
-        orbit, points = self.known[number]
-        distance, previous = _distance(points, last), before.get(number, math.inf)
-        before[number] = distance
-        # The first distance of all is compared with that in the middle of the block.
-        if previous == math.inf:
-            previous = _distance(points, sections[len(sections) // 2 - 1])
-        if distance < 1e3 * settling.tolerance * scale:
+@kernel(_B(SWITCHED_SYSTEM, MATRIX, _I), inner=True)
+def _stands_still(system, kept, now):
+    """Whether a motion repeats after up to eight periods."""
+    for period in range(1, HIGHEST_PERIOD + 1):
+        if distance(system, kept[now % _KEPT], kept[(now - period) % _KEPT]) < _EXACT * system.numbers[LENGTH]:
             return True
-        if distance < settling.close * scale and distance < 0.9 * previous:
-            return True
-        # So near to a stable orbit, slow convergence shows in the rate that its multipliers promise.
-        return distance < settling.near * scale and self._contracting(orbit, distance, previous)
-
-    def _contracting(self, orbit, distance, previous) -> bool:
-        """Whether the distance shrank, over a block, at least half as fast as the multipliers promise."""
-        rate = math.log(max(orbit.largest_multiplier, 1e-300)) / orbit.minimal_period
-        promised = rate * self.settling.block
-        return 0.0 < distance < previous and math.log(distance / previous) < 0.5 * promised
-
-    def _polish(self, sections, scale) -> bool:
-        """Seek a stable periodic orbit where the motion returned close to itself; whether one was added to `known`."""
-        near, last = self.settling.near * scale, sections[-1]
-        most = min(self.settling.highest_period, len(sections) - 1)
-        gaps = {period: float(np.max(np.abs(last - sections[-1 - period]))) for period in range(1, most + 1)}
-        # A torus returns close after many periods, and each search would be in vain: of the long ones the closest does.
-        candidates = [period for period in gaps if period <= 4]
-        if most > 4:
-            candidates.append(min((period for period in gaps if period > 4), key=gaps.__getitem__))
-        for period in candidates:
-            if gaps[period] >= near:
-                continue
-            orbit = shoot(self.system, self.omega, last, period, max_iterations=8)
-            if orbit.status is ShootingStatus.CONVERGED and orbit.minimal_period < period:
-                orbit = shoot(self.system, self.omega, orbit.state, orbit.minimal_period)
-            if orbit.status is not ShootingStatus.CONVERGED or not orbit.stable:
-                continue
-            if float(np.max(np.abs(orbit.state - last))) >= 10.0 * near:
-                continue
-            if all(_distance(points, orbit.state) > 1e-7 * scale for _, points in self.known):
-                self.known.append((orbit, self._points(orbit)))
-                return True
-        return False
-
-    def _points(self, orbit):
-        if orbit.period == 1:
-            return orbit.state[None, :].copy()
-        rest = advance(self.system, self.omega, orbit.state, orbit.period - 1, tolerance=1e-12).states[0]
-        return np.concatenate([orbit.state[None, :], rest])
-
-    def _impact(self, lowest, highest) -> int:
-        return int(contact_impact(self.system, lowest, highest))
-
-    def _periodic(self, orbit, points, used) -> Attractor:
-        q = orbit.period
-        found = measure(self.system, self.omega, orbit.state, q, divisor=2 * q, order=2 * q, tolerance=1e-12)
-        # Lines between those of the orbit are rounding; of an odd period the half order is such a line.
-        half = abs(found.harmonics[q]) if q % 2 == 0 else 0.0
-        largest = orbit.largest_multiplier
-        rate = math.log(largest) * self.omega / (2.0 * math.pi * q) if largest > 0.0 else -math.inf
-        return Attractor(
-            AttractorKind(min(q, int(AttractorKind.PERIOD_HIGHER))),
-            q,
-            used,
-            float(found.harmonics[0].real),
-            float(abs(found.harmonics[2 * q])),
-            float(half),
-            found.lowest,
-            found.highest,
-            self._impact(found.lowest, found.highest),
-            rate,
-            0.0,
-            largest,
-            orbit.state,
-            points,
-            Status.COMPLETE,
-        )
-
-    def _aperiodic(self, current, used) -> Attractor:
-        settling, begin = self.settling, used
-        window = settling.lyapunov_periods
-        # A tenth of the window lets the deviation turn into the direction that grows fastest.
-        logarithms, end, status = growth(
-            self.system, self.omega, current, window + window // 10, tolerance=settling.tolerance, ceiling=self.ceiling
-        )
-        if status is not Status.COMPLETE:
-            return self._ended(current, used, status)
-        batches = logarithms[window // 10 :][: window - window % 20].reshape(20, -1).mean(axis=1)
-        exponent, error = float(batches.mean()), float(batches.std(ddof=1) / math.sqrt(batches.size))
-        even = window - window % 2
-        found = measure(
-            self.system,
-            self.omega,
-            current,
-            even,
-            divisor=2,
-            order=2,
-            tolerance=settling.tolerance,
-            ceiling=self.ceiling,
-        )
-        sections = advance(
-            self.system, self.omega, end, settling.block, tolerance=settling.tolerance, ceiling=self.ceiling
-        )
-        for result in (found.status, Status(sections.status[0])):
-            if result is not Status.COMPLETE:
-                return self._ended(current, used, result)
-        used += window + window // 10 + settling.block
-        # The longer watch may have brought a slow motion home.
-        limit = self._limit(sections.states[0], {})
-        if limit is not None:
-            return self._periodic(*limit, used)
-        margin = max(settling.lyapunov_floor, 4.0 * error)
-        if exponent > margin:
-            kind = AttractorKind.CHAOTIC
-        elif exponent < -margin or self._approaching(current, sections.states[0], used - begin):
-            kind = AttractorKind.UNSETTLED
-        else:
-            kind = AttractorKind.QUASI_PERIODIC
-        rate = self.omega / (2.0 * math.pi)
-        return Attractor(
-            kind,
-            0,
-            used,
-            float(found.harmonics[0].real),
-            float(abs(found.harmonics[2])),
-            float(abs(found.harmonics[1])),
-            found.lowest,
-            found.highest,
-            self._impact(found.lowest, found.highest),
-            exponent * rate,
-            error * rate,
-            math.nan,
-            sections.states[0, -1],
-            sections.states[0],
-            Status.COMPLETE,
-        )
-
-    def _approaching(self, early, late, elapsed) -> bool:
-        """Whether a motion far from a stable orbit of 1 or 2 periods still approaches it, slowly.
-
-        An exponent so close to 0 looks like that of a torus; the distance to the orbit tells them apart.
-        """
-        first = advance(self.system, self.omega, early, self.settling.block, tolerance=self.settling.tolerance).states[
-            0
-        ]
-        for period in (1, 2):
-            orbit = shoot(self.system, self.omega, late[-1], period)
-            if orbit.status is not ShootingStatus.CONVERGED or not orbit.stable:
-                continue
-            points = self._points(orbit)
-            # The largest distance within a block does not feel where in its slow beat the motion happens to be.
-            distances = [max(_distance(points, state) for state in block) for block in (first, late)]
-            promised = math.log(max(orbit.largest_multiplier, 1e-300)) / period * elapsed
-            if distances[0] > 0.0 and distances[1] < distances[0] * math.exp(0.5 * promised):
-                return True
-        return False
-
-    def _ended(self, current, used, status) -> Attractor:
-        kind = AttractorKind.UNBOUNDED if status is Status.CEILING else AttractorKind.FAILED
-        nothing = (math.nan,) * 5
-        return Attractor(
-            kind, 0, used, *nothing, -1, math.nan, math.nan, math.nan, current, np.empty((0, current.size)), status
-        )
+    return False
 
 
-def _distance(points, state) -> float:
-    """Distance from a state to the nearest section of an orbit."""
-    return float(np.min(np.max(np.abs(points - state), axis=1)))
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True)
+def _follow(flows, known, state, periods, limits, memory, orbit, room):
+    """As `settle_state`, over so many periods; -1 where the motion has not settled by then."""
+    system = flows.system
+    _forget(memory)
+    for now in range(periods):
+        copy_into(memory.before, state)
+        status, _ = carry_period(flows, state, memory.none, memory.none, limits.ceiling, room)
+        if status != COMPLETE:
+            return _slot_of(known, UNBOUNDED) if status == CEILING else FAILED
+        copy_into(memory.kept[now % _KEPT], state)
+        slot = recognised(system, known, memory.before, state, memory.entry, memory.returns, memory.work)
+        if slot < 0 and now >= _SETTLED:
+            slot = within_sample(system, known, state, memory.hits, now)
+        if slot >= 0:
+            return slot
+        if now >= _KEPT:
+            _seek_return(flows, known, memory, now, limits, orbit, room)
+    return -1
+
+
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True)
+def _watch(flows, known, state, limits, memory, orbit, room):
+    """Slot of what a motion does that has not settled, as `settle_state`, from the growth of a deviation."""
+    system, size, tangent = flows.system, state.shape[0], memory.tangent
+    sections, last = memory.sections, limits.watched - 1
+    tangent[0, :] = 1.0
+    _forget(memory)
+    for now in range(limits.watched):
+        copy_into(memory.before, state)
+        status, _ = carry_period(flows, state, tangent, memory.none, limits.ceiling, room)
+        if status != COMPLETE:
+            return _slot_of(known, UNBOUNDED) if status == CEILING else FAILED
+        length = 0.0
+        for i in range(size):
+            length += tangent[0, i] ** 2
+        length = math.sqrt(length)
+        memory.logarithms[now] = math.log(length)
+        for i in range(size):
+            tangent[0, i] /= length
+        copy_into(memory.kept[now % _KEPT], state)
+        copy_into(sections[now], state)
+        slot = recognised(system, known, memory.before, state, memory.entry, memory.returns, memory.work)
+        if slot < 0:
+            slot = within_sample(system, known, state, memory.hits, now)
+        if slot >= 0:
+            return slot
+        if now >= _KEPT:
+            _seek_return(flows, known, memory, now, limits, orbit, room)
+        if now >= _ENOUGH and now % 20 == 0 and _repeats(system, sections, now):
+            mean, error = _batch_means(memory.logarithms, now + 1)
+            return _kept(system, known, LONGER, sections[now + 1 - SAMPLE : now + 1], mean, error, memory)
+        if now == last or ((now + 1) % _TOLD_EVERY == 0 and now + 1 >= 3 * _TOLD_EVERY):
+            mean, error = _batch_means(memory.logarithms, now + 1)
+            spread_sample(sections, now + 1, memory.sample)
+            if mean - 4.0 * error > _STRONG * limits.floor:
+                return _kept(system, known, CHAOTIC, memory.sample, mean, error, memory)
+    if mean - 4.0 * error > limits.floor:
+        slot = _follow(flows, known, state, _LONG * limits.watched, limits, memory, orbit, room)
+        return slot if slot != -1 else _kept(system, known, CHAOTIC, memory.sample, mean, error, memory)
+    for tried in range(3):
+        # Orbits of one, two and four periods.
+        try_orbit(flows, known, state, 1 << tried, limits.ceiling, math.inf, orbit, room)
+    slot = _approached(system, known, sections[: limits.watched])
+    if slot >= 0:
+        return slot
+    if slot == -1 and abs(mean) <= max(limits.floor, 4.0 * error):
+        return _kept(system, known, QUASI_PERIODIC, memory.sample, mean, error, memory)
+    return _slot_of(known, UNSETTLED)
+
+
+@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, MEMORY), inner=True)
+def _kept(system, known, kind, sample, mean, error, memory):
+    """`keep_sample`, NO_ROOM where there is no slot left."""
+    slot = keep_sample(system, known, kind, sample, mean, error, memory.gaps)
+    return slot if slot >= 0 else NO_ROOM

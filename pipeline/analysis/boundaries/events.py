@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.analysis.boundaries.contradictions import contradictory_cells
 from pipeline.plan.numerics import balance_of, frame_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane
@@ -40,6 +41,8 @@ class RowEvents:
         In which direction of x, +1 or -1, a fold's pair of solutions exists, and the margin of a grazing is positive
         where the grazing solution is stable (negative where it is not); 0 where that cannot be told, and for events
         that change neither number nor impact state.
+    contradictory : (c, n + 2) array
+        `contradictory_cells`.
     rows : int
         Number of complete rows.
     """
@@ -48,12 +51,14 @@ class RowEvents:
     points: np.ndarray
     motions: np.ndarray
     ahead: np.ndarray
+    contradictory: np.ndarray
     rows: int
 
     @property
     def digest(self) -> str:
         """Digest of what boundaries depend on besides the configuration."""
         parts = (np.int64(self.rows), self.kind.astype(np.int8), self.points, self.motions, self.ahead.astype(np.int8))
+        parts = (*parts, self.contradictory)
         return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
 
     def starts(self, kinds=FOLDS_AND_GRAZINGS) -> list[tuple[Event, np.ndarray]]:
@@ -78,9 +83,9 @@ def read_events(path: Path, plan: Plan) -> RowEvents:
     """Read the events of the complete rows of a store."""
     # Block by block, so that memory does not depend on the number of rows.
     parts = [_events_of(part) for part in StoredPlane(path, plan).parts]
+    arrays = ("kind", "points", "motions", "ahead", "contradictory")
     return RowEvents(
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("kind", "points", "motions", "ahead")),
-        sum(part.rows for part in parts),
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in arrays), sum(part.rows for part in parts)
     )
 
 
@@ -117,4 +122,4 @@ def _events_of(part: StoredPlane) -> RowEvents:
         better = same & (weight > telling)
         ahead[better], telling[better] = side[better], weight[better]
     ahead[np.isin(kind, BIFURCATIONS)] = 0.0
-    return RowEvents(kind, points, motions[row, point], ahead, int(complete.sum()))
+    return RowEvents(kind, points, motions[row, point], ahead, contradictory_cells(part), int(complete.sum()))

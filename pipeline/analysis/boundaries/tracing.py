@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.analysis.boundaries.contradictions import contradiction_starts
 from pipeline.analysis.boundaries.events import RowEvents, read_events
 from pipeline.analysis.boundaries.group import write_boundaries
 from pipeline.plan.numerics import balance_of, continuation_of, frame_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.boundaries import StoredBoundaries, StoredCurve, read_boundaries, special_places
 from solver import Continuation, EndReason, Event
-from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, BoundaryCurve, SpecialPoint, boundary_curves
+from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SPECTRAL, BoundaryCurve, SpecialPoint, boundary_curves
 from solver.boundaries.problem import SAME
 from solver.continuation.problem import Balance
 
@@ -22,7 +23,12 @@ __all__ = ["Summary", "curves_through", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
-_WORDS = {Event.FOLD: "fold", Event.PERIOD_DOUBLING: "period doubling", Event.NEIMARK_SACKER: "Neimark-Sacker"}
+_WORDS = {
+    Event.FOLD: "fold",
+    Event.PERIOD_DOUBLING: "period doubling",
+    Event.NEIMARK_SACKER: "Neimark-Sacker",
+    Event.UNIT_MULTIPLIER: "multiplier +1",
+}
 
 
 @dataclass(frozen=True)
@@ -63,7 +69,11 @@ def trace(path: Path, plan: Plan, get_ready: Callable[[], None] = lambda: None) 
         return _summary(plan, stored, True)
     get_ready()
     balance, starts = balance_of(plan.solver), events.starts((*FOLDS_AND_GRAZINGS, *BIFURCATIONS))
-    curves = [to_store(curve, _side(curve, plan, events)) for curve in curves_through(plan, starts, balance)]
+    traced = curves_through(plan, starts, balance)
+    contradictions = curves_through(plan, contradiction_starts(plan, events.contradictory, traced), balance)
+    # What is sought may be no boundary.
+    traced += tuple(curve for curve in contradictions if len(curve.points) > 1)
+    curves = [to_store(curve, _side(curve, plan, events)) for curve in traced]
     fresh = StoredBoundaries(tuple(curves), events.digest)
     write_boundaries(path, plan, fresh)
     return _summary(plan, fresh, False)
@@ -99,7 +109,7 @@ def _side(curve: BoundaryCurve, plan: Plan, events: RowEvents) -> int:
     direction of the curve reverses along with the pair's; likewise the margin of a grazing, except that on the unstable
     sheet beyond a fold the picture is mirrored, which `RowEvents.ahead` allows for.
     """
-    if curve.kind in BIFURCATIONS or not balance_of(plan.solver).truncated:
+    if curve.kind in SPECTRAL or not balance_of(plan.solver).truncated:
         return 0
     here = events.kind == curve.kind
     points, ahead = events.points[here], events.ahead[here]

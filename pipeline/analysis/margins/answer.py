@@ -126,7 +126,8 @@ def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractor
     for name in design.further:
         margins += margins_of_further(plan, design, name)
     found = corners(plan, design, plane)
-    box, boxed, notes = _box(Boundaries.joined(boundaries, bifurcations), plan, design, label)
+    unstable = _instability(plan, design)
+    box, boxed, notes = _box(Boundaries.joined(boundaries, bifurcations), plan, design, label, unstable)
     rectangles = () if box is None else ((box.x, box.p),)
     known = tuple(
         Known(order_words(plan), label, integrated(path, plan, *ends), of_box)
@@ -135,6 +136,7 @@ def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractor
             *((True, one) for one in rectangles),
         )
     )
+    doubts = doubts_of(plane, design, known, bifurcations, rectangles)
     return Answer(
         plan,
         design,
@@ -147,7 +149,7 @@ def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractor
         _resonances(plan, box),
         tuple(found),
         known,
-        doubts_of(plane, design, known, bifurcations, rectangles),
+        (*([f"a motion is dynamically unstable ({unstable})"] if unstable else []), *doubts),
         how,
         (*notes, *_limits(plan, found)),
     )
@@ -176,14 +178,14 @@ def _limits(plan: Plan, found: list[Corner]) -> list[str]:
     return notes
 
 
-def _box(arcs, plan, design, label) -> tuple[Box | None, Design, list[str]]:
+def _box(arcs, plan, design, label, unstable) -> tuple[Box | None, Design, list[str]]:
     """The largest box, what it holds, and what is to be said of it."""
     boxed, said = design, []
     name = plan.sweep.name
     none = f"There is no box of {IN_CONTACT}: "
     if label != IN_CONTACT:
         return None, design, [f"{none}the label of the design point is {label or 'not decided'}."]
-    if unstable := _instability(plan, design):
+    if unstable:
         return None, design, [f"{none}the motion of the design point is dynamically unstable ({unstable})."]
     crossed, _ = arcs.along(P, design.p)
     if np.any((crossed > design.low) & (crossed < design.high)):

@@ -8,18 +8,24 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import pipeline
 from pipeline import figures, store
 from pipeline.errors import ConfigurationError
-from pipeline.figures.backbone import draw_backbone
-from pipeline.figures.curves import chosen_rows, draw_curves
+from pipeline.figures.backbone import draw_backbone, round_values
+from pipeline.figures.curves import chosen_values, draw_curves
 from pipeline.figures.map import draw_map
-from pipeline.figures.map_legend import CONTRADICTORY_CELLS, UNSTABLE_CELLS
+from pipeline.figures.panels import panel_of, shares_of_labels
 from pipeline.figures.peaks import resonance_peaks
+from pipeline.figures.region_labels import placed_labels
 from pipeline.figures.windows import coexistence_windows
+from pipeline.plane.division import stored_division
+from pipeline.plane.row_curves import _solved, curves_at
 from pipeline.plane.segments import labels_at
 from pipeline.plane.stored import read_stored
-from solver import domain_code
-from tests.pipeline.planes import small_plan, small_store
+from solver import Event, domain_code
+from solver.regions.labelling import dynamic_code, is_contradictory, static_code
+from solver.stability import Instability
+from tests.pipeline.planes import small_plan, small_store, traced_store
 
 #: With c = cos 20 degrees and the stiffness varying in the mesh row only, branches run away (docs/physics.md,
 #: section 7).
@@ -40,9 +46,6 @@ NO_FREQUENCY = (
     "plane.parameter.min=0.5",
     "plane.parameter.max=0.7",
 )
-
-
-STABILITY = {UNSTABLE_CELLS["hatch"], CONTRADICTORY_CELLS["hatch"]}
 
 
 @pytest.fixture(scope="module")
@@ -150,36 +153,84 @@ def test_map_shows_what_the_plane_has(plane):
     codes = np.unique(plane.domain)
     assert {plane.labels[int(code)] for code in codes} <= set(shown)
     shares = [text for text in shown if text.endswith("%") and "<" not in text]
-    assert sum(float(text.rstrip(" %")) for text in shares) == pytest.approx(100.0, abs=0.5)
+    assert sum(float(text.rstrip(" %")) for text in shares) == pytest.approx(100.0, abs=0.05)
     assert {
         "fold: $n$ changes",
         "grazing: only $I$ changes",
-        "natural frequency, mesh",
-        "natural frequency, shaft",
+        "linear mode, 46 % mesh",
+        "linear mode, 54 % mesh",
     } <= set(shown)
+    head = " ".join(text.get_text() for text in figure.texts)
+    assert "plane:  order 1 (describing function)" in head and "41" in head and "= 0.3173" in head
     assert figure.axes[0].get_xlabel() == r"dimensionless mesh frequency $\Omega$"
     assert figure.axes[0].get_ylabel() == "transmission error amplitude $f_e$"
-    # Cells are centred on the grid values.
-    assert figure.axes[0].get_xlim() == pytest.approx((0.05 - 1.95 / 80, 2.0 + 1.95 / 80))
-    assert hatches(figure) == STABILITY
+    # Cells are centred on the grid values; what begins next to zero is drawn from there.
+    assert figure.axes[0].get_xlim() == pytest.approx((0.0, 2.0 + 1.95 / 80))
+    assert not hatches(figure)
 
 
-def test_curves_show_the_nearest_rows(plane):
+def test_curves_are_those_of_the_values_asked_for(plane):
     np.testing.assert_allclose(plane.rows, [0.0, 0.125, 0.25, 0.375, 0.5])
-    assert chosen_rows(plane, None) == [1, 2, 3]
-    assert chosen_rows(plane, [0.49, 0.13, 0.5, 0.12]) == [4, 1]
+    assert chosen_values(plane, None) == [0.125, 0.25, 0.375]
+    assert chosen_values(plane, [0.49, 0.13, 0.49]) == [0.49, 0.13]
     figure = draw_curves(plane, [0.3])
-    assert "$f_e$ = 0.25" in [figure.axes[0].get_title(place) for place in ("left", "center")]
-    assert len(figure.axes) == 2
-    top = np.nanmax(plane.points["amplitude"][2, : plane.n_points[2]])
-    assert top < figure.axes[0].get_ylim()[1] < 1.2 * top
-    assert {"stable", "unstable", "fold", "grazing, drive flank", "linear natural frequency", "backbone"} <= set(
+    assert "$f_e$ = 0.3" in [figure.axes[0].get_title(place) for place in ("left", "center")]
+    row = curves_at(plane, 0.3)
+    top = np.nanmax(row.points["amplitude"])
+    assert top < figure.axes[0].get_ylim()[1] < 1.2 * top and figure.axes[0].get_xlim()[0] == 0.0
+    assert {"stable", "statically unstable", "dynamically unstable", "fold", "grazing, drive flank", "backbone"} <= set(
         texts(figure)
     )
 
 
+def test_a_row_that_is_solved_is_the_stored_one(plane):
+    """What is stored at 0.25 is what would be solved there, and its motions' stability that of its cells."""
+    stored, solved = curves_at(plane, 0.25), _solved(plane.plan, 0.25)
+    assert stored.points.keys() == solved.points.keys() and stored.ends == solved.ends
+    for name, array in stored.points.items():
+        np.testing.assert_allclose(solved.points[name], array, rtol=0.0, atol=1e-9, err_msg=name)
+    assert [piece.impact for piece in stored.pieces] == [piece.impact for piece in solved.pieces]
+    np.testing.assert_array_equal(stored.lasting, solved.lasting)
+    x, looked = plane.plan.sweep.values, 0
+    for piece, lasting in zip(stored.pieces, stored.lasting, strict=True):
+        inside = np.flatnonzero((x > piece.low) & (x < piece.high))
+        if not piece.stable or not inside.size:
+            continue
+        place, height = (stored.points[name][piece.slice] for name in ("position", "amplitude"))
+        order = np.argsort(place)
+        for column in inside:
+            amplitude = np.interp(x[column], place[order], height[order])
+            gaps = np.abs(plane.amplitude[2, column] - amplitude)
+            if np.nanmin(gaps) < 0.02 * amplitude:
+                kind = plane.instability[2, column, np.nanargmin(gaps)]
+                assert (kind in (Instability.NONE, Instability.CONTRADICTORY)) == lasting
+                looked += 1
+    assert looked > 30
+
+
+def test_every_event_of_a_row_is_drawn(plane):
+    """As markers in both panels; those that would hide each other once more, in an inset."""
+    row = curves_at(plane, 0.375)
+    drawn = draw_curves(plane, [0.375])
+    events = row.points["event"]
+    assert {Event.FOLD, Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER, Event.MIN_AT_BACK} <= set(events)
+    for axes, name in zip(drawn.axes[:1], ("amplitude",), strict=True):
+        places = {
+            (float(x), float(y))
+            for line in axes.lines
+            if line.get_linestyle() == "None" and line.get_marker() != "^"
+            for x, y in zip(*line.get_data(), strict=True)
+        }
+        assert places == {
+            (float(x), float(y))
+            for x, y in zip(row.points["position"][events > 0], row.points[name][events > 0], strict=True)
+        }
+    # Two panels, and insets.
+    assert len(drawn.axes) > 2 and all(not axes.get_xticks().size for axes in drawn.axes if axes.get_zorder() == 8)
+
+
 def test_peaks_are_on_the_softening_side(plane):
-    peaks = resonance_peaks(plane, np.arange(1, 5))
+    peaks = resonance_peaks([curves_at(plane, value) for value in plane.rows[1:]])
     lower, upper = plane.modes[0]
     assert np.all(peaks[:, 0, 0] < lower)
     assert np.all(np.diff(peaks[:, 0, 1]) > 0.0)
@@ -196,10 +247,10 @@ def test_failed_and_missing_rows(tmp_path):
     plane = read_stored(path)
     assert plane.status.tolist() == [1, 1, 2, 0]
     figure = draw_map(plane)
-    assert hatches(figure) - STABILITY == {"//////"} and "row failed" in texts(figure)
+    assert hatches(figure) == {"//////"} and "row failed" in texts(figure)
     said = texts(draw_curves(plane, plane.rows.tolist()))
     assert said.count("row failed") == said.count("row not computed") == 2
-    assert np.isnan(resonance_peaks(plane, np.arange(4))[2:]).all()
+    assert np.isnan(resonance_peaks([curves_at(plane, value) for value in plane.rows])[2:]).all()
     assert len(drawn(path, tmp_path)) == 3
 
 
@@ -210,7 +261,7 @@ def test_nothing_but_failed_rows(tmp_path):
         store.write_block(path, plan, block, [store.row_values(plan, "no reason")] * (block.stop - block.start))
     assert len(drawn(path, tmp_path)) == 3
     shown = texts(draw_map(read_stored(path)))
-    assert "row failed" in shown and not any("%" in text for text in shown)
+    assert "row failed" in shown and not any(text.endswith("%") for text in shown)
 
 
 def test_tiny_and_uniform(tmp_path):
@@ -221,7 +272,7 @@ def test_tiny_and_uniform(tmp_path):
     plane = read_stored(path)
     assert len(np.unique(plane.domain)) == 1
     shown = texts(draw_map(plane))
-    assert "100.0 %" in shown and not any("fold" in text or "natural" in text for text in shown)
+    assert "100.00 %" in shown and not any("fold" in text or "mode" in text for text in shown)
     assert len(drawn(path, tmp_path)) == 3
 
 
@@ -231,7 +282,7 @@ def test_runaway_branches(tmp_path):
     plane = read_stored(path)
     assert np.any(plane.open == 1) and np.nanmax(plane.points["amplitude"]) > 90.0
     figure = draw_map(plane)
-    assert hatches(figure) - STABILITY == {"...."} and "not excluded: motions" in texts(figure)
+    assert hatches(figure) == {"xx"} and "not excluded: motions" in texts(figure)
     figure = draw_curves(plane, None)
     assert all(axes.get_ylim()[1] < 45.0 for axes in figure.axes)
     assert any(r"ceiling $\lambda_a$ = 100" in text for text in texts(figure))
@@ -245,7 +296,7 @@ def test_without_frequency_along_the_rows(tmp_path):
     assert [p.name for p in drawn(path, tmp_path)] == ["map.png", "curves.png"]
     plane = read_stored(path)
     for figure in (draw_map(plane), draw_curves(plane, [0.6])):
-        assert not any("natural" in text or "backbone" in text for text in texts(figure))
+        assert not any("mode" in text or "backbone" in text for text in texts(figure))
 
 
 def test_without_mean_load_there_is_no_backbone(tmp_path):
@@ -254,26 +305,109 @@ def test_without_mean_load_there_is_no_backbone(tmp_path):
 
 
 def test_labels_by_dynamic_stability_leave_out_what_is_not_stable(made):
+    """A multiplier beyond +1 is left to static stability (docs/physics.md, section 6)."""
     static, dynamic = read_stored(made), read_stored(made, dynamic=True)
     root = xr.open_zarr(made)
-    kept = (root.stable == 1) & (root.instability == 0)
+    kept = (root.stable == 1) & root.instability.isin((Instability.NONE, Instability.CONTRADICTORY))
     np.testing.assert_array_equal(dynamic.n_stable, kept.sum("solution"))
     assert np.all(dynamic.n_stable <= static.n_stable)
-    marked = dynamic.unstable | dynamic.contradictory
-    np.testing.assert_array_equal(marked, dynamic.n_stable < static.n_stable)
-    np.testing.assert_array_equal(dynamic.domain[~marked], static.domain[~marked])
-    assert np.any(marked)
-    for row, column in np.argwhere(marked):
+    np.testing.assert_array_equal(dynamic.unstable, dynamic.n_stable < static.n_stable)
+    np.testing.assert_array_equal(dynamic.domain[~dynamic.unstable], static.domain[~dynamic.unstable])
+    assert np.any(dynamic.unstable) and np.any(dynamic.contradictory)
+    for row, column in np.argwhere(dynamic.unstable):
         states = root.impact[row, column].values[kept[row, column].values]
         mask = sum({1 << int(state) for state in states})
         assert dynamic.domain[row, column] == domain_code(states.size, mask)
 
 
-@pytest.mark.parametrize("stability", ["static", "dynamic"])
-def test_maps_hatch_what_is_dynamically_unstable(made, stability):
-    plane = read_stored(made, stability == "dynamic")
-    figure = draw_map(plane)
-    hatches = {patch.get_hatch() for axes in figure.axes for patch in axes.patches}
-    assert (CONTRADICTORY_CELLS["hatch"] in hatches) == bool(plane.contradictory.any())
-    unstable = bool(np.any(plane.unstable & ~plane.contradictory))
-    assert (UNSTABLE_CELLS["hatch"] in hatches) == (stability == "static" and unstable)
+@pytest.fixture(scope="module")
+def traced(tmp_path_factory):
+    """A plane with boundaries."""
+    plan = small_plan(columns=60, rows=16)
+    return traced_store(tmp_path_factory.mktemp("figures") / "traced.zarr", plan)
+
+
+@pytest.mark.parametrize("dynamic", [False, True])
+def test_what_is_unstable_is_shaded_up_to_the_curves(traced, dynamic):
+    """At the magnification of a window as in the whole: no cell is seen."""
+    plane = read_stored(traced, dynamic=dynamic)
+    for x, y in ((None, None), ((1.2, 1.2003), (0.35, 0.3502))):
+        panel = panel_of(plane, x, y)
+        assert panel.code.shape == (900, 1440)
+        codes = stored_division(plane).codes_at(
+            *(low + (np.arange(n) + 0.5) / n * (high - low) for (low, high), n in ((panel.x, 1440), (panel.y, 900)))
+        )
+        shown = dynamic_code(codes) if dynamic else static_code(codes)
+        np.testing.assert_array_equal(panel.code, shown)
+        np.testing.assert_array_equal(panel.unstable, (static_code(codes) != dynamic_code(codes)) & (not dynamic))
+        np.testing.assert_array_equal(panel.contradictory, is_contradictory(codes))
+    said = texts(draw_map(plane))
+    assert ("not all $n$ dynamically stable" in said) == (not dynamic)
+    assert any(text.startswith("0/\N{EN DASH}  no stable") for text in said) == dynamic
+    assert "stability contradictory:" in said
+
+
+def test_shares_of_the_legend_are_those_of_the_thresholds(traced):
+    found: dict[str, float] = {}
+    for one in pipeline.thresholds(traced):
+        found[one.label] = found.get(one.label, 0.0) + one.share
+    plane = read_stored(traced)
+    shares = {plane.labels[code]: share for code, share in shares_of_labels(plane).items()}
+    assert shares == pytest.approx(found, abs=2e-7)
+    said = texts(draw_map(plane))
+    for label, share in found.items():
+        following = [said[i + 1] for i, text in enumerate(said[:-1]) if text == label]
+        assert following.count(f"{100 * share:.2f} %" if share >= 5e-5 else "< 0.01 %") == 1
+
+
+def test_backbones_are_drawn_once_at_round_values(tmp_path):
+    """Backbones of two gaps are one up to the smaller; rows with one and the same peak show it once."""
+    plan = small_plan("plane=omega_b", "plane.parameter.min=0.9", columns=41, rows=3)
+    plane = read_stored(small_store(tmp_path / "b.zarr", plan))
+    assert round_values(plane, 5) == [1.0, 1.2, 1.4]
+    assert round_values(plane, 26)[:3] == [0.9, 0.925, 0.95]
+    figure = draw_backbone(plane)
+    for axes in figure.axes[:2]:
+        lines = [line for line in axes.lines if line.get_linewidth() > 1.0]
+        assert len(lines) == 3
+        pieces = {
+            tuple(np.round(end, 9))
+            for line in lines
+            for end in zip(line.get_xdata()[:-1], line.get_ydata()[:-1], line.get_xdata()[1:], strict=True)
+        }
+        assert len(pieces) == sum(len(line.get_xdata()) - 1 for line in lines)
+        dots = np.concatenate([found.get_offsets() for found in axes.collections])
+        assert len(np.unique(np.round(dots, 6), axis=0)) == len(dots) > 0
+    titles = [axes.get_title(loc="left") or axes.get_title() for axes in figure.axes[:2]]
+    assert titles == ["(a) backbone of the lower mode, 46 % mesh", "(b) backbone of the upper mode, 54 % mesh"]
+    assert any("order 1" in text for text in texts(figure))
+
+
+def test_figures_of_dynamic_stability_have_names_of_their_own(traced, tmp_path):
+    figures.draw(traced, tmp_path, None, ["png"], 40, only=["map"])
+    before = (tmp_path / "map.png").read_bytes()
+    figures.draw(traced, tmp_path, None, ["png"], 40, stability="dynamic")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "map.png",
+        "map-dynamic.png",
+        "curves-dynamic.png",
+        "backbone-dynamic.png",
+    }
+    assert (tmp_path / "map.png").read_bytes() == before
+
+
+def test_labels_are_written_into_their_regions(traced):
+    """Inside of the region, or with a line that ends in it; each label once or more in an enlargement or the whole."""
+    plane = read_stored(traced)
+    panel = panel_of(plane, (0.5, 0.7))
+    labels = placed_labels(panel.code, panel.code, plane.labels, (3.2, 2.5))
+    assert {label.text for label in labels} >= {plane.labels[int(c)] for c in np.unique(panel.code)} - {"3/1-2", "2/2"}
+    rows, columns = panel.code.shape
+    for label in labels:
+        across, up = label.leads_to or label.place
+        assert panel.code[int(up * rows), int(across * columns)] == label.code
+        assert all(0.0 < share < 1.0 for share in label.place)
+    boxes = [(*label.place, 0.052 * len(label.text) / 3.2, 0.1 / 2.5) for label in labels]
+    for i, (x, y, wide, tall) in enumerate(boxes):
+        for other, level, width, height in boxes[:i]:
+            assert abs(x - other) >= 0.5 * (wide + width) or abs(y - level) >= 0.5 * (tall + height)

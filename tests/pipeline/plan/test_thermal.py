@@ -22,6 +22,7 @@ from pipeline.plan.planning import plan
 from pipeline.plan.scales import gear_of
 from pipeline.plane.boundaries import read_boundaries
 from solver import Event, GearPair, ImpactState, Model, all_solutions
+from solver.boundaries import SPECTRAL
 from solver.model.contact_system import gear_system
 from tests.pipeline.planes import contents, small_plan, small_store
 
@@ -160,7 +161,7 @@ def test_boundaries_and_thresholds(stored):
     assert summary.curves["fold"] == 2 and not summary.cut_short
     curves = read_boundaries(stored, swept).curves
     for curve in curves:
-        if curve.kind in (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER):
+        if curve.kind in SPECTRAL:
             continue
         assert curve.side != 0
         if curve.kind is Event.MIN_AT_DRIVE:

@@ -7,6 +7,7 @@ import numpy as np
 
 import solver
 from solver.harmonic.galerkin import Galerkin
+from solver.timedomain import AttractorSearch
 from tests.public import COUNT, NAME, NOT_NEGATIVE, NUMBER, OBJECT, POSITIVE, argument, array, optional
 from tests.solver.calls.subjects import GRID, MOTION, WRONG_OMEGA, model, row, stop, wrong_settings
 
@@ -47,10 +48,25 @@ def ceilings():
     return argument(math.inf, tuple(v for v in POSITIVE if not (isinstance(v, float) and v == math.inf)))
 
 
+def quick() -> AttractorSearch:
+    return AttractorSearch(starts=1, transient=100, watched=600)
+
+
 @functools.cache
-def settled():
-    short = solver.timedomain.Settling(max_periods=120, block=60)
-    return solver.timedomain.settle(stop(), 0.9, [0.3, 0.0], settling=short)[0]
+def found():
+    return solver.timedomain.find_attractors(stop(), "omega", [0.9], search=quick())
+
+
+def places(**further) -> dict:
+    """A system and the values of its frequency."""
+    return {
+        "system": argument(stop(), OBJECT),
+        "axis": argument("omega", (*NAME, "f_e")),
+        "values": argument([0.9], (None, 1, "ab", [], [np.nan], [-1.0], [0.9, 0.8], ["a"], {}, object()), "omega"),
+        "omega": argument(None, WRONG_OMEGA),
+        "search": argument(quick(), wrong_settings()),
+        **further,
+    }
 
 
 CALLS = {
@@ -73,12 +89,14 @@ CALLS = {
         "motions": argument(MOTION, array(MOTION, [1.0, 2.0])),
         "period": argument(1, (*COUNT, 0)),
     },
-    "solver.timedomain.Settling": lambda: {
-        **{name: periods(99) for name in ("max_periods", "block")},
-        "highest_period": argument(24, (*COUNT, 0, 3)),
-        "lyapunov_periods": argument(99, (*COUNT, 0, 39)),
-        **{name: argument(1e-3, POSITIVE) for name in ("near", "close", "lyapunov_floor", "ceiling")},
+    "solver.timedomain.AttractorRow.gains": lambda: {"self": found(), "round": argument(0, COUNT)},
+    "solver.timedomain.AttractorSearch": lambda: {
+        "starts": argument(4, COUNT),
+        "transient": argument(300, (*COUNT, 0, 99)),
+        "watched": argument(700, (*COUNT, 0, 599)),
+        **{name: argument(1e-2, POSITIVE) for name in ("floor", "near", "ceiling")},
         "tolerance": tolerances(),
+        "room": argument(8, (*COUNT, 0, 1)),
     },
     "solver.timedomain.Trajectory.displacement": lambda: {
         "self": solver.timedomain.integrate(stop(), 0.9, [0.3, 0.0], 0.0, 2.0),
@@ -91,19 +109,18 @@ CALLS = {
         "tolerance": tolerances(),
         "ceiling": ceilings(),
     },
-    "solver.timedomain.basin_box": lambda: {"system": argument(stop(), OBJECT), "omega": argument(0.9, POSITIVE)},
-    "solver.timedomain.basin_shares": lambda: {
-        "system": argument(stop(), OBJECT),
-        "omega": argument(0.9, POSITIVE),
-        "count": periods(),
-        "seed": argument(1, tuple(v for v in COUNT if v != 10**18)),
-        "box": argument(None, optional(array([1.0, 1.0], [1.0] * 3, [-1.0, 1.0], [[1.0, 1.0], [0.0, 0.0]]))),
-        "settling": argument(solver.timedomain.Settling(max_periods=60), wrong_settings()),
-    },
-    "solver.timedomain.contact_impact": lambda: {
-        "system": argument(stop(), OBJECT),
-        **{name: argument(0.1, (None, "1", True, [1.0], {})) for name in ("lowest", "highest")},
-    },
+    "solver.timedomain.continue_attractors": lambda: places(
+        row=argument(found(), OBJECT),
+        columns=argument([0], (None, "ab", [1], [-1], [0.5], [0, 0], {}, object()), "kinds", "states"),
+        kinds=argument([1], (None, "ab", [0], [99], [0.5], [1, 1], {}, object())),
+        states=argument([[0.0, 0.0]], array([[0.0, 0.0]], [[0.0] * 3], [0.0])),
+        round=argument(1, (*COUNT, 0)),
+    ),
+    "solver.timedomain.find_attractors": lambda: places(
+        motions=argument(None, (1, "ab", [1.0], np.zeros((2, 1, 3)), np.zeros((1, 1, 4)), {}, object())),
+        period=argument(1, (*COUNT, 0, 9)),
+        keys=argument([3], (1, "ab", [0.5], [1, 2], [-1], {}, object())),
+    ),
     "solver.timedomain.growth": lambda: batch(
         periods=periods(),
         tolerance=tolerances(),
@@ -127,17 +144,12 @@ CALLS = {
         "period": periods(1),
         "samples": argument(64, (*COUNT, 0, 4)),
     },
-    "solver.timedomain.resting_state": lambda: {"system": argument(stop(), OBJECT)},
-    "solver.timedomain.same_attractor": lambda: {
-        "one": argument(settled(), OBJECT),
-        "other": argument(settled(), OBJECT),
-        "tolerance": argument(1e-5, POSITIVE),
-    },
     "solver.timedomain.settle": lambda: {
         "system": argument(stop(), OBJECT),
         "omega": argument(0.9, POSITIVE),
         "states": argument(np.zeros((1, 2)), array(np.zeros((1, 2)), np.zeros((2, 3)), np.zeros(3))),
-        "settling": argument(solver.timedomain.Settling(max_periods=60), wrong_settings()),
+        "known": argument(None, optional(OBJECT)),
+        "search": argument(quick(), wrong_settings()),
     },
     "solver.timedomain.shoot": lambda: batch(
         period=periods(1),
@@ -146,17 +158,6 @@ CALLS = {
         integration_tolerance=tolerances(1e-12),
         max_iterations=argument(20, (*COUNT, 0)),
     ),
-    "solver.timedomain.sweep_attractors": lambda: {
-        "system_at": argument(lambda omega: (stop(), omega), (None, 1, "ab", {}, [])),
-        "values": argument([0.8, 0.9], array([0.8, 0.9])),
-        "start": argument(None, optional(array([0.3, 0.0], [1.0], [[0.0, 0.0]] * 2))),
-        "settling": argument(solver.timedomain.Settling(max_periods=60), wrong_settings()),
-    },
-    "solver.timedomain.wilson_interval": lambda: {
-        "count": argument(1, (*COUNT, 9)),
-        "total": argument(3, (*COUNT, 0), "count"),
-        "quantile": argument(1.96, POSITIVE),
-    },
 }
 
 #: Calls over other axes and with other systems: what is called, and with what.

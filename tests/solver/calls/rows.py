@@ -145,7 +145,7 @@ CALLS = {
     },
     "solver.Problem.corrected_all": lambda: {
         "self": problem(),
-        "places": argument(row().curves[0].points[:2], array(row().curves[0].points[:2], np.ones((2, 3)), empty=True)),
+        "guesses": argument(row().curves[0].points[:2], array(row().curves[0].points[:2], np.ones((2, 3)), empty=True)),
         "corrector": argument(CORRECTOR, OBJECT),
         "normal": argument(None, optional(array(np.ones(4), [1.0] * 3))),
         "max_iterations": argument(None, optional((*COUNT, 0))),
@@ -164,7 +164,7 @@ CALLS = {
     "solver.Row.branch_motions": lambda: {"self": row(), "curve": argument(row().curves[0], OBJECT)},
     "solver.RowSolutions.take": lambda: {
         "self": solver.enumerate_row(model(), "omega", GRID),
-        "places": argument(
+        "indices": argument(
             np.array([0, 3]),
             (
                 None,

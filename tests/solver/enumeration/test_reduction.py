@@ -5,15 +5,8 @@ import pytest
 
 from solver import all_solutions
 from solver.contact.dead_zone import describing_functions
-from solver.enumeration.reduction import (
-    ROWS,
-    determinant_over,
-    gain_at,
-    motion_over,
-    numerators_at,
-    reduce_balance,
-    slope_over,
-)
+from solver.enumeration.gain_equation import gain_at, motion_over, slope_over
+from solver.enumeration.reduction import ROWS, determinant_over, numerators_at, reduce_balance
 from solver.harmonic.describing_function import coefficients, evaluate
 from solver.model.packing import axis_vectors
 from tests.conftest import MODELS

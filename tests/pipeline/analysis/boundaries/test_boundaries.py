@@ -13,14 +13,15 @@ from pipeline.__main__ import main
 from pipeline.analysis import boundaries
 from pipeline.analysis.boundaries.events import MARGINS, half_backlash, read_events
 from pipeline.errors import ConfigurationError
-from pipeline.figures.regions import region_codes
 from pipeline.plan.numerics import model_at
 from pipeline.plane.boundaries import read_boundaries, special_places
+from pipeline.plane.division import stored_division
 from pipeline.plane.stored import read_stored
 from pipeline.run.rows import sweep_block
 from pipeline.store import groups
 from solver import Event, all_solutions, domain_code, impact_state
-from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SpecialPoint
+from solver.boundaries import FOLDS_AND_GRAZINGS, SPECTRAL, SpecialPoint
+from solver.regions.labelling import static_code
 from tests.pipeline.planes import contents, small_plan, small_store
 
 PLANES = ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")
@@ -48,9 +49,9 @@ def test_schema(made):
         assert len(flags["flag_values"]) == len(flags["flag_meanings"].split())
         assert set(np.unique(group[name])) <= set(flags["flag_values"])
     assert group.special.attrs["flag_meanings"].split()[SpecialPoint.CUSP] == "cusp"
-    assert np.all(np.isin(group.kind, (*FOLDS_AND_GRAZINGS, *BIFURCATIONS)))
-    # Which side of a period doubling or Neimark-Sacker curve the motion is stable on is not told.
-    np.testing.assert_array_equal(group.side == 0, np.isin(group.kind, BIFURCATIONS))
+    assert np.all(np.isin(group.kind, (*FOLDS_AND_GRAZINGS, *SPECTRAL)))
+    # Which side of a curve of multipliers the motion is stable on is not told.
+    np.testing.assert_array_equal(group.side == 0, np.isin(group.kind, SPECTRAL))
     np.testing.assert_array_equal(group.amplitude, np.hypot(group.cos, group.sin))
     assert sum(summary.curves.values()) == sizes.size and summary.points == sizes.sum() and not summary.cut_short
     assert group.attrs["configuration_hash"] == plan.digest
@@ -141,15 +142,15 @@ def test_raster_and_curves_agree_on_the_reference_planes(tmp_path, name):
     boundaries.trace(path, plan)
     check_raster_against_curves(path, plan)
     plane = read_stored(path)
-    x, p = (np.linspace(axis.low, axis.high, 402)[1:-1] for axis in (plan.sweep, plan.parameter))
-    assert np.all(region_codes(plane, x, p)[1])
+    said = stored_division(plane).codes_at(plan.sweep.values[1:-1], plane.rows)
+    np.testing.assert_array_equal(said, plane.stability_codes[:, 1:-1])
 
 
 def test_regions_are_what_enumeration_finds(made):
     plan, path, _ = made
     x, p = np.linspace(0.52, 0.69, 7), np.linspace(0.013, 0.491, 8)
-    code, bridged = region_codes(read_stored(path), x, p)
-    assert np.all(bridged) and np.unique(code).size > 5
+    code = static_code(stored_division(read_stored(path)).codes_at(x, p))
+    assert np.unique(code).size > 5
     for i, f_e in enumerate(p):
         for j, omega in enumerate(x):
             assert code[i, j] == enumerated_code(plan, omega, f_e)
@@ -267,8 +268,8 @@ def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
     window = [x - 1e-3, x + 1e-3, p - 2.5e-4, p + 2.5e-4]
     # Away from the edges of the wedge, which is a tenth of this window wide at its border.
     across, up = np.linspace(window[0], window[1], 12), np.linspace(window[2], window[3], 10)
-    code, bridged = region_codes(read_stored(path), across, up)
-    assert np.all(bridged) and np.unique(code).size > 1
+    code = static_code(stored_division(read_stored(path)).codes_at(across, up))
+    assert np.unique(code).size > 1
     for i, f_e in enumerate(up):
         for j, omega in enumerate(across):
             assert code[i, j] == enumerated_code(plan, omega, f_e)

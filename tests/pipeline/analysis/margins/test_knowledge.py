@@ -191,3 +191,15 @@ def test_a_group_that_is_no_group(made, with_group, tmp_path):
     path, plan = made["fe"]
     assert "attractors" not in zarr.open_group(path, mode="r")
     assert integrated(path, plan, (0.8, 1.0), (0.1, 0.2)) is None
+
+
+def test_an_unstable_motion_has_no_box(tmp_path):
+    """docs/physics.md, section 8: one solution, statically stable; its multiplier is -1.047, and a 2T motion is met."""
+    words = ("plane=omega_fe", "gear=consistent", f"gear.rotation_coupling={np.cos(np.radians(20.0))}")
+    window = ("gear.variation.translation=0", "plane.sweep.min=1.1", "plane.sweep.max=1.4")
+    plan = small_plan(*words, *window, columns=30, rows=5)
+    path = traced_store(tmp_path / "doubled.zarr", plan)
+    found = answer(path, plan, Design(1.2, 0.2, 1.2, 1.2))
+    assert found.label == "1/0" and found.box is None
+    assert "dynamically unstable (period doubling)" in found.notes[0]
+    assert "a motion is dynamically unstable (period doubling)" in found.doubts

@@ -1,0 +1,77 @@
+"""Where a multiplier passes +1 and no branch folds: the borders of what static and dynamic stability contradict.
+
+Rows do not locate these places. They are sought where neighbouring cells say so, along the folds, next to which they
+lie where the order of the balance is high enough, and where a Neimark-Sacker boundary ends at the resonance 1:1.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from pipeline.plan.numerics import balance_of, continuation_of, frame_of
+from pipeline.plan.plan import Plan
+from pipeline.plane.stored import StoredPlane
+from solver import Event
+from solver.boundaries import BoundaryCurve, SpecialPoint
+from solver.boundaries.tracer import events_near
+from solver.stability import Instability
+
+__all__ = ["contradiction_starts", "contradictory_cells"]
+
+# A place may be this far from where it is sought, as a share of the sweep axis, and every so many points of a fold
+# curve one is sought.
+_REACH, _EVERY = 0.01, 10
+
+
+def contradictory_cells(part: StoredPlane) -> np.ndarray:
+    """Motions (k, n + 2), (u, x, p), half-way between two neighbouring cells of a row of which one is contradictory."""
+    stable, kind, columns = part.stable == 1, part.instability, part.plan.sweep.values
+    contradictory = stable & (kind == Instability.CONTRADICTORY)
+    found = [np.empty((0, part.motions.shape[-1] + 2))]
+    for row, column in np.argwhere(contradictory.any(axis=-1)[:, :-1] | contradictory.any(axis=-1)[:, 1:]):
+        left, right = (np.flatnonzero(stable[row, column + side]) for side in (0, 1))
+        ours, theirs = part.motions[row, column, left], part.motions[row, column + 1, right]
+        if not (left.size and right.size):
+            continue
+        nearest = np.abs(ours[:, None] - theirs).max(axis=-1).argmin(axis=1)
+        flips = contradictory[row, column, left] != contradictory[row, column + 1, right[nearest]]
+        middles = 0.5 * (ours + theirs[nearest])[flips]
+        place = [0.5 * (columns[column] + columns[column + 1]), part.rows[row]]
+        found.append(np.column_stack([middles, np.tile(place, (len(middles), 1))]))
+    return np.concatenate(found)
+
+
+def contradiction_starts(
+    plan: Plan, cells: np.ndarray, curves: Iterable[BoundaryCurve]
+) -> list[tuple[Event, np.ndarray]]:
+    """Starts of the boundaries along which a multiplier passes +1.
+
+    Parameters
+    ----------
+    plan : Plan
+    cells : (k, n + 2) array
+        `contradictory_cells` of all rows.
+    curves : iterable of BoundaryCurve
+        The folds and Neimark-Sacker boundaries of the plane.
+    """
+    balance = balance_of(plan.solver)
+    guesses = [cells]
+    for curve in curves:
+        for number, stretch in enumerate(curve.stretches):
+            y = stretch.curve.points
+            y = y[:, [*range(balance.unknowns), -2, -1]]
+            if curve.kind is Event.FOLD and balance.truncated:
+                guesses.append(y[::_EVERY])
+            elif curve.kind is Event.NEIMARK_SACKER:
+                ends = {0: number == 0, -1: number == len(curve.stretches) - 1}
+                at = [i for i, last in ends.items() if last and curve.special[i] == SpecialPoint.RESONANCE_1_1]
+                guesses.append(y[at])
+    omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
+    return events_near(
+        *frame_of(plan),
+        [(Event.UNIT_MULTIPLIER, guess) for guess in np.concatenate(guesses)],
+        _REACH * (plan.sweep.high - plan.sweep.low),
+        omega=omega,
+        balance=balance,
+        continuation=continuation_of(plan.solver),
+    )

@@ -1,0 +1,49 @@
+"""The head of a figure: which gear, which balance, which grid, and what is held fixed."""
+
+from matplotlib.figure import Figure
+
+from pipeline.figures.layout import RIGHT
+from pipeline.figures.naming import fixed_parameters, gear_text, symbol
+from pipeline.plan.plan import Plan
+from pipeline.plane.stored import StoredPlane
+
+__all__ = ["HEAD", "balance_text", "write_heading"]
+
+#: Inches.
+HEAD = 0.3
+_LEFT, _TOP, _LINE = 0.08, 0.05, 0.145
+
+
+def write_heading(figure: Figure, plane: StoredPlane) -> None:
+    """Write two lines at the top: the store, its balance and grid, what is fixed; the gear."""
+    width, height = figure.get_size_inches()
+    plan = plane.plan
+    sizes = " \u00d7 ".join(f"{axis.num} {symbol(axis.name)}" for axis in (plan.sweep, plan.parameter))
+    about = f"{plane.path.stem}:  {balance_text(plan)},  {sizes}"
+    fixed = fixed_parameters(plan, plane.scales)
+    for line, (left, right) in enumerate(((about, fixed), (gear_text(plan), unfelt(plan)))):
+        y = 1.0 - (_TOP + line * _LINE) / height
+        figure.text(_LEFT / width, y, left, ha="left", va="top", fontsize=8)
+        figure.text(1.0 - RIGHT / width, y, right, ha="right", va="top", fontsize=8)
+
+
+def balance_text(plan: Plan) -> str:
+    """The harmonic balance in a few words."""
+    order, period = plan.solver["order"], plan.solver["period"]
+    if plan.solver["balance"] == "describing_function":
+        return "order 1 (describing function)"
+    return f"order {order} (harmonic balance)" + (f" of {period} periods" if period > 1 else "")
+
+
+def unfelt(plan: Plan) -> str:
+    """What the balance does not feel of the gear; empty where it feels everything."""
+    order = plan.solver["order"]
+    first = plan.solver["balance"] == "describing_function"
+    parts = []
+    for name, what, felt in (
+        ("alpha_harmonics", "stiffness", 2 if first else 2 * order),
+        ("f_e_harmonics", "error", order),
+    ):
+        if any(amplitude for amplitude, _ in plan.gear.get(name, ())[max(felt - 1, 0) :]):
+            parts.append(f"{what} above {felt}")
+    return f"not felt: harmonics of the {' and the '.join(parts)}" if parts else ""

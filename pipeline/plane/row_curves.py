@@ -1,0 +1,130 @@
+"""The branches of one row, at exactly the value that is asked for: stored, or solved where no row has the value."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_of, seeds_of
+from pipeline.plan.plan import Plan
+from pipeline.plane.segments import Piece, pieces_of_row
+from pipeline.plane.stored import StoredPlane
+from pipeline.store import COMPLETE, FAILED
+from solver import EndReason, Model, RowError
+from solver.stability import assess
+from solver.stability.instability import LEFT_TO_FOLDS
+
+__all__ = ["RowCurves", "curves_at"]
+
+# A value this close to a stored row's, as a share of the axis, is that row's.
+_SAME = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class RowCurves:
+    """Branches of one row.
+
+    Parameters
+    ----------
+    plan : Plan
+    value : float
+        Of the row parameter.
+    status : int
+        Whether the row is complete, failed or not computed, as stored; solved here it is one of the first two.
+    points : dict of str to (point,) array
+        position, mean, cos, sin, amplitude, stable, impact, branch, event; `motion` (point, n).
+    ends : tuple of (int, int, EndReason)
+        Branch, 0 or -1 (its first or its last point), and why it ends there.
+    """
+
+    plan: Plan
+    value: float
+    status: int
+    points: dict[str, np.ndarray]
+    ends: tuple[tuple[int, int, EndReason], ...]
+
+    @property
+    def model(self) -> Model:
+        """The gear of the row."""
+        return model_at(self.plan, self.value, self.plan.sweep.low)
+
+    @property
+    def modes(self) -> tuple[float, float]:
+        """Linear natural frequencies, lower and upper."""
+        return self.model.mesh_modes()
+
+    @cached_property
+    def pieces(self) -> list[Piece]:
+        """The branches cut at their events."""
+        position = self.points["position"]
+        b = position if self.plan.sweep.name == "b" else np.full(position.size, self.model.b)
+        return pieces_of_row(self.points, b)
+
+    @cached_property
+    def lasting(self) -> np.ndarray:
+        """Whether the motions of a piece are dynamically stable, (piece,) bool: from one in its middle.
+
+        A multiplier beyond +1 is left to static stability, as in labels.
+        """
+        inner = np.array([(piece.start + piece.stop - 1) // 2 for piece in self.pieces], dtype=int)
+        stable = np.array([piece.stable for piece in self.pieces], dtype=bool)
+        if not np.any(stable):
+            return stable
+        left, right = inner[stable], np.array([piece.stop for piece in self.pieces])[stable] - 1
+        # Two events may be neighbours: their middle is taken.
+        right = np.where(left + 1 < right, left, np.minimum(left + 1, right))
+        position, motion = (
+            0.5 * (array[left] + array[right]) for array in (self.points["position"], self.points["motion"])
+        )
+        omega = None if self.plan.sweep.name == "omega" else self.plan.omega
+        omega = self.value if self.plan.parameter.name == "omega" else omega
+        balance = balance_of(self.plan.solver)
+        kind = assess(
+            self.model, self.plan.sweep.name, position, motion, omega=omega, balance=balance, static=np.ones(left.size)
+        ).kind
+        found = stable.copy()
+        found[stable] = np.isin(kind, LEFT_TO_FOLDS)
+        return found
+
+
+def curves_at(plane: StoredPlane, value: float) -> RowCurves:
+    """The branches at a value of the row parameter."""
+    axis = plane.plan.parameter
+    row = int(np.argmin(np.abs(plane.rows - value)))
+    if abs(plane.rows[row] - value) <= _SAME * (axis.high - axis.low):
+        return _stored(plane, row)
+    return _solved(plane.plan, value)
+
+
+def _stored(plane: StoredPlane, row: int) -> RowCurves:
+    count = int(plane.n_points[row])
+    points = plane.row_points(row)
+    points |= {name: plane.array(f"branches/{name}")[row, :count] for name in ("cos", "sin")}
+    if plane.plan.motion_size:
+        points["motion"] = plane.array("branches/motion")[row, :count]
+    else:
+        points["motion"] = np.column_stack([points[name] for name in ("mean", "cos", "sin")])
+    places = np.argwhere(plane.end_reason[row] > 0)
+    ends = tuple((int(branch), -int(end), EndReason(int(plane.end_reason[row, branch, end]))) for branch, end in places)
+    return RowCurves(plane.plan, float(plane.rows[row]), int(plane.status[row]), points, ends)
+
+
+def _solved(plan: Plan, value: float) -> RowCurves:
+    balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
+    names = ("position", "mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
+    nothing = {**{name: np.empty(0) for name in names}, "motion": np.empty((0, balance.unknowns))}
+    try:
+        row = row_of(plan, value, balance, continuation, seeds_of(plan.solver))
+    except (RowError, ArithmeticError):
+        return RowCurves(plan, value, FAILED, nothing, ())
+    parts: dict[str, list[np.ndarray]] = {name: [empty] for name, empty in nothing.items()}
+    ends = []
+    for number, curve in enumerate(row.curves):
+        mean, cos, sin = row.branch_motions(curve)
+        found = (curve.points[:, -1], mean, cos, sin, np.hypot(cos, sin), curve.stable, row.branch_impact(curve))
+        found = (*found, np.full(len(curve.points), number), curve.event)
+        for name, array in zip((*names, "motion"), (*found, curve.points[:, :-1]), strict=True):
+            parts[name].append(array)
+        ends += [(number, 0, curve.ends[0]), (number, -1, curve.ends[1])]
+    points = {name: np.concatenate(arrays) for name, arrays in parts.items()}
+    return RowCurves(plan, value, COMPLETE, points, tuple(ends))

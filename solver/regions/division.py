@@ -1,0 +1,237 @@
+"""A plane divided along its boundaries: slabs, and what holds between every two neighbouring boundaries of a slab.
+
+What holds at a place is one whole number, whatever it means: `solver.regions.labelling` has the functions that give it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from solver.boundaries.curve import BoundaryCurve
+from solver.boundaries.problem import Plane
+from solver.model.checks import ParameterError
+from solver.regions.areas import slab_areas
+from solver.regions.slabs import RegionError, RowCrossings, Slab, SlabCurve, slabs
+
+__all__ = ["DividedSlab", "Division", "Labels", "divided"]
+
+# Relative to the plane's area.
+_TOLERANCE = 1e-9
+_MOST_ROUNDS = 100
+
+
+@dataclass(frozen=True)
+class DividedSlab:
+    """Rows between two critical values.
+
+    Parameters
+    ----------
+    slab : Slab
+    codes : tuple of int
+        What holds from arc to arc, by ascending x.
+    areas : (codes,) array
+        Area of each in the (x, p) plane.
+    """
+
+    slab: Slab
+    codes: tuple[int, ...]
+    areas: np.ndarray
+
+    def merged(self, codes: Sequence[int]) -> "DividedSlab":
+        """With other codes, and without the arcs on whose two sides they are equal."""
+        kept = [i for i in range(len(codes)) if i == 0 or codes[i] != codes[i - 1]]
+        arcs = (*(self.slab.arcs[i] for i in kept), self.slab.arcs[-1])
+        areas = np.add.reduceat(self.areas, kept)
+        return DividedSlab(Slab(self.slab.low, self.slab.high, arcs), tuple(codes[i] for i in kept), areas)
+
+
+@dataclass(frozen=True, eq=False)
+class Division:
+    """What the boundaries of a plane divide it into.
+
+    Parameters
+    ----------
+    plane : Plane
+    curves : tuple of BoundaryCurve
+        Those given, and where branches pass the ceiling.
+    slabs : tuple of DividedSlab
+        The plane, from its lowest row upwards; their areas add up to that of the plane.
+    error : float
+        Measured error of the areas' quadrature, summed over all.
+    """
+
+    plane: Plane
+    curves: tuple[BoundaryCurve, ...] = field(repr=False)
+    slabs: tuple[DividedSlab, ...] = field(repr=False)
+    error: float
+
+    def beside(self, curve: int, points: np.ndarray) -> np.ndarray:
+        """What holds on the left and on the right of a curve, in its rows.
+
+        Parameters
+        ----------
+        curve : int
+            Number of the curve.
+        points : (k, 2) array
+            Places (x, p) on it, in any order.
+
+        Returns
+        -------
+        (k, 2) int64 array
+            Twice the same where the curve is not met.
+        """
+        order = np.argsort(points[:, 1], kind="stable")
+        number, table = self._met(points[order, 1])
+        found = np.zeros((len(points), 2), np.int64)
+        for place, k, (arcs, x) in zip(order, number, table, strict=True):
+            part, ours = self.slabs[k], np.flatnonzero(arcs[:, 0] == curve)
+            if ours.size:
+                nearest = ours[np.argmin(np.abs(x[ours] - points[place, 0]))]
+                arc = int(arcs[nearest, 0]), int(arcs[nearest, 1])
+                if arc in part.slab.arcs:
+                    at = part.slab.arcs.index(arc)
+                    found[place] = part.codes[at - 1], part.codes[at]
+        return found
+
+    def _met(self, p: np.ndarray):
+        """The number of the slab of every ascending p, and what its row meets: `RowCrossings.table`."""
+        lows = np.array([part.slab.low for part in self.slabs])
+        number = np.clip(np.searchsorted(lows, p, side="right") - 1, 0, None)
+        # A row between two slabs, or on the border of one, is looked at inside.
+        inside = [self.slabs[k].slab.inner(value) for k, value in zip(number, p, strict=True)]
+        return number, RowCrossings(self.curves, self.plane.x_range).table(np.array(inside))
+
+    def shares(
+        self, x_window: tuple[float, float] | None = None, p_window: tuple[float, float] | None = None
+    ) -> dict[int, float]:
+        """Share of every code of the area of the plane, or of a part of it, ascending by code; they add up to 1.
+
+        Raises
+        ------
+        ParameterError
+            If a window is not inside the plane.
+        """
+        parts = self.slabs if x_window is p_window is None else self._cut(x_window, p_window)
+        sizes: dict[int, float] = {}
+        for part in parts:
+            for code, size in zip(part.codes, part.areas, strict=True):
+                sizes[code] = sizes.get(code, 0.0) + float(size)
+        whole = sum(sizes.values())
+        return {code: sizes[code] / whole for code in sorted(sizes) if sizes[code] > 0.0}
+
+    def _cut(self, x_window, p_window) -> list[DividedSlab]:
+        """The slabs within windows, with the areas there."""
+        ends = []
+        for name, window, whole in (
+            ("x_window", x_window, self.plane.x_range),
+            ("p_window", p_window, self.plane.p_range),
+        ):
+            low, high = whole if window is None else window
+            if not whole[0] <= low < high <= whole[1]:
+                raise ParameterError(name, window, f"ascending and within {whole}")
+            ends.append((low, high))
+        x, (low, high) = ends
+        parts = [
+            (replace(part.slab, low=max(part.slab.low, low), high=min(part.slab.high, high)), part.codes)
+            for part in self.slabs
+            if min(part.slab.high, high) - max(part.slab.low, low) > 0.0
+        ]
+        slabs = [slab for slab, _ in parts]
+        crossings = RowCrossings(self.curves, self.plane.x_range)
+        areas, _, _ = slab_areas(crossings, slabs, _TOLERANCE * np.ptp(x) * (high - low), x)
+        return [DividedSlab(slab, codes, size) for (slab, codes), size in zip(parts, areas, strict=True)]
+
+    def codes_at(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """What holds on a lattice.
+
+        Parameters
+        ----------
+        x, p : ascending arrays
+            Places within the plane.
+
+        Returns
+        -------
+        (p, x) int64 array
+        """
+        found = np.empty((p.size, x.size), np.int64)
+        number, table = self._met(p)
+        for row, (k, (arcs, places)) in enumerate(zip(number, table, strict=True)):
+            part = self.slabs[k]
+            at = {(int(curve), int(which)): place for (curve, which), place in zip(arcs, places, strict=True)}
+            ends = np.maximum.accumulate([at[arc] for arc in part.slab.arcs[1:-1]])
+            found[row] = np.array(part.codes)[np.searchsorted(ends, x, side="right")]
+        return found
+
+
+class Labels(Protocol):
+    """What is known of the slabs that curves divide a plane into."""
+
+    def sequence(self, slab: Slab) -> list[int] | float | BoundaryCurve:
+        """The codes between every two neighbouring arcs of a slab; or what divides it further: a row along which a
+        boundary runs, or a boundary."""
+
+
+def divided(plane: Plane, curves: tuple[SlabCurve, ...], labels_of: Callable[[RowCrossings], Labels]) -> Division:
+    """Divide a plane along its boundaries.
+
+    Parameters
+    ----------
+    plane : Plane
+    curves : tuple of BoundaryCurve or StoredCurve
+        All boundaries at which codes change.
+    labels_of : callable
+        (crossings of rows with all boundaries) -> Labels
+
+    Raises
+    ------
+    RegionError
+        If codes change where no boundary is, or can nowhere be told.
+    """
+    width, height = np.ptp(plane.x_range), np.ptp(plane.p_range)
+    levels: list[float] = []
+    watched: list[float] = []
+    known: dict[Slab, list[int]] = {}
+    for _ in range(_MOST_ROUNDS):
+        crossings = RowCrossings(curves, plane.x_range)
+        found = slabs(crossings, plane.p_range, watched, levels)
+        sequences, further = _labelled(labels_of(crossings), found, known)
+        if isinstance(further, float):
+            levels.append(further)
+        elif further is not None:
+            curves = (*curves, further)
+        else:
+            areas, error, disorder = slab_areas(crossings, found, _TOLERANCE * width * height)
+            if not disorder:
+                break
+            # Arcs that intersect twice between two samples: these are looked at as well.
+            watched += disorder
+    else:
+        slab = found[min(len(sequences), len(found) - 1)]
+        raise RegionError(f"the plane is divided too often, last above {plane.p_axis} = {slab.low!r}")
+    # Slabs leave out what lies between critical values too close to be told apart: their neighbours share it.
+    stops = [0.5 * (a.high + b.low) for a, b in zip(found[:-1], found[1:], strict=True)]
+    heights = np.diff([plane.p_range[0], *stops, plane.p_range[1]])
+    parts = tuple(
+        DividedSlab(slab, tuple(sequence), area * (tall / (slab.high - slab.low)))
+        for slab, sequence, area, tall in zip(found, sequences, areas, heights, strict=True)
+    )
+    return Division(plane, curves, parts, float(error))
+
+
+def _labelled(
+    labels: Labels, found: tuple[Slab, ...], known: dict[Slab, list[int]]
+) -> tuple[list[list[int]], float | BoundaryCurve | None]:
+    """Codes of all slabs; or of the first ones, and what divides the next one further.
+
+    What is `known` of slabs that no further boundary has divided is kept.
+    """
+    codes: list[list[int]] = []
+    for slab in found:
+        sequence = known.get(slab) or labels.sequence(slab)
+        if not isinstance(sequence, list):
+            return codes, sequence
+        known[slab] = sequence
+        codes.append(sequence)
+    return codes, None
