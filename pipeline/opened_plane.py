@@ -34,7 +34,7 @@ class OpenPlane:
     """A stored plane.
 
     Places are given by the axes' own names: `omega=0.6, f_e=0.2`. What ends in `_near` reads the nearest stored cell or
-    row; what ends in `_at` computes anew, exactly there.
+    row; what ends in `_at` computes anew, exactly there, except for attractors, which are stored.
 
     Parameters
     ----------
@@ -312,6 +312,43 @@ class OpenPlane:
 
         return thresholds(self.path, label, window)
 
+    def attractors_at(self, **place: float) -> xr.Dataset:
+        """Everything that integration found in the integrated cell nearest to a place, along `attractor`, as it is
+        stored: `kind`, `impact`, `share` of the random starts with its interval, amplitudes, forces, ...
+
+        Raises
+        ------
+        StoreError
+            If attractors have not been sought.
+        solver.ParameterError
+            As `label_near`.
+        """
+        queries, (x, p) = _queries(), self._place(place)
+        return queries.attractors_near(queries.attractors_of(self.path), self.plan, x, p)
+
+    def hysteresis(self) -> xr.DataArray:
+        """Where runs along the row meet other attractors upwards than downwards, bool; raises as `attractors_at`."""
+        queries = _queries()
+        return queries.hysteresis(queries.attractors_of(self.path))
+
+    def basin_share(self, what: str) -> xr.Dataset:
+        """Share of the random starts of every cell that reached attractors of a kind, such as "2T" or "1T/0".
+
+        Returns
+        -------
+        Dataset
+            `share`, its 95 % interval `low` to `high`, `hits` and `starts`; the attribute `bound` says what was missed.
+
+        Raises
+        ------
+        StoreError
+            As `attractors_at`.
+        solver.ParameterError
+            If it is no kind of attractor.
+        """
+        queries = _queries()
+        return queries.basin_share(queries.attractors_of(self.path), what)
+
     def _cell(self, place: dict) -> tuple[int, int]:
         """Row and column of the nearest cell."""
         x, p = self._place(place)
@@ -331,6 +368,13 @@ class OpenPlane:
     def _check_names(given: dict, names: set[str]) -> None:
         if set(given) != names:
             raise ParameterError("place", given, f"given by {' and '.join(sorted(names))}, each with a value")
+
+
+def _queries():
+    """Questions to attractors, which need the kernels of integration: a map alone is opened without."""
+    from pipeline.analysis.attractors import queries
+
+    return queries
 
 
 def _nearest(axis, value: float) -> int:

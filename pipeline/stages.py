@@ -43,16 +43,10 @@ STAGES = (
         "pipeline.analysis.boundaries.stage",
     ),
     Entry(
-        "verify",
-        "where the map can be trusted, by higher orders and by direct integration",
-        "pipeline.analysis.verification.stage",
+        "attractors",
+        "what motions end on in every cell, and so what the labels of the map are worth",
+        "pipeline.analysis.attractors.stage",
     ),
-    Entry(
-        "basins",
-        "shares of random initial states that reach each of several coexisting motions",
-        "pipeline.analysis.basins.stage",
-    ),
-    Entry("jumps", "attractors followed along rows, upwards and downwards", "pipeline.analysis.jumps.stage"),
     Entry(
         "margins", "how far a design point is from anything that changes its label", "pipeline.figures.margins_stage"
     ),

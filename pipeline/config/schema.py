@@ -11,9 +11,7 @@ from pipeline.config.allowed import allowed
 __all__ = ["Configuration"]
 
 #: Fewer periods leave no window over which a Lyapunov exponent says anything.
-FEWEST_PERIODS = 300
-#: Orders that a map is verified with; twice this is the highest order of the balance.
-HIGHEST_ORDER = 32
+FEWEST_PERIODS = 800
 _MOST = 10**6
 
 
@@ -237,37 +235,19 @@ class Figures:
 
 
 @dataclass
-class Verify:
-    """How a map is checked by higher orders and by direct integration."""
+class Attractors:
+    """Which cells are integrated, and from how many random starts; see `pipeline.analysis.attractors.options`."""
 
-    samples: int = allowed(1, _MOST)
-    beside: int = allowed(0, _MOST)
+    columns: Any = MISSING
+    rows: Any = MISSING
+    starts: int = allowed(0, _MOST)
     seed: int = allowed(0, 2**63 - 1)
-    order: int = allowed(1, HIGHEST_ORDER)
-    columns: int = allowed(2, _MOST)
-    delta: float = allowed(0.0, 1.0)
     max_periods: int = allowed(FEWEST_PERIODS, 10**7)
     tolerance: float = allowed(0.0, 1.0, above=True)
-
-
-@dataclass
-class Basins:
-    """Where shares of basins are measured, and from how many random starts; `points` is null or a list of pairs."""
-
-    cells: int = allowed(1, _MOST)
+    delta: float = allowed(0.0, 1.0)
     points: Any = MISSING
-    starts: int = allowed(1, _MOST)
-    seed: int = allowed(0, 2**63 - 1)
-    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
-
-
-@dataclass
-class Jumps:
-    """Along which rows attractors are followed up and down."""
-
-    rows: int = allowed(1)
-    values: list[float] | None = MISSING
-    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+    box: Any = MISSING
+    slice: int = allowed(0, 2000)
 
 
 @dataclass
@@ -315,9 +295,7 @@ class Configuration:
     quality: Quality = MISSING
     output: Output = MISSING
     store: Store = MISSING
-    verify: Verify = MISSING
-    basins: Basins = MISSING
-    jumps: Jumps = MISSING
+    attractors: Attractors = MISSING
     margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING

@@ -11,7 +11,7 @@ from pipeline.plane.stored import read_stored
 __all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_named"]
 
 #: Figures of a plane, those that take longest first.
-NAMES = ("map", "curves", "map-window", "verification", "backbone")
+NAMES = ("map", "curves", "map-window", "attractors", "verification", "basins", "backbone")
 
 
 def draw(
@@ -52,10 +52,10 @@ def draw(
     Returns
     -------
     list of Path
-        map, map-window, curves, verification and backbone, each in all formats; "-dynamic" stands behind the names of
-        those of dynamic stability. The verification is drawn where the store has one. The backbone is left out where
-        the plane's rows do not run over the mesh frequency, or without mean load. Of a volume, layers: the maps of up
-        to nine layers.
+        map, map-window, curves, attractors, verification, basins and backbone, each in all formats; "-dynamic" stands
+        behind the names of those of dynamic stability. Attractors and verification are drawn where the store has the
+        group `attractors`, basins where it has `places`. The backbone is left out where the plane's rows do not run
+        over the mesh frequency, or without mean load. Of a volume, layers: the maps of up to nine layers.
 
     Raises
     ------
@@ -125,13 +125,9 @@ def _draw(plane, folder, curves, formats, dpi, window, only) -> list[Path]:
     if window is not None:
         drawers["map-window"] = lambda: draw_window(plane, window)
     drawers["curves"] = lambda: draw_curves(plane, curves)
-    if (plane.path / "verification").exists():
-        # What it needs of the solver are many kernels, and most planes have not been verified.
-        from pipeline.figures.verification import draw_verification, verification_of
-
-        verified = verification_of(plane.path)
-        if verified is not None:
-            drawers["verification"] = lambda: draw_verification(plane, verified)
+    if any((plane.path / group).exists() for group in ("attractors", "places")):
+        # What it needs of the solver are many kernels, and most planes have none.
+        drawers |= _of_attractors(plane)
     if has_backbone(plane):
         drawers["backbone"] = lambda: draw_backbone(plane)
     paths = []
@@ -140,6 +136,23 @@ def _draw(plane, folder, curves, formats, dpi, window, only) -> list[Path]:
             if only is None or name in only:
                 paths += write_figure(drawn(), plane, folder, name, formats, dpi)
     return paths
+
+
+def _of_attractors(plane) -> dict:
+    """Name -> what draws it, of what is only there where attractors were sought."""
+    from pipeline.analysis.attractors.dataset import read_attractors
+    from pipeline.analysis.attractors.places import read_places
+    from pipeline.figures.attractors import draw_attractors
+    from pipeline.figures.basins import draw_basins
+    from pipeline.figures.verification import draw_verification
+
+    drawers, found, places = {}, read_attractors(plane.path), read_places(plane.path)
+    if found is not None:
+        drawers["attractors"] = lambda: draw_attractors(plane, found)
+        drawers["verification"] = lambda: draw_verification(plane, found)
+    if places is not None and "slice" in places:
+        drawers["basins"] = lambda: draw_basins(plane, places)
+    return drawers
 
 
 def _draw_layers(volume, folder, formats, dpi) -> list[Path]:

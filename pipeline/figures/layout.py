@@ -30,9 +30,9 @@ _PIXELS = 400
 _NEXT_TO_ZERO = 0.1
 
 
-def shares_of(inches: tuple[float, ...], height: float) -> tuple[float, ...]:
-    """Left, bottom, width and height as matplotlib wants them, in a figure of this height."""
-    return tuple(size / whole for size, whole in zip(inches, (WIDTH, height, WIDTH, height), strict=True))
+def shares_of(inches: tuple[float, ...], height: float, width: float = WIDTH) -> tuple[float, ...]:
+    """Left, bottom, width and height as matplotlib wants them, in a figure of this height and width."""
+    return tuple(size / whole for size, whole in zip(inches, (width, height, width, height), strict=True))
 
 
 def zoom_places(count: int, spare: float = 0.0) -> list[tuple[float, float, float, float]]:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import PathPatch
-from matplotlib.path import Path as Outline
 
+from pipeline.figures.cell_panels import outline_of
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import (
@@ -165,7 +165,7 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     failed = np.broadcast_to((plane.status == FAILED)[:, None], plane.domain.shape)
     for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
         if np.any(marked):
-            axes.add_artist(PathPatch(_rectangles(marked, columns, rows), **kind))
+            axes.add_artist(PathPatch(outline_of(marked, columns, rows), **kind))
     dark = np.isin(panel.code, [c for c, label in plane.labels.items() if text_colour(label_colour(label)) == "white"])
     for mark, marked in ((draw_lines, panel.unstable), (draw_dots, panel.contradictory)):
         mark(axes, marked & ~dark, panel.x, panel.y)
@@ -219,13 +219,3 @@ def _image(code: np.ndarray, labels: dict[int, str]) -> np.ndarray:
     present, place = np.unique(code, return_inverse=True)
     colours = np.array([label_colour(labels[int(value)]) for value in present], dtype=np.uint8)
     return enlarged(colours[place.reshape(code.shape)])
-
-
-def _rectangles(marked: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
-    """One outline around every horizontal run of marked cells."""
-    change = np.diff(marked.astype(np.int8), axis=1, prepend=0, append=0)
-    (row, start), (_, stop) = np.nonzero(change == 1), np.nonzero(change == -1)
-    left, right, low, high = x[start], x[stop], y[row], y[row + 1]
-    corners = np.stack([[left, low], [right, low], [right, high], [left, high], [left, low]]).transpose(2, 0, 1)
-    codes = [Outline.MOVETO, Outline.LINETO, Outline.LINETO, Outline.LINETO, Outline.CLOSEPOLY]
-    return Outline(corners.reshape(-1, 2), np.tile(codes, len(row)))

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from pipeline.plan.axes import ROLES, Axis
+from pipeline.plan.row_blocks import Block, RowBlocks
 
 __all__ = ["SCHEMA_VERSION", "Block", "Plan", "numbers_digest", "plan_of"]
 
@@ -17,15 +18,6 @@ SCHEMA_VERSION = 4
 
 _BLOCK_BYTES = 2**20
 _BLOCKS_AT_LEAST = 16
-
-
-@dataclass(frozen=True, slots=True)
-class Block:
-    """Rows start ... stop - 1: one chunk of the store and one task. Rows of a volume are numbered through, layer by
-    layer; a block belongs to one layer."""
-
-    start: int
-    stop: int
 
 
 @dataclass(frozen=True)
@@ -113,15 +105,11 @@ class Plan:
 
     def place(self, block: Block) -> tuple[int | slice, ...]:
         """Where a block is in arrays along `row_axes`."""
-        layer, start = divmod(block.start, self.parameter.num)
-        rows = slice(start, start + block.stop - block.start)
-        return (rows,) if self.parameter2 is None else (layer, rows)
+        return self.row_blocks.place(block)
 
     def chunk_of(self, block: Block) -> tuple[int, ...]:
         """Numbers of a block's chunk along `row_axes`."""
-        layer, start = divmod(block.start, self.parameter.num)
-        number = start // self.rows_per_block
-        return (number,) if self.parameter2 is None else (layer, number)
+        return self.row_blocks.chunk_of(block)
 
     @property
     def motion_size(self) -> int:
@@ -137,22 +125,23 @@ class Plan:
         return max(1, min(_BLOCK_BYTES // row_bytes, -(-self.rows // _BLOCKS_AT_LEAST), self.parameter.num))
 
     @property
+    def row_blocks(self) -> RowBlocks:
+        """The rows in blocks."""
+        return RowBlocks(tuple(axis.num for axis in self.row_axes), self.rows_per_block)
+
+    @property
     def blocks(self) -> list[Block]:
         """All blocks in order."""
-        layer = self.parameter.num
-        return [block for first in range(0, self.rows, layer) for block in self.blocks_of(Block(first, first + layer))]
+        return self.row_blocks.all
 
     def blocks_of(self, rows: Block) -> list[Block]:
         """The blocks that hold some rows of one layer, in order."""
-        size, layer = self.rows_per_block, self.parameter.num
-        first = rows.start - rows.start % layer
-        begin = (rows.start - first) // size * size
-        return [Block(first + i, first + min(i + size, layer)) for i in range(begin, rows.stop - first, size)]
+        return self.row_blocks.holding(rows)
 
     @property
     def n_blocks(self) -> int:
         """Number of blocks, without making them."""
-        return self.rows // self.parameter.num * -(-self.parameter.num // self.rows_per_block)
+        return self.row_blocks.count
 
     @property
     def bytes(self) -> int:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from solver.kernels.warm import kernels_of, warm
 
-__all__ = ["NEEDED", "kernels_for", "ready_for_rows"]
+__all__ = ["NEEDED", "kernels_for", "ready_for_attractors", "ready_for_rows"]
 
 _ROWS = {
     "describing_function": (
@@ -36,6 +36,8 @@ _ROWS = {
     ),
 }
 
+_ATTRACTORS = ("solver.timedomain.attractors", "solver.timedomain.row_systems")
+
 #: By stage and balance, those that take longest first.
 NEEDED = {
     "sweep": _ROWS,
@@ -49,6 +51,7 @@ NEEDED = {
         ),
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
+    "attractors": dict.fromkeys(_ROWS, _ATTRACTORS),
     "debug": _ROWS,
 }
 
@@ -62,3 +65,9 @@ def kernels_for(stages: Iterable[str], balance: str) -> list[str]:
 def ready_for_rows(balance: str) -> None:
     """Compile or load what rows need, once in this process: a row's time is its own."""
     warm(kernels_of(kernels_for(["sweep"], balance)))
+
+
+@functools.cache
+def ready_for_attractors() -> None:
+    """Compile or load what attractors need, once in this process."""
+    warm(kernels_of(_ATTRACTORS))

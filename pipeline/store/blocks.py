@@ -135,7 +135,7 @@ def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> 
             # What an array writes is settled when it is opened.
             array = root[name]
         array[place] = np.stack([row[name] for row in rows])
-    settle(path / file for file in files.values())
+    settle([path / file for file in files.values()])
     write_states(path, plan, block, np.array([row["status"] for row in rows]))
 
 

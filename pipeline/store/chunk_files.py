@@ -93,17 +93,18 @@ def decoded(content: bytes, array: ArrayLayout) -> np.ndarray:
 
 
 def encoded(entries: np.ndarray, array: ArrayLayout) -> bytes:
-    """What the file of a chunk of numbers holds; entries at its end that are not given are the fill value.
+    """What the file of a chunk holds; entries at its end that are not given are the fill value.
 
     Parameters
     ----------
     entries : (n,) ndarray
-        In the order of the chunk.
+        In the order of the chunk; objects where the array holds texts.
     array : ArrayLayout
     """
-    chunk = np.full(math.prod(array.chunks), array.fill, np.dtype(array.kind).newbyteorder("<"))
+    texts = array.kind == "string"
+    chunk = np.full(math.prod(array.chunks), array.fill, object if texts else np.dtype(array.kind).newbyteorder("<"))
     chunk[: entries.size] = entries
-    frame = Zstd(level=0).encode(chunk.tobytes())
+    frame = Zstd(level=0).encode(VLenUTF8().encode(chunk) if texts else chunk.tobytes())
     return frame + google_crc32c.value(frame).to_bytes(_CHECKSUM, "little")
 
 

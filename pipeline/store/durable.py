@@ -7,36 +7,44 @@ stored row is found when a run continues.
 
 import os
 import uuid
-from collections.abc import Iterable
+from collections.abc import Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-__all__ = ["move_whole", "settle", "write_whole"]
+__all__ = ["move_whole", "settle", "write_all", "write_whole"]
 
 #: Files that the disk is asked for at once: it writes them together, in about the time of a few.
 _TOGETHER = 16
 
 
-def settle(files: Iterable[Path]) -> None:
+def settle(files: Collection[Path]) -> None:
     """Return when files are on the disk."""
-    with ThreadPoolExecutor(_TOGETHER) as pool:
+    with ThreadPoolExecutor(max(1, min(_TOGETHER, len(files)))) as pool:
         list(pool.map(_settle, files))
 
 
 def move_whole(draft: Path, folder: Path) -> None:
     """Give a folder its name when everything in it is on the disk."""
-    settle(file for file in draft.rglob("*") if file.is_file())
+    settle([file for file in draft.rglob("*") if file.is_file()])
     draft.rename(folder)
 
 
 def write_whole(file: Path, content: bytes) -> None:
     """Write a file, in place of what was there; its folder is made if need be."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    # Named as zarr names what it has not finished, so that what a killed process leaves is known.
-    draft = file.with_suffix(f".{uuid.uuid4().hex}.partial")
-    draft.write_bytes(content)
-    _settle(draft)
-    draft.replace(file)
+    write_all({file: content})
+
+
+def write_all(contents: Mapping[Path, bytes]) -> None:
+    """Write files, each in place of what was there, all of them on the disk before any has its name."""
+    drafts = {}
+    for file, content in contents.items():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        # Named as zarr names what it has not finished, so that what a killed process leaves is known.
+        drafts[file] = file.with_suffix(f".{uuid.uuid4().hex}.partial")
+        drafts[file].write_bytes(content)
+    settle(drafts.values())
+    for file, draft in drafts.items():
+        draft.replace(file)
 
 
 def _settle(file: Path) -> None:

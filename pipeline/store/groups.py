@@ -15,7 +15,7 @@ from pipeline.store.codecs import COMPRESSORS, every_chunk
 from pipeline.store.documents import listed_in
 from pipeline.store.durable import move_whole
 from pipeline.store.identity import read_layout
-from pipeline.store.names import ADDED, GROUP_FILE
+from pipeline.store.names import ADDED, GROUP_FILE, IN_BLOCKS
 from pipeline.store.removal import refuse_unknown, remove_known
 from pipeline.store.template import consolidate
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     # It takes a third of a second to load, which who only reads need not wait for.
     import xarray
 
-__all__ = ["open_group", "remove_added", "remove_group", "take_away", "write_group"]
+__all__ = ["open_group", "remove_added", "remove_group", "take_away", "unfinished", "write_group"]
 
 #: Arrays of two and more dimensions are cut into chunks of at most this many entries along each.
 _CHUNK = 1024
@@ -97,9 +97,11 @@ def take_away(path: Path, name: str) -> bool:
 
 
 def remove_added(path: Path) -> None:
-    """Take away every group that stages have added."""
+    """Take away every group that stages have added, finished or not."""
     for name in ADDED:
         remove_group(path, name)
+    for name in IN_BLOCKS:
+        remove_known(unfinished(path, name), GROUP_FILE)
 
 
 def open_group(path: Path, name: str) -> zarr.Group | None:
@@ -107,6 +109,11 @@ def open_group(path: Path, name: str) -> zarr.Group | None:
     # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
     root = zarr.open_group(path, mode="r")
     return root[name] if name in root and (path / name).exists() else None
+
+
+def unfinished(path: Path, name: str) -> Path:
+    """Where a group is that is written block by block (`pipeline.store.row_groups`), until it is whole."""
+    return _beside(path, name, "unfinished")
 
 
 def _beside(path: Path, name: str, what: str) -> Path:

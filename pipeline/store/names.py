@@ -7,13 +7,15 @@ from pathlib import Path
 
 from pipeline.errors import StoreError
 
-__all__ = ["ADDED", "GROUP_FILE", "LEFT_OVER", "METADATA", "ROWS", "STORE_FILE", "files_of", "is_name"]
+__all__ = ["ADDED", "GROUP_FILE", "IN_BLOCKS", "LEFT_OVER", "METADATA", "ROWS", "STORE_FILE", "files_of", "is_name"]
 
 METADATA = "zarr.json"
 #: The group that the rows themselves fill.
 ROWS = "branches"
 #: Groups that stages add, arrays in them and no further groups.
-ADDED = ("basins", "boundaries", "jumps", "verification")
+ADDED = ("attractors", "boundaries", "places")
+#: Those of them that are written block by block; see `pipeline.store.row_groups`.
+IN_BLOCKS = ("attractors",)
 
 _NAME = r"[A-Za-z]\w{0,79}"
 _PARTIAL = r"\.[0-9a-f]{32}\.partial"

@@ -1,7 +1,7 @@
 """Repairing a store: only files that its layout names are written or removed.
 
 Metadata and axes are put back, damaged rows are marked as pending, so that a sweep computes exactly their blocks again;
-damaged groups are taken away, so that their stages make them again.
+damaged groups are taken out, so that their stages make them again, or of those in blocks what is not sound.
 """
 
 from collections.abc import Collection
@@ -13,8 +13,9 @@ from pipeline.store.damage import Damage
 from pipeline.store.durable import write_whole
 from pipeline.store.groups import take_away
 from pipeline.store.inspection import template_of
-from pipeline.store.names import ADDED, LEFT_OVER, STORE_FILE, files_of
+from pipeline.store.names import ADDED, IN_BLOCKS, LEFT_OVER, STORE_FILE, files_of
 from pipeline.store.removal import remove_file
+from pipeline.store.row_groups import set_aside
 from pipeline.store.states import PENDING
 from pipeline.store.template import consolidate
 
@@ -37,7 +38,9 @@ def repair(path: Path, damage: Collection[Damage]) -> None:
         if file in files:
             write_whole(path / file, template[file])
     for group in ADDED:
-        if group in groups:
+        if group in groups and group in IN_BLOCKS:
+            set_aside(path, group)
+        elif group in groups:
             take_away(path, group)
     # A damaged chunk that is only partly written again would have to be read first.
     places = [plan.place(block) for block in blocks]

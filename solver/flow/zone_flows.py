@@ -16,14 +16,25 @@ lambda is also kept in Bernstein's basis, whose coefficients bound the polynomia
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from solver.flow.switched_system import FREQUENCY, HIGH, LENGTH, LOW, ONE_ZONE, SWITCHED_SYSTEM, SwitchedSystem
+from solver.flow.switched_system import (
+    FREQUENCY,
+    HIGH,
+    LENGTH,
+    LOW,
+    ONE_ZONE,
+    SWITCHED_SYSTEM,
+    SwitchedSystem,
+    loaded_system,
+)
 from solver.flow.taylor import fill_sources
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.contact_system import ContactSystem
 
 __all__ = [
     "CUBE",
@@ -31,7 +42,9 @@ __all__ = [
     "ZONE_FLOWS",
     "ZoneFlows",
     "apply_map",
+    "change_basis",
     "combine",
+    "loaded_flows",
     "matrix_at",
     "new_flows",
     "zone_flows",
@@ -64,7 +77,7 @@ def _to_bernstein() -> np.ndarray:
     return matrix
 
 
-_BERNSTEIN = _to_bernstein()
+_TO_BERNSTEIN = _to_bernstein()
 
 
 class ZoneFlows(NamedTuple):
@@ -170,6 +183,17 @@ def combine(table, row, state, coefficients):
         coefficients[r], coefficients[r + 1], coefficients[r + 2], coefficients[r + 3] = t0, t1, t2, t3
 
 
+@kernel(types.void(ARRAY, ARRAY), inner=True)
+def change_basis(powers, hull):
+    """Fill in Bernstein coefficients over [-1, 1] from those of powers of u."""
+    # Of a length that the compiler does not know: it would unroll 256 products.
+    for i in range(hull.shape[0]):
+        total = 0.0
+        for j in range(powers.shape[0]):
+            total += _TO_BERNSTEIN[i, j] * powers[j]
+        hull[i] = total
+
+
 @kernel(types.void(FOUR, _I, _I, _F, MATRIX), inner=True)
 def matrix_at(table, row, first, at, matrix):
     """Fill columns from `first` on of matrix (columns, padded) with the values of `forward` or `backward` at u."""
@@ -214,9 +238,9 @@ def _columns(system, zone, work):
     size, first, second = 2 * n, (n if zone != 0 else 0), 2 * n
     matrices, vectors, z, contact = system.matrices, system.vectors, work.columns, work.contact
     varied = zone != 0 and system.variation.shape[0] > 0
-    z[0, :, :] = 0.0
-    for c in range(size):
-        z[0, c, c] = 1.0
+    for c in range(size + 1):
+        for i in range(size):
+            z[0, c, i] = 1.0 if i == c else 0.0
     for j in range(_TERMS - 1):
         scale = 1.0 / (j + 1.0)
         for c in range(size + 1):
@@ -244,9 +268,9 @@ def _rows(system, zone, work):
     size, first, second = 2 * n, (n if zone != 0 else 0), 2 * n
     matrices, vectors, z, products = system.matrices, system.vectors, work.rows, work.products
     varied = zone != 0 and system.variation.shape[0] > 0
-    z[0, :, :] = 0.0
     for r in range(size):
-        z[0, r, r] = 1.0
+        for i in range(size):
+            z[0, r, i] = 1.0 if i == r else 0.0
     for j in range(_TERMS - 1):
         scale = 1.0 / (j + 1.0)
         for r in range(size):
@@ -310,11 +334,7 @@ def _store(flows, zone, k, work):
         flows.stiffness[k, j] = power * work.stiffness[j]
         power *= half
     for c in range(size + 1):
-        for i in range(COEFFICIENTS):
-            total = 0.0
-            for j in range(COEFFICIENTS):
-                total += _BERNSTEIN[i, j] * flows.contact[row, c, j]
-            flows.bernstein[row, c, i] = total
+        change_basis(flows.contact[row, c], flows.bernstein[row, c])
     matrix_at(flows.forward, row, 0, 1.0, flows.leave[row])
     # m = Gamma(-1) (z - p(-1))
     entry, step = flows.entry[row], flows.step[row]
@@ -431,3 +451,15 @@ def zone_flows(system, tolerance, flows):
         _join(flows, 1 - index)
     _fill_limits(flows, tolerance)
     return flows
+
+
+@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _F))
+def _tabulated(system, tolerance):
+    """`zone_flows` in new tables."""
+    return zone_flows(system, tolerance, new_flows(system, 1))
+
+
+@lru_cache(maxsize=4)
+def loaded_flows(system: ContactSystem, omega: float, tolerance: float) -> ZoneFlows:
+    """The flows of a system under its load at one frequency. They serve many calls; no kernel writes into them."""
+    return _tabulated(loaded_system(system, omega), tolerance)

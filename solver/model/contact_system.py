@@ -20,7 +20,7 @@ import numpy as np
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, whole_number
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
-__all__ = ["ContactSystem", "gear_system", "in_motion", "reduced"]
+__all__ = ["ContactSystem", "gear_system", "in_motion", "reduced", "support_kinds"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,32 +200,73 @@ def reduced(system: ContactSystem) -> ContactSystem:
 _NO_COUPLING = 1e-30
 
 
-def gear_system(model: Model) -> ContactSystem:
+def support_kinds(model: Model, *, separate: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Which coordinate of `gear_system` each of the six supports moves with, and its share.
+
+    Parameters
+    ----------
+    model : Model
+    separate : bool
+        As for `gear_system`.
+
+    Returns
+    -------
+    member : (6,) int array
+        Index of the coordinate; -1 where the contact does not reach the support.
+    share : (6,) array
+        d_j / sum d_i^2 over the kind: x_j over the coordinate, where all of a kind move alike.
+    """
+    squares = model.direction**2
+    member, kinds = _kinds(model, squares > _NO_COUPLING, separate)
+    share = np.zeros(6)
+    for g in range(len(kinds)):
+        here = member == g
+        share[here] = model.direction[here] / np.sum(squares[here])
+    return member, share
+
+
+def _kinds(model: Model, reached: np.ndarray, separate: bool) -> tuple[np.ndarray, list]:
+    """Kind of each support, -1 where it is not reached, and what supports of a kind have in common."""
+    numbers = [model.xi_support, model.k_support]
+    if separate:
+        numbers += [np.repeat(model.kappa, 3).tolist(), np.repeat(model.xi_translation, 3).tolist()]
+    common = list(zip(*numbers, strict=True))
+    kinds = list(dict.fromkeys(key for key, part in zip(common, reached, strict=True) if part))
+    return np.array([kinds.index(key) if part else -1 for key, part in zip(common, reached, strict=True)]), kinds
+
+
+def gear_system(model: Model, *, separate: bool = False) -> ContactSystem:
     """The bevel pair, supports of equal (xi_j, k_j) merged; coordinates are one u = sum d_j x_j per kind, then lambda.
 
     u'' + 2 xi u' + k u = -sum_j d_j^2 [kappa_g k_t f + 2 xi_hg lambda'] over the supports j of that kind, and all u''
     together act on lambda. The other directions of the translations are neither driven nor seen and decay on their own;
     nor are supports without a share in d, of which there is no coordinate: with sigma = 0 lambda alone is left.
 
+    Parameters
+    ----------
+    model : Model
+    separate : bool
+        Whether supports also need equal kappa_g and xi_hg to be merged. Then every x_j can be told from its u:
+        x_j = d_j u / sum d_i^2 over its kind.
+
     Raises
     ------
     ParameterError
-        If it is no Model.
+        If it is no Model, or `separate` is no truth value.
     """
     instance_of("model", model, Model)
+    instance_of("separate", separate, bool)
     squares = model.direction**2
     # What the contact does not reach is no part of the motion; cos 90 degrees is 6e-17.
     reached = squares > _NO_COUPLING
     kappa, xi_mesh = np.repeat(model.kappa, 3), np.repeat(model.xi_translation, 3)
-    pairs = list(zip(model.xi_support, model.k_support, strict=True))
-    kinds = list(dict.fromkeys(pair for pair, part in zip(pairs, reached, strict=True) if part))
-    member = np.array([kinds.index(pair) if part else -1 for pair, part in zip(pairs, reached, strict=True)])
+    member, kinds = _kinds(model, reached, separate)
     groups = len(kinds)
     n, c = groups + 1, model.rotation
     mass, damping, stiffness = np.eye(n), np.zeros((n, n)), np.zeros((n, n))
     mass[-1, :groups] = -1.0
     force, varying = np.zeros(n), np.zeros(n)
-    for g, (xi, k) in enumerate(kinds):
+    for g, (xi, k, *_) in enumerate(kinds):
         here = member == g
         damping[g, g], stiffness[g, g] = 2.0 * xi, k
         damping[g, -1] = 2.0 * np.sum((squares * xi_mesh)[here])

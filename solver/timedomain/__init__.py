@@ -3,17 +3,13 @@
 Not imported by `import solver`: the kernels are many.
 """
 
+from solver.contact.quantities import Quantities
 from solver.timedomain.attractor import AttractorKind
-from solver.timedomain.attractors import (
-    AttractorRow,
-    AttractorSearch,
-    SeenFrom,
-    continue_attractors,
-    find_attractors,
-    settle,
-)
+from solver.timedomain.attractor_row import AttractorRow, AttractorSearch, SeenFrom
+from solver.timedomain.attractors import continue_attractors, find_attractors, settle
 from solver.timedomain.integrator import Status, Trajectory, Zone, integrate
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
+from solver.timedomain.quantities import motion_quantities
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
 
 __all__ = [
@@ -22,6 +18,7 @@ __all__ = [
     "AttractorSearch",
     "Measurement",
     "PeriodicOrbit",
+    "Quantities",
     "Sections",
     "SeenFrom",
     "ShootingStatus",
@@ -35,6 +32,7 @@ __all__ = [
     "integrate",
     "measure",
     "monodromy",
+    "motion_quantities",
     "orbit_state",
     "settle",
     "shoot",

@@ -6,324 +6,40 @@ K. L. Rossi, A. Wagemakers, "Framework for global stability analysis of dynamica
 Which attractor leads to which in the next cell is kept: it tells what a slow run-up and run-down would meet.
 """
 
-import enum
 import math
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
-from solver.flow.loads import loaded_system_at
-from solver.flow.switched_system import FREQUENCY, LENGTH
-from solver.flow.zone_flows import ZONE_FLOWS, new_flows, zone_flows
-from solver.kernels import types
-from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.kernels.linear import copy_into
-from solver.model.checks import (
-    ParameterError,
-    finite_array,
-    finite_number,
-    frequency,
-    instance_of,
-    number_array,
-    whole_number,
-)
+from solver.contact.quantities import Slot
+from solver.model.checks import ParameterError, finite_array, frequency, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis
-from solver.timedomain.attractor import AttractorKind, impact_of_range
-from solver.timedomain.integrator import COMPLETE, checked_tolerance
-from solver.timedomain.orbits import new_orbit
-from solver.timedomain.poincare import add_harmonics
-from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, keep_sample, new_known, try_orbit
+from solver.timedomain.attractor import impact_of_range
+from solver.timedomain.attractor_row import AttractorRow, AttractorSearch, SeenFrom
+from solver.timedomain.cell_search import AMPLITUDE, CHAOTIC, NUMBERS, Cell, recall, seek
+from solver.timedomain.recognition import HIGHEST_PERIOD, Known, new_known
 from solver.timedomain.row_systems import RowSystems, motion_states, random_states, row_systems
-from solver.timedomain.section_map import MAP_ROOM, carry_period, new_room, new_steps, widen_over
-from solver.timedomain.settling import (
-    FAILED,
-    LIMITS,
-    MEMORY,
-    NO_ROOM,
-    Limits,
-    Memory,
-    new_memory,
-    settle_state,
-    spread_sample,
-)
+from solver.timedomain.settling import FAILED, NO_ROOM, Memory, new_memory
 
-__all__ = ["AttractorRow", "AttractorSearch", "SeenFrom", "continue_attractors", "find_attractors", "settle"]
+__all__ = ["continue_attractors", "find_attractors", "settle"]
 
-#: The last kind of a bounded attractor.
-CHAOTIC = int(AttractorKind.CHAOTIC)
-
-_F, _I = types.float64, types.int64
-_COUNTS = types.int64[::1]
-
-#: Forcing periods over which the quantities of an aperiodic attractor are taken.
-_WINDOW = 128
-
-# An orbit that Newton's method finds from a motion of a map, or from an attractor of a neighbouring cell, is taken for
-# what that motion ends on if it is no farther away than this share of the system's length; else the motion is followed.
-_APART = 0.2
-
-
-class SeenFrom(enum.IntFlag):
-    """What led to an attractor."""
-
-    REST = 1
-    UPWARDS = 2
-    DOWNWARDS = 4
-    MOTION = 8
-    RANDOM = 16
-    NEIGHBOUR = 32
-
-
-@dataclass(frozen=True)
-class AttractorSearch:
-    """How attractors are sought.
-
-    Parameters
-    ----------
-    starts : int
-        Random initial states in each cell.
-    transient : int
-        Forcing periods that a motion has to settle.
-    watched : int
-        Forcing periods, after these, over which the growth of a deviation tells chaos from a torus.
-    floor : float
-        Growth per forcing period below which a motion counts as a torus: deviations on a torus grow like powers of
-        time, which over N periods looks like a growth of some (log N) / N.
-    near : float
-        A return within this distance, as a share of the length of the system, is polished by Newton's method.
-    tolerance : float
-        Of the integration.
-    ceiling : float
-        A motion is unbounded when |lambda| exceeds this many times the length of the system.
-    room : int
-        Attractors that can be told apart in a cell.
-
-    Raises
-    ------
-    ParameterError
-        If a setting is not allowed.
-    """
-
-    starts: int = 4
-    transient: int = 300
-    watched: int = 2000
-    floor: float = 4e-3
-    near: float = 0.03
-    tolerance: float = 1e-9
-    ceiling: float = 1e4
-    room: int = 8
-
-    def __post_init__(self):
-        whole_number("starts", self.starts, 0, 10**6)
-        whole_number("transient", self.transient, 100, 10**7)
-        whole_number("watched", self.watched, 600, 10**7)
-        whole_number("room", self.room, 2, 100)
-        checked_tolerance(self.tolerance)
-        for name in ("near", "floor", "ceiling"):
-            finite_number(name, getattr(self, name), above=0.0)
-
-    def limits(self) -> Limits:
-        """For kernels."""
-        return Limits(
-            self.tolerance, float(self.ceiling), float(self.near), int(self.transient), int(self.watched), self.floor
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class AttractorRow:
-    """Attractors of the X cells of a row, in the order in which they were found; A slots a cell.
-
-    Numbers that do not apply are nan; amplitudes, extremes and RMS are those of lambda over the own period of a motion,
-    or over 128 forcing periods of an aperiodic one.
-
-    Parameters
-    ----------
-    kind : (X, A) int8 array
-        `AttractorKind`.
-    impact : (X, A) int8 array
-        `ImpactState`; -1 for none.
-    seen : (X, A) uint8 array
-        Bits of `SeenFrom`.
-    round : (X, A) int16 array
-        Round in which it was found; -1 for none.
-    lowest, highest, mean, amplitude, rms, peak_to_peak : (X, A) arrays
-    force : (X, A) array
-        Largest mesh force over the static one: K_v.
-    contact_loss : (X, A) array
-        Share of the period.
-    lyapunov, lyapunov_error : (X, A) arrays
-        Largest Lyapunov exponent per unit of tau and its standard error; of periodic motions from the multipliers.
-    hits : (X, A) int32 array
-        Random starts that ended on it.
-    upwards, downwards : (X, A) int8 arrays
-        Slot that it leads to in the next and in the previous column; -1 where there is none.
-    state : (X, A, m) array
-        On the section tau = 0 mod 2 pi / Omega, in the coordinates of `solver.model.contact_system.reduced`.
-    starts : (X,) int32 array
-        Random starts that the integrator could carry on.
-    motion : (X, S) int8 array
-        Slot that each motion of the map leads to; -1 where it is not known.
-    box : (X, 2) array
-        Half widths of the box of random states: of coordinates and of speeds.
-    overflow : (X,) bool array
-        Where there are more attractors than slots.
-    failures : (X,) int32 array
-        Starts that the integrator could not carry on.
-    """
-
-    kind: np.ndarray
-    impact: np.ndarray
-    seen: np.ndarray
-    round: np.ndarray
-    lowest: np.ndarray
-    highest: np.ndarray
-    mean: np.ndarray
-    amplitude: np.ndarray
-    rms: np.ndarray
-    peak_to_peak: np.ndarray
-    force: np.ndarray
-    contact_loss: np.ndarray
-    lyapunov: np.ndarray
-    lyapunov_error: np.ndarray
-    hits: np.ndarray
-    upwards: np.ndarray
-    downwards: np.ndarray
-    state: np.ndarray
-    starts: np.ndarray
-    motion: np.ndarray
-    box: np.ndarray
-    overflow: np.ndarray
-    failures: np.ndarray
-
-    def gains(self, round: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Columns (K,), kinds (K,) and states (K, m) of the bounded attractors found in one round.
-
-        Parameters
-        ----------
-        round : int
-
-        Raises
-        ------
-        ParameterError
-            If it is no round.
-        """
-        whole_number("round", round, 0, 2**15 - 1)
-        columns, slots = np.nonzero((self.round == round) & (self.kind >= 1) & (self.kind <= CHAOTIC))
-        return columns, self.kind[columns, slots], self.state[columns, slots]
-
-
-class Cell(NamedTuple):
-    """What kernels are told of a cell: the row's `parameters` and `parameter_slope`, its value of the axis `p`, what is
-    known of it, and room for a motion."""
-
-    parameters: np.ndarray
-    parameter_slope: np.ndarray
-    p: float
-    known: Known
-    memory: Memory
-    limits: Limits
-
-
-_CELL = types.NamedTuple((ARRAY, ARRAY, _F, KNOWN, MEMORY, LIMITS), Cell)
-
-
-@kernel(types.void(_CELL, _I, MATRIX, _COUNTS, MATRIX, MATRIX, _COUNTS, MATRIX))
-def _seek(cell, period, motions, kinds, brought, states, slots, numbers):
-    """What motions in one cell lead to.
-
-    Parameters
-    ----------
-    cell : Cell
-    period : int
-        Forcing periods of the motions of a map.
-    motions : (a, m) array
-        States on motions of a map; overwritten, as all states are.
-    kinds, brought : (b,) int array, (b, m) array
-        Attractors of other cells.
-    states : (c, m) array
-        Others.
-    slots : (a + b + c,) int array
-        Slot that each leads to, in this order, or FAILED or NO_ROOM.
-    numbers : (A, NUMBERS) array
-        What is new is described there.
-    """
-    known, memory = cell.known, cell.memory
-    system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
-    limits, length = _scaled(cell.limits, system.numbers[LENGTH]), system.numbers[LENGTH]
-    flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
-    room, orbit, before, first = new_room(flows), new_orbit(flows), known.count[0], 0
-    for group in range(3):
-        starts = motions if group == 0 else (brought if group == 1 else states)
-        for i in range(starts.shape[0]):
-            slot = -1
-            if group == 0 or group == 1 and kinds[i] <= HIGHEST_PERIOD:
-                repeats = period if group == 0 else kinds[i]
-                slot = try_orbit(flows, known, starts[i], repeats, limits.ceiling, _APART * length, orbit, room)
-            if slot < 0:
-                slot = settle_state(flows, known, starts[i], limits, memory, orbit, room)
-            slots[first + i] = slot
-        first += starts.shape[0]
-    _describe(flows, known, before, limits.ceiling, memory.before, numbers, room)
-
-
-@kernel(LIMITS(LIMITS, _F), inner=True)
-def _scaled(limits, length):
-    """The ceiling as a length."""
-    return Limits(
-        limits.tolerance, limits.ceiling * length, limits.near, limits.transient, limits.watched, limits.floor
-    )
-
-
-@kernel(types.void(ZONE_FLOWS, KNOWN, _I, _F, ARRAY, MATRIX, MAP_ROOM), inner=True)
-def _describe(flows, known, first, ceiling, state, numbers, room):
-    """Fill in numbers (A, 4) of the attractors from slot `first` on: lowest, highest, mean, amplitude of lambda."""
-    if known.count[0] == first:
-        return
-    omega, steps = flows.system.numbers[FREQUENCY], new_steps(flows)
-    for slot in range(first, known.count[0]):
-        kind = known.kind[slot]
-        if kind < 1 or kind > CHAOTIC:
-            continue
-        periods = kind if kind <= HIGHEST_PERIOD else _WINDOW
-        copy_into(state, known.points[slot, 0])
-        extremes, sums = np.array([math.inf, -math.inf]), np.zeros((2, 2))
-        for _ in range(periods):
-            status, count = carry_period(flows, state, steps[:0], steps, ceiling, room)
-            if status != COMPLETE:
-                break
-            widen_over(flows, steps, count, extremes, room)
-            add_harmonics(flows, steps, count, 0.0, omega, sums, room)
-        scale = omega / (math.pi * periods)
-        numbers[slot, 0], numbers[slot, 1] = extremes[0], extremes[1]
-        numbers[slot, 2] = 0.5 * sums[0, 0] * scale
-        numbers[slot, 3] = math.hypot(sums[1, 0], sums[1, 1]) * scale
-
-
-@kernel(types.void(_CELL, _COUNTS, MATRIX, MATRIX))
-def _recall(cell, kinds, states, rates):
-    """Make attractors of these kinds (k,) known again from a state (k, m) of each, in their slots."""
-    known, memory = cell.known, cell.memory
-    system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
-    limits = _scaled(cell.limits, system.numbers[LENGTH])
-    flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
-    room, orbit = new_room(flows), new_orbit(flows)
-    for slot in range(kinds.shape[0]):
-        if kinds[slot] <= HIGHEST_PERIOD:
-            try_orbit(flows, known, states[slot], kinds[slot], limits.ceiling, math.inf, orbit, room)
-        elif kinds[slot] <= CHAOTIC:
-            copy_into(memory.before, states[slot])
-            for i in range(limits.watched):
-                carry_period(flows, memory.before, memory.none, memory.none, limits.ceiling, room)
-                copy_into(memory.sections[i], memory.before)
-            spread_sample(memory.sections, limits.watched, memory.sample)
-            keep_sample(system, known, kinds[slot], memory.sample, rates[slot, 0], rates[slot, 1], memory.gaps)
-        # What has no sections, or was not found again, keeps its slot.
-        if known.count[0] <= slot:
-            known.kind[slot] = kinds[slot] if kinds[slot] > CHAOTIC else 0
-            known.count[0] = slot + 1
+#: Where the numbers of an `AttractorRow` stand among those of a cell.
+_QUANTITIES = {
+    "lowest": Slot.LOWEST,
+    "highest": Slot.HIGHEST,
+    "mean": Slot.MEAN,
+    "rms": Slot.RMS,
+    "peak_to_peak": Slot.PEAK_TO_PEAK,
+    "error_rms": Slot.ERROR_RMS,
+    "error_peak_to_peak": Slot.ERROR_PEAK_TO_PEAK,
+    "force": Slot.DYNAMIC_FACTOR,
+    "contact_loss": Slot.CONTACT_LOSS,
+    "impact_velocity": Slot.IMPACT_VELOCITY,
+    "support_force": Slot.SUPPORT_FORCE,
+    "amplitude": AMPLITUDE,
+}
 
 
 class _RowSearch:
@@ -339,7 +55,7 @@ class _RowSearch:
         self.round = np.full((columns, room), -1, np.int16)
         self.seen = np.zeros((columns, room), np.uint8)
         self.hits = np.zeros((columns, room), np.int32)
-        self.numbers = np.full((columns, room, 4), np.nan)
+        self.numbers = np.full((columns, room, NUMBERS), np.nan)
         self.rates = np.full((columns, room, 2), np.nan)
         self.state = np.full((columns, room, systems.size), np.nan)
         # -2: not tried yet.
@@ -357,7 +73,7 @@ class _RowSearch:
         if size not in self.memories:
             self.memories[size] = new_memory(size, room, self.search.watched)
         systems, memory = self.systems, self.memories[size]
-        place = systems.parameters, systems.parameter_slope, float(systems.values[i])
+        place = systems.parameters, systems.parameter_slope, float(systems.values[i]), systems.gauges[i]
         if self.known[i] is None:
             self.known[i] = new_known(room, size)
             count = int(np.count_nonzero(self.kind[i]))
@@ -365,7 +81,7 @@ class _RowSearch:
                 # The row is a stored one: what is known of the cell is made again from its states.
                 cell = Cell(*place, self.known[i], memory, self.limits)
                 kinds, states = self.kind[i, :count].astype(np.int64), self.state[i, :count, :size].copy()
-                _recall(cell, kinds, states, self.rates[i, :count].copy())
+                recall(cell, kinds, states, self.rates[i, :count].copy())
         return Cell(*place, self.known[i], memory, self.limits)
 
     def seek(self, i: int, round: int, *, motions=None, period: int = 1, kinds=None, brought=None, states=None):
@@ -375,7 +91,7 @@ class _RowSearch:
         kinds = np.empty(0, np.int64) if kinds is None else kinds.astype(np.int64)
         cell, ends = self._cell(i), np.cumsum([len(group) for group in groups])
         before, slots = int(cell.known.count[0]), np.empty(ends[-1], np.int64)
-        _seek(cell, period, groups[0], kinds, groups[1], groups[2], slots, self.numbers[i])
+        seek(cell, period, groups[0], kinds, groups[1], groups[2], slots, self.numbers[i])
         new = slice(before, int(cell.known.count[0]))
         self.kind[i, new], self.round[i, new] = cell.known.kind[new], round
         self.rates[i, new] = cell.known.rates[new]
@@ -464,37 +180,31 @@ class _RowSearch:
 
     def result(self) -> AttractorRow:
         """What was found."""
-        kind, lowest, highest = self.kind, self.numbers[..., 0], self.numbers[..., 1]
+        kind = self.kind
+        quantities = {name: self.numbers[..., at] for name, at in _QUANTITIES.items()}
         links = {way: np.maximum(array, -1) for way, array in self.links.items()}
         seen = self.seen.copy()
         for way, bit in ((1, SeenFrom.UPWARDS), (-1, SeenFrom.DOWNWARDS)):
             seen |= np.where(_run(kind, links[way], way), int(bit), 0).astype(np.uint8)
         rate = (self.systems.omega / (2.0 * math.pi))[:, None]
-        nothing = np.full(kind.shape, np.nan)
+        impact = impact_of_range(quantities["lowest"], quantities["highest"], *self.systems.gaps.T[:, :, None])
         return AttractorRow(
-            kind,
-            impact_of_range(lowest, highest, *self.systems.gaps.T[:, :, None]),
-            seen,
-            self.round,
-            lowest,
-            highest,
-            self.numbers[..., 2],
-            self.numbers[..., 3],
-            nothing,
-            highest - lowest,
-            nothing,
-            nothing,
-            self.rates[..., 0] * rate,
-            self.rates[..., 1] * rate,
-            self.hits,
-            links[1],
-            links[-1],
-            self.state,
-            self.starts,
-            self.motion,
-            self.systems.box,
-            self.overflow,
-            self.failures,
+            kind=kind,
+            impact=impact,
+            seen=seen,
+            round=self.round,
+            lyapunov=self.rates[..., 0] * rate,
+            lyapunov_error=self.rates[..., 1] * rate,
+            hits=self.hits,
+            upwards=links[1],
+            downwards=links[-1],
+            state=self.state,
+            starts=self.starts,
+            motion=self.motion,
+            box=self.systems.box,
+            overflow=self.overflow,
+            failures=self.failures,
+            **quantities,
         )
 
 
@@ -597,8 +307,8 @@ def _known_row(systems: RowSystems, search: AttractorSearch, row: AttractorRow) 
     for name in ("kind", "round", "hits", "state", "starts", "failures", "motion", "overflow"):
         np.copyto(getattr(found, name), getattr(row, name))
     found.seen[:] = row.seen & ~np.uint8(SeenFrom.UPWARDS | SeenFrom.DOWNWARDS)
-    for place, name in enumerate(("lowest", "highest", "mean", "amplitude")):
-        found.numbers[..., place] = getattr(row, name)
+    for name, at in _QUANTITIES.items():
+        found.numbers[..., at] = getattr(row, name)
     rate = (systems.omega / (2.0 * math.pi))[:, None]
     found.rates[..., 0], found.rates[..., 1] = row.lyapunov / rate, row.lyapunov_error / rate
     known = row.kind > 0

@@ -70,9 +70,9 @@ def new_orbit(flows):
 def carry_orbit(flows, periods, ceiling, orbit, room):
     """Carry `orbit.end` over some periods, and the unit matrix in `orbit.tangents` with it; the status."""
     tangents = orbit.tangents
-    tangents[:, :] = 0.0
     for i in range(tangents.shape[0]):
-        tangents[i, i] = 1.0
+        for j in range(tangents.shape[0]):
+            tangents[i, j] = 1.0 if i == j else 0.0
     for _ in range(periods):
         status, _ = carry_period(flows, orbit.end, tangents, tangents[:0], ceiling, room)
         if status != COMPLETE:

@@ -10,20 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
-from solver.flow.zone_flows import ZONE_FLOWS, combine, new_flows, zone_flows
+from solver.flow.switched_system import FREQUENCY
+from solver.flow.zone_flows import ZONE_FLOWS, ZoneFlows, combine, loaded_flows
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.checks import ParameterError, finite_number, whole_number
+from solver.model.checks import ParameterError, finite_number, frequency, instance_of, whole_number
 from solver.model.contact_system import ContactSystem
-from solver.timedomain.integrator import (
-    COMPLETE,
-    Status,
-    checked_state,
-    checked_states,
-    checked_system,
-    checked_tolerance,
-)
+from solver.timedomain.integrator import COMPLETE, Status, checked_state, checked_states, checked_tolerance
 from solver.timedomain.polynomial import add_fourier
 from solver.timedomain.section_map import (
     BEGIN,
@@ -42,10 +35,9 @@ __all__ = ["Measurement", "Sections", "add_harmonics", "advance", "growth", "mea
 _F, _I = types.float64, types.int64
 
 
-@kernel(types.void(SWITCHED_SYSTEM, MATRIX, _F, _F, types.float64[:, :, ::1], types.int64[::1]))
-def _advance(system, states, tolerance, ceiling, sections, status):
+@kernel(types.void(ZONE_FLOWS, MATRIX, _F, types.float64[:, :, ::1], types.int64[::1]))
+def _advance(flows, states, ceiling, sections, status):
     """Sections (k, periods, 2 n) of k states, which are overwritten; nan after the first period that fails."""
-    flows = zone_flows(system, tolerance, new_flows(system, 1))
     room, none = new_room(flows), states[:0]
     for row in range(states.shape[0]):
         status[row] = COMPLETE
@@ -67,15 +59,14 @@ def add_harmonics(flows, steps, count, start, base, sums, room):
         add_fourier(room.powers, step[BEGIN], step[END], half, middle, base, sums)
 
 
-@kernel(_I(SWITCHED_SYSTEM, ARRAY, _I, _F, _F, ARRAY, MATRIX, _F, types.int64[::1]))
-def _measure(system, state, periods, tolerance, ceiling, extremes, sums, base, switches):
+@kernel(_I(ZONE_FLOWS, ARRAY, _I, _F, ARRAY, MATRIX, _F, types.int64[::1]))
+def _measure(flows, state, periods, ceiling, extremes, sums, base, switches):
     """Carry a state, which is overwritten, over some periods.
 
     extremes (2,) of lambda are widened, Fourier integrals at multiples of `base` are added to sums (H + 1, 2), and
     contact switches to switches (1,).
     """
-    flows = zone_flows(system, tolerance, new_flows(system, 1))
-    room, steps, span = new_room(flows), new_steps(flows), 2.0 * math.pi / system.numbers[FREQUENCY]
+    room, steps, span = new_room(flows), new_steps(flows), 2.0 * math.pi / flows.system.numbers[FREQUENCY]
     for period in range(periods):
         status, count = carry_period(flows, state, steps[:0], steps, ceiling, room)
         if status != COMPLETE:
@@ -87,14 +78,13 @@ def _measure(system, state, periods, tolerance, ceiling, extremes, sums, base, s
     return COMPLETE
 
 
-@kernel(_I(SWITCHED_SYSTEM, ARRAY, MATRIX, _I, _F, _F, ARRAY))
-def _carry(system, state, tangents, periods, tolerance, ceiling, logarithms):
+@kernel(_I(ZONE_FLOWS, ARRAY, MATRIX, _I, _F, ARRAY))
+def _carry(flows, state, tangents, periods, ceiling, logarithms):
     """Carry a state and deviations (k, 2 n), which are overwritten, over some periods.
 
     Where `logarithms` (periods,) is not empty, the first deviation is brought back to length 1 after every period and
     the logarithm of its length is kept.
     """
-    flows = zone_flows(system, tolerance, new_flows(system, 1))
     room, none = new_room(flows), tangents[:0]
     for count in range(periods):
         status, _ = carry_period(flows, state, tangents, none, ceiling, room)
@@ -164,6 +154,18 @@ def checked_count(name: str, value, lowest: int = 1, highest: int = 10**9) -> in
     return whole_number(name, value, lowest, highest)
 
 
+def checked_flows(system: ContactSystem, omega: float, tolerance: float) -> ZoneFlows:
+    """The flows of a system at one frequency.
+
+    Raises
+    ------
+    ParameterError
+        If it is no ContactSystem, omega is not a finite number above 0, or the tolerance is not allowed.
+    """
+    instance_of("system", system, ContactSystem)
+    return loaded_flows(system, frequency(omega), checked_tolerance(tolerance))
+
+
 def checked_ceiling(ceiling: float) -> float:
     """A ceiling of |lambda|, above 0 and infinite where there is none; raises ParameterError otherwise."""
     return ceiling if ceiling == math.inf else finite_number("ceiling", ceiling, above=0.0)
@@ -194,8 +196,8 @@ def advance(
     current = checked_states(system, states)
     sections = np.empty((len(current), checked_count("periods", periods), current.shape[1]))
     status = np.empty(len(current), np.int64)
-    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
-    _advance(checked_system(system, omega), current, tolerance, ceiling, sections, status)
+    flows, ceiling = checked_flows(system, omega, tolerance), checked_ceiling(ceiling)
+    _advance(flows, current, ceiling, sections, status)
     return Sections(sections, status)
 
 
@@ -240,9 +242,9 @@ def measure(
     current = checked_state(system, state)
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
-    loaded, switches = checked_system(system, omega), np.zeros(1, np.int64)
-    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
-    status = Status(_measure(loaded, current, periods, tolerance, ceiling, extremes, sums, omega / divisor, switches))
+    flows, switches = checked_flows(system, omega, tolerance), np.zeros(1, np.int64)
+    ceiling = checked_ceiling(ceiling)
+    status = Status(_measure(flows, current, periods, ceiling, extremes, sums, omega / divisor, switches))
     if status is not Status.COMPLETE:
         return Measurement(current, np.full(len(sums), np.nan + 0j), math.nan, math.nan, 0, status)
     harmonics = (sums[:, 0] - 1j * sums[:, 1]) * omega / (math.pi * periods)
@@ -281,11 +283,11 @@ def monodromy(
     The contact force is continuous, so that the matrices of the smooth pieces multiply (docs/physics.md, section 6.2).
     """
     current = checked_state(system, state)
-    periods, loaded = checked_count("periods", periods), checked_system(system, omega)
-    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
+    periods, flows = checked_count("periods", periods), checked_flows(system, omega, tolerance)
+    ceiling = checked_ceiling(ceiling)
     # Rows of the kernel's array are columns of the matrix.
     tangents = np.eye(current.size)
-    status = _carry(loaded, current, tangents, periods, tolerance, ceiling, np.empty(0))
+    status = _carry(flows, current, tangents, periods, ceiling, np.empty(0))
     return current, tangents.T.copy(), Status(status)
 
 
@@ -329,6 +331,6 @@ def growth(
     if not np.any(deviation):
         raise ParameterError("direction", direction, "other than 0")
     tangent, logarithms = deviation[None, :] / np.linalg.norm(deviation), np.full(periods, np.nan)
-    tolerance, ceiling = checked_tolerance(tolerance), checked_ceiling(ceiling)
-    status = _carry(checked_system(system, omega), current, tangent, periods, tolerance, ceiling, logarithms)
+    flows, ceiling = checked_flows(system, omega, tolerance), checked_ceiling(ceiling)
+    status = _carry(flows, current, tangent, periods, ceiling, logarithms)
     return logarithms, current, Status(status)

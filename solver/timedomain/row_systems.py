@@ -9,10 +9,12 @@ from solver.flow.switched_system import FREQUENCY, HIGH, LOW, count_degrees
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, gear_system, reduced
 from solver.model.gear_model import Model
 from solver.model.packing import packed
+from solver.model.parameter_path import place_on
 from solver.model.parameters import LOADS, STIFFNESSES
+from solver.timedomain.quantities import Gauge, gauge_of
 
 __all__ = ["RowSystems", "motion_states", "random_states", "row_systems"]
 
@@ -75,6 +77,8 @@ class RowSystems:
     gaps : (X, 2) array
         Ends of the dead zone of lambda.
     omega : (X,) array
+    gauges : tuple of X Gauge
+        What quantities are read with, beside the motion.
     alike : tuple
         The systems as arrays, those of one number of coordinates together.
     """
@@ -87,6 +91,7 @@ class RowSystems:
     box: np.ndarray
     gaps: np.ndarray
     omega: np.ndarray
+    gauges: tuple[Gauge, ...] = field(repr=False)
     alike: tuple[_Alike, ...] = field(repr=False)
 
     @property
@@ -144,7 +149,23 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
         modes = np.where(modes > 1e-9 * np.max(modes, axis=1, initial=1.0)[:, None], modes, np.inf)
         slowest = np.minimum(np.min(modes, axis=1), group.numbers[:, FREQUENCY])
         box[columns] = np.column_stack([reach, reach * slowest])
-    return RowSystems(parameters, slope, values, degrees, rest, box, gaps, frequencies, tuple(alike))
+    gauges = _gauges(system, axis, values, frequencies, rest)
+    return RowSystems(parameters, slope, values, degrees, rest, box, gaps, frequencies, gauges, tuple(alike))
+
+
+def _gauges(system: Model | ContactSystem, axis: str, values: np.ndarray, omega: np.ndarray, rest: np.ndarray):
+    if isinstance(system, Model):
+        models = [place_on(axis, value, system)[0] for value in (values[:1] if axis == "omega" else values)]
+        gauges = [gauge_of(model, gear_system(model), omega[0]) for model in models]
+        return tuple(gauges * values.size if axis == "omega" else gauges)
+    small = reduced(system)
+    force, varying = small.force, small.varying_force
+    # The stiffness varies in the mesh force where both act along one direction; elsewhere there is no one mesh force.
+    share = float(varying @ force / (force @ force))
+    share = share if np.allclose(varying, share * force, rtol=1e-12, atol=0.0) else np.nan
+    seen, nothing = np.zeros(small.degrees), np.empty((0, 2 * small.degrees))
+    closed = rest[:, : small.degrees] @ small.contact - small.front_gap
+    return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), seen, nothing) for at in closed)
 
 
 def _solved(matrices: np.ndarray, rights: np.ndarray) -> np.ndarray:

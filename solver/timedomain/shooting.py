@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.flow.switched_system import SWITCHED_SYSTEM
-from solver.flow.zone_flows import new_flows, zone_flows
+from solver.flow.zone_flows import ZONE_FLOWS
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import copy_into
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of
 from solver.model.contact_system import ContactSystem, in_motion, reduced
-from solver.timedomain.integrator import checked_state, checked_system, checked_tolerance, with_the_rest
+from solver.timedomain.integrator import checked_state, checked_tolerance, with_the_rest
 from solver.timedomain.orbits import CONVERGED, ShootingStatus, close_orbit, minimal_period, new_orbit
-from solver.timedomain.poincare import checked_count, measure
+from solver.timedomain.poincare import checked_count, checked_flows, measure
 from solver.timedomain.section_map import new_room
 
 __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
@@ -22,13 +22,13 @@ __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
 _F, _I = types.float64, types.int64
 
 
-@kernel(_I(SWITCHED_SYSTEM, ARRAY, _I, _F, _F, _I, _F, MATRIX, ARRAY))
-def _shoot(system, state, period, tolerance, integration_tolerance, iterations, ceiling, matrix, outcome):
+@kernel(_I(ZONE_FLOWS, ARRAY, _I, _F, _I, _F, MATRIX, ARRAY))
+def _shoot(flows, state, period, tolerance, iterations, ceiling, matrix, outcome):
     """`close_orbit`, with fresh room; then `outcome` (3,) also holds the smallest number of periods that repeats."""
-    flows = zone_flows(system, integration_tolerance, new_flows(system, 1))
     room, orbit = new_room(flows), new_orbit(flows)
     status = close_orbit(flows, state, period, tolerance, iterations, 6, ceiling, orbit, room)
-    matrix[:, :] = orbit.matrix
+    for i in range(matrix.shape[0]):
+        copy_into(matrix[i], orbit.matrix[i])
     outcome[0], outcome[1] = orbit.outcome[0], orbit.outcome[1]
     if status == CONVERGED:
         outcome[2] = minimal_period(flows, state, period, tolerance, ceiling, orbit, room)
@@ -140,10 +140,8 @@ def shoot(
     matrix, outcome = np.empty((current.size, current.size)), np.full(3, np.nan)
     # A diverging iterate must not run into overflow: far above any length of the system it is given up.
     ceiling = 1e8 * max(1.0, float(np.max(np.abs(current))))
-    loaded = checked_system(system, omega)
-    status = ShootingStatus(
-        _shoot(loaded, current, period, tolerance, integration_tolerance, max_iterations, ceiling, matrix, outcome)
-    )
+    flows = checked_flows(system, omega, integration_tolerance)
+    status = ShootingStatus(_shoot(flows, current, period, tolerance, max_iterations, ceiling, matrix, outcome))
     gap, iterations = float(outcome[0]), int(outcome[1])
     if status is not ShootingStatus.CONVERGED:
         return _failure(current, period, order, gap, iterations, status)

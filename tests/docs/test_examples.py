@@ -152,7 +152,7 @@ def test_commands_run(name, tmp_path, monkeypatch):
     write_files(page, tmp_path)
     monkeypatch.chdir(tmp_path)
     small = ["cluster=none", "plane.sweep.num=41", "plane.parameter.num=5", "figures.formats=[png]"]
-    short = ["verify.samples=4", "verify.beside=1", "verify.columns=21", "basins.starts=3"]
+    short = ["attractors.columns=6", "attractors.rows=3", "attractors.starts=3", "attractors.slice=4"]
     first = ["-m", "plane=omega_fe,omega_b,omega_alpha,omega_fpm", *small, "stages=[sweep,boundaries]"]
     assert main(first) == 0
     assert main(["plane=omega_b", "gear=miter", *small, "stages=[sweep,boundaries]"]) == 0

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.__main__ import main
 from pipeline.errors import ConfigurationError
 from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
@@ -33,7 +34,12 @@ SIZES = ("plane.sweep.num=20", "plane.parameter.num=3")
 def plane(tmp_path_factory):
     path = tmp_path_factory.mktemp("asked") / "omega_fe.zarr"
     planned = small_plan(*SIZES, "plane=omega_fe")
-    return pipeline.open_plane(traced_store(path, planned))
+    traced_store(path, planned)
+    words = [*SIZES, "plane=omega_fe", "stages=[attractors]", "cluster=none", "store.name=omega_fe"]
+    few = ["attractors.columns=3", "attractors.rows=2", "attractors.starts=1"]
+    folders = [f"store.root={path.parent}", f"output.root={path.parent / 'outputs'}"]
+    assert main([*words, *few, *folders]) == 0
+    return pipeline.open_plane(path)
 
 
 def place():
@@ -93,6 +99,11 @@ CALLS = {
     },
     "pipeline.study.statements.evaluate_all": lambda plane: {"planes": argument({}, WRONG_PLANES)},
     "pipeline.thresholds": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr"), **window(plane)},
+    "pipeline.api.OpenPlane.attractors_at": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.basin_share": lambda plane: {
+        "self": plane,
+        "what": argument("2T", (*NAME, "2t", "1T/7", "9T", {})),
+    },
     "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row()},
     "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row()},
     "pipeline.api.OpenPlane.label_at": lambda plane: {"self": plane, **place()},

@@ -29,6 +29,7 @@ RESULTS = {
     "solver.timedomain.AttractorRow",
     "solver.timedomain.Measurement",
     "solver.timedomain.PeriodicOrbit",
+    "solver.timedomain.Quantities",
     "solver.timedomain.Sections",
     "solver.timedomain.Trajectory",
 }

@@ -149,8 +149,8 @@ def _trust(study: dict[str, Source]) -> Iterator:
     for source in study.values():
         if source.verified:
             yield Paragraph(
-                f"In the plane {source.plane} the labels were also checked by sweeping all rows at higher orders, and "
-                "by integrating the equations of motion from every stable solution of a sample of cells."
+                f"In the plane {source.plane} the equations of motion were also integrated in every cell: from every "
+                "stable solution, from rest, from random states, and from the attractors of the neighbouring cells."
             )
             yield verified_grid(source.path)
             picture = pictures_of(source.path, ("verification",), None)["verification"]

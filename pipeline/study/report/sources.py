@@ -71,7 +71,7 @@ def sources_of(overrides: Sequence[str], config_dir: str | None = None) -> tuple
     for plane, gear in pairs:
         verified = plane == VERIFIED and gear == "published"
         own = [f"plane={plane}", *([f"gear={gear}"] if gear != "published" else [])]
-        stages = "stages=[sweep,boundaries,verify]" if verified else _STAGES
+        stages = "stages=[sweep,boundaries,attractors]" if verified else _STAGES
         found.append(Source(plane, gear, compose([*own, stages, *kept], config_dir), verified))
     return tuple(found)
 
@@ -97,5 +97,5 @@ def missing(sources: Sequence[Source]) -> Iterator[tuple[Source, str]]:
             yield source, f"{pending} rows of {source.path} are not computed yet"
         elif groups.open_group(source.path, "boundaries") is None:
             yield source, f"{source.path} has no boundaries"
-        elif source.verified and groups.open_group(source.path, "verification") is None:
-            yield source, f"{source.path} has not been verified"
+        elif source.verified and groups.open_group(source.path, "attractors") is None:
+            yield source, f"{source.path} has no attractors"

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.analysis.verification import read_verification, region_lines
-from pipeline.analysis.verification.credibility import Credibility
+from pipeline.analysis.attractors.queries import attractors_of
+from pipeline.analysis.attractors.sheets import MEANINGS, label_lines, map_labels
+from pipeline.analysis.attractors.wording import percents
 from pipeline.plane.stored import read_stored
-from pipeline.study.numerals import percent
 from pipeline.study.report.document import Grid
 from solver.stability import Instability
 
@@ -38,13 +38,10 @@ def dynamic_shares(path: Path) -> DynamicShares:
 
 
 def verified_grid(path: Path) -> Grid:
-    """Per label of a verified plane, in how many cells the map is right; the last line for all of it."""
-    domain, found = read_stored(path).domain, read_verification(path)
-    lines = region_lines(domain, found)
-    kinds = [kind for kind in Credibility if any(line.classes[kind] for line in lines)]
-    rows = []
-    for line in lines:
-        share = f"{percent(line.share)} ({percent(line.low)} to {percent(line.high)})" if line.samples else "–"
-        rows.append((line.label, str(line.cells), share, *(percent(line.classes[kind]) for kind in kinds)))
-    headings = ("Label n/I", "Cells", "Right by integration", *(kind.words.capitalize() for kind in kinds))
-    return Grid("Labels of the verified plane, shares of cells; the last line is for all of it.", headings, tuple(rows))
+    """Per label of a plane with attractors, in how many cells the map is right; the last line for all of it."""
+    found, plane = attractors_of(path), read_stored(path)
+    lines = label_lines(map_labels(path, plane.plan, found), found.credibility.values)
+    rows = [(line.label, str(line.cells), *percents(list(line.counts.values()))) for line in lines]
+    headings = ("Label n/I", "Cells", *(kind.words.capitalize() for kind in MEANINGS))
+    text = f"Labels of the plane, shares of cells; the last line is for all of it. {found.attrs['bound']}"
+    return Grid(text, headings, tuple(rows))

@@ -281,7 +281,7 @@ def test_every_batch_has_a_line_in_the_log_and_none_on_the_terminal(tmp_path, mo
         ),
         (["bevelmap", "gear.phys"], ["gear.physical="]),
         (["bevelmap", "stages"], ["stages="]),
-        (["bevelmap", "stages=[sweep,b"], ["stages=[sweep,basins", "stages=[sweep,boundaries"]),
+        (["bevelmap", "stages=[sweep,b"], ["stages=[sweep,boundaries"]),
         (["bevelmap", "--sh"], ["--shell-completion"]),
         (["bevelmap", "gear=nonsense", "clu"], ["cluster="]),
         (["bevelmap", "hyd"], []),

@@ -47,7 +47,7 @@ def test_values_outside_are_refused_and_the_ends_are_not(section, name, bounds):
 
 
 def test_there_are_ranges():
-    assert len(BOUNDED) > 25
+    assert len(BOUNDED) > 15
     assert sentence_of(Figures, "dpi") == "from 30 to 1200" and sentence_of(Figures, "curves") == ""
     assert sentence_of(Check, "seed") == "from 0 to 2^31 - 1"
 
@@ -83,7 +83,8 @@ def test_every_file_is_within(override):
 
 
 @pytest.mark.parametrize(
-    "override", ["verify.samples=0", "check.seed=-1", "jumps.max_periods=1", "cluster.timeout=0", "figures.dpi=5000"]
+    "override",
+    ["attractors.starts=-1", "check.seed=-1", "attractors.max_periods=1", "cluster.timeout=0", "figures.dpi=5000"],
 )
 def test_what_is_typed_is_looked_at_whatever_is_to_be_done(override):
     with pytest.raises(ConfigurationError, match=override.partition("=")[0]):

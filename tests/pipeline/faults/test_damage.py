@@ -22,7 +22,7 @@ from tests.pipeline.planes import small_plan, small_store
 
 _GROUP = "boundaries"
 _SHARED = [word for word in COMMAND if not word.startswith("stages=")]
-_READING = ["sweep", "boundaries", "verify", "basins", "jumps", "figures"]
+_READING = ["sweep", "boundaries", "attractors", "figures"]
 
 
 def _with_group(path: Path) -> None:

@@ -22,7 +22,7 @@ from tests.pipeline.faults.test_damage import run
 from tests.pipeline.planes import assert_same_contents, contents, small_plan, small_store
 
 _SIZES = ("plane.sweep.num=9", "plane.parameter.num=4", "solver.certify_columns=197")
-_STAGES = ("sweep", "boundaries", "verify", "basins", "jumps", "margins", "figures", "check", "debug", "list")
+_STAGES = ("sweep", "boundaries", "attractors", "margins", "figures", "check", "debug", "list")
 _GROUP = {"node_type": "group", "zarr_format": 3, "attributes": {}}
 _ARRAY = {
     "node_type": "array",

@@ -100,8 +100,8 @@ def test_a_group_is_the_dataset_it_was_written_from(plane, tmp_path):
         {"cell_omega": ("cell", [0.1, 0.2, 0.3], {"units": "1"}), "end": ("end", [0, 1], {})},
         {"made_from": "this"},
     )
-    groups.write_group(copy, "basins", written)
-    xr.testing.assert_identical(xr.open_zarr(copy, group="basins").load().astype(written.dtypes), written)
-    group = groups.open_group(copy, "basins")
+    groups.write_group(copy, "places", written)
+    xr.testing.assert_identical(xr.open_zarr(copy, group="places").load().astype(written.dtypes), written)
+    group = groups.open_group(copy, "places")
     assert group.attrs["coordinates"] == "cell_omega" and group["kind"].dtype == np.int8
     assert store.find_damage(copy) == []

@@ -14,7 +14,7 @@ from pipeline.study.report.html import html
 from pipeline.study.report.markdown import markdown
 
 SMALL = ["plane.sweep.num=60", "plane.parameter.num=12", "cluster=none"]
-VERIFY = ["verify.samples=12", "verify.beside=2", "verify.columns=21", "verify.max_periods=400"]
+SHORT = ["attractors.columns=12", "attractors.rows=4", "attractors.starts=1"]
 VOID = {"br", "meta", "img"}
 
 
@@ -60,7 +60,7 @@ def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        assert main(["stages=[report]", "report.run=true", *SMALL, *VERIFY]) == 0
+        assert main(["stages=[report]", "report.run=true", *SMALL, *SHORT]) == 0
     return folder
 
 
@@ -165,7 +165,7 @@ def test_everything_that_was_promised_is_there(page, made):
 def test_the_same_stores_give_the_same_bytes(made, monkeypatch):
     monkeypatch.chdir(made)
     first = {path.name: path.read_bytes() for path in (made / "outputs/report").rglob("*") if path.is_file()}
-    sources = sources_of(["stages=[report]", *SMALL, *VERIFY])
+    sources = sources_of(["stages=[report]", *SMALL, *SHORT])
     text = (made / "outputs/report/report.md").read_text(encoding="utf-8")
     command = text.split("## How this page was made")[1].split("```")[1].strip().splitlines()[-1]
     again = write(sources, made / "again", command)

@@ -148,7 +148,7 @@ CALLS = {
         "value": argument(np.arange(9.0), array(np.arange(9.0), np.arange(8.0))),
         "count": argument(2, (*COUNT, 0, 9)),
     },
-    "solver.gear_system": lambda: {"model": argument(model(), OBJECT)},
+    "solver.gear_system": lambda: {"model": argument(model(), OBJECT), "separate": argument(True, OBJECT)},
     "solver.impact_state": lambda: {
         **{
             name: argument(GRID, array(GRID, np.ones(3), finite=False, any_shape=True), "b")

@@ -36,6 +36,10 @@ def batch(**further) -> dict:
     }
 
 
+#: Teeth in contact, all else at rest.
+GEAR_STATE = np.array([0.0, 1.2, 0.0, 0.0])
+
+
 def periods(right: int = 2):
     return argument(right, (*COUNT, 0))
 
@@ -137,6 +141,13 @@ CALLS = {
         periods=periods(), divisor=periods(), order=argument(4, COUNT), tolerance=tolerances(), ceiling=ceilings()
     ),
     "solver.timedomain.monodromy": lambda: batch(periods=periods(), tolerance=tolerances(), ceiling=ceilings()),
+    "solver.timedomain.motion_quantities": lambda: {
+        "model": argument(model(), OBJECT),
+        "omega": argument(0.9, POSITIVE),
+        "state": argument(GEAR_STATE, array(GEAR_STATE, [1.0] * 3, [GEAR_STATE] * 2)),
+        "periods": periods(),
+        "tolerance": tolerances(),
+    },
     "solver.timedomain.orbit_state": lambda: {
         "system": argument(stop(), OBJECT),
         "omega": argument(0.9, POSITIVE),

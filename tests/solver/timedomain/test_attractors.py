@@ -19,6 +19,7 @@ from solver.timedomain import (
     shoot,
 )
 from solver.timedomain.attractor import impact_of_range
+from solver.timedomain.quantities import motion_quantities
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import mathieu, oscillator
 
@@ -352,3 +353,27 @@ def test_settling_checks_what_it_is_given():
         settle(published(), 0.9, [[0.0] * 4], known=row)
     with pytest.raises(ParameterError, match="^states ="):
         settle(published(), 0.9, [[0.0] * 3])
+
+
+@pytest.mark.parametrize("omega, f_e", [(0.6, 0.2), (1.2265, 0.2), (0.7367924528, 0.4661016949)])
+def test_quantities_are_those_of_the_motion_over_its_own_period(omega, f_e):
+    model = published(f_e=f_e)
+    _, row = at(model, omega, 60)
+    for slot in np.flatnonzero((row.kind[0] > 0) & (row.kind[0] <= 8)):
+        wanted, _ = motion_quantities(model, omega, row.state[0, slot], int(row.kind[0, slot]))
+        for name in ("lowest", "highest", "mean", "rms", "peak_to_peak", "error_rms", "error_peak_to_peak"):
+            assert getattr(row, name)[0, slot] == pytest.approx(getattr(wanted, name), abs=1e-8)
+        for name in ("contact_loss", "impact_velocity", "support_force"):
+            assert getattr(row, name)[0, slot] == pytest.approx(getattr(wanted, name), abs=1e-7)
+        assert row.force[0, slot] == pytest.approx(wanted.dynamic_factor, abs=1e-8)
+    columns = find_attractors(model, "f_e", [f_e], omega=omega, search=AttractorSearch(starts=0))
+    assert columns.force[0, 0] == pytest.approx(row.force[0, list(row.state[0, :, 0]).index(columns.state[0, 0, 0])])
+
+
+def test_the_force_of_a_contact_system_is_read_as_well():
+    """lambda'' + 0.1 lambda' + f(lambda) = 0.3 + 0.01 cos Omega t never parts: the force is lambda - 1."""
+    system = ContactSystem([[1.0]], [[0.1]], [[0.0]], [1.0], [1.0], 1.0, 1.0, load=[[0.3], [0.01]])
+    found, row = at(system, 0.5, 3)
+    amplitude = 0.01 / abs(0.75 + 0.05j)
+    assert found == [ONE] and row.force[0, 0] == pytest.approx(1.0 + amplitude / 0.3, abs=1e-8)
+    assert row.rms[0, 0] == pytest.approx(amplitude / np.sqrt(2.0), abs=1e-9) and row.contact_loss[0, 0] == 0.0

@@ -1,1 +1,0 @@
-"""Basin shares at chosen places."""

@@ -1,1 +1,0 @@
-"""Attractors followed along rows, upwards and downwards."""

@@ -1,0 +1,278 @@
+"""Groups that are too long in the making to be lost: written block of rows by block of rows beside the store.
+
+Such a group is whole like any other once it is in the store. Until then it is in a folder beside it, which another run
+goes on with. There each block is one file that has the chunks of all arrays, so that it is as it was or as it shall
+be, whatever interrupts; when all blocks are done, they become the chunks of the arrays. Where a chunk of a finished
+group is damaged, the group goes back there (`set_aside`), and what is sound of it is kept.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from pipeline.errors import DamagedError
+from pipeline.plan.row_blocks import Block, RowBlocks
+from pipeline.store.array_layout import MOST_TEXT, ArrayLayout
+from pipeline.store.chunk_files import ChunkError, decoded, encoded, read_chunk
+from pipeline.store.codecs import COMPRESSORS
+from pipeline.store.documents import document, listed_in
+from pipeline.store.durable import move_whole, write_all, write_whole
+from pipeline.store.groups import remove_group, unfinished
+from pipeline.store.identity import read_layout
+from pipeline.store.names import GROUP_FILE, METADATA
+from pipeline.store.removal import remove_known
+from pipeline.store.template import consolidate
+
+__all__ = ["RowArray", "RowGroup", "set_aside"]
+
+#: The folder of blocks.
+_PACKED = "packed"
+
+
+@dataclass(frozen=True)
+class RowArray:
+    """An array along the rows of a group.
+
+    Parameters
+    ----------
+    dims : tuple of str
+        Its dimensions behind those of the rows.
+    sizes : tuple of int
+        Of these.
+    dtype : str
+        "str" for texts.
+    fill : int, float or str
+        Of entries that are not computed.
+    attributes : dict
+    """
+
+    dims: tuple[str, ...]
+    sizes: tuple[int, ...]
+    dtype: str
+    fill: int | float | str
+    attributes: dict
+
+    @property
+    def numpy_type(self):
+        """As numpy has it."""
+        return object if self.dtype == "str" else self.dtype
+
+    def empty(self, rows: int) -> np.ndarray:
+        """Fill values of so many rows."""
+        return np.full((rows, *self.sizes), self.fill, self.numpy_type)
+
+
+@dataclass(frozen=True, eq=False)
+class RowGroup:
+    """One group in the making.
+
+    Parameters
+    ----------
+    store : Path
+        The store that it belongs to.
+    name : str
+        One of `pipeline.store.names.ADDED`.
+    rows : RowBlocks
+        Rows of its own, in blocks of its own.
+    dims : tuple of str
+        Names of the dimensions of these rows, the layers first.
+    arrays : dict
+        Name -> RowArray: what is written of a block.
+    places : dict
+        Coordinates: name -> (dims, values, attributes).
+    attributes : dict
+        Of the group; they say what it is made from.
+    """
+
+    store: Path
+    name: str
+    rows: RowBlocks
+    dims: tuple[str, ...]
+    arrays: dict[str, RowArray]
+    places: dict[str, tuple]
+    attributes: dict
+
+    @property
+    def folder(self) -> Path:
+        """Where it is until it is whole."""
+        return unfinished(self.store, self.name)
+
+    @cached_property
+    def layouts(self) -> dict[str, ArrayLayout]:
+        """Name -> where its chunks are."""
+        return {name: self._layout(name, array) for name, array in self.arrays.items()}
+
+    def _layout(self, name: str, array: RowArray) -> ArrayLayout:
+        shape = (*self.rows.shape, *array.sizes)
+        chunks = (*(1,) * (len(self.rows.shape) - 1), self.rows.size, *(max(size, 1) for size in array.sizes))
+        fill = array.fill if array.fill == array.fill else "NaN"
+        kind = "string" if array.dtype == "str" else array.dtype
+        return ArrayLayout(name, shape, chunks, kind, (*self.dims, *array.dims), fill)
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether it is in the store, made from the same, and the store lists it."""
+        return self.name in listed_in(self.store) and self._is_this(self.store / self.name)
+
+    def _is_this(self, folder: Path) -> bool:
+        """Whether a folder holds this group, its coordinates sound; its blocks are looked at when they are read."""
+        told = document(folder / METADATA)
+        if told is None or told.get("attributes") != self._told():
+            return False
+        documents = {name: document(folder / name / METADATA) for name in self.layouts}
+        if any(ArrayLayout.of_document(name, documents[name]) != array for name, array in self.layouts.items()):
+            return False
+        return all(self._is_place(folder, name) for name in self.places)
+
+    def _is_place(self, folder: Path, name: str) -> bool:
+        """Whether a folder holds a coordinate."""
+        layout = ArrayLayout.of_document(name, document(folder / name / METADATA))
+        values = np.asarray(self.places[name][1])
+        if layout is None or layout.chunks != values.shape or layout.kind != str(values.dtype):
+            return False
+        try:
+            (file,) = layout.files()
+            return read_chunk(folder, file, layout).tobytes() == values.tobytes()
+        except DamagedError:
+            return False
+
+    def _told(self) -> dict:
+        named = [name for name, (dims, *_) in self.places.items() if dims != (name,)]
+        return {**({"coordinates": " ".join(named)} if named else {}), **self.attributes}
+
+    def begin(self) -> None:
+        """Make the folder, unless there is one to go on with: left by another run, or a group that counts no longer."""
+        if self._is_this(self.folder):
+            return
+        remove_known(self.folder, GROUP_FILE)
+        if self._is_this(self.store / self.name):
+            (self.store / self.name).rename(self.folder)
+            return
+        draft = self.folder.with_name(f"{self.folder.name}.draft")
+        remove_known(draft, GROUP_FILE)
+        group = zarr.create_group(draft, zarr_format=3, attributes=self._told())
+        for name, (dims, values, attributes) in self.places.items():
+            group.create_array(
+                name,
+                data=np.asarray(values),
+                chunks=np.shape(values),
+                dimension_names=dims,
+                compressors=COMPRESSORS,
+                attributes=attributes,
+            )
+        for name, array in self.arrays.items():
+            self._create(group, name, array)
+        move_whole(draft, self.folder)
+
+    def _create(self, group: zarr.Group, name: str, array: RowArray) -> None:
+        layout = self._layout(name, array)
+        group.create_array(
+            name,
+            shape=layout.shape,
+            chunks=layout.chunks,
+            dtype=array.dtype,
+            compressors=COMPRESSORS,
+            fill_value=array.fill,
+            dimension_names=layout.dims,
+            attributes=array.attributes,
+        )
+
+    def read(self, block: Block) -> dict[str, np.ndarray] | None:
+        """What is stored of a block; None unless all of it is there and sound.
+
+        Returns
+        -------
+        dict or None
+            Name -> (rows, ...) array; texts as objects.
+        """
+        try:
+            chunks = self._packed(block) if self._pack(block).exists() else self._unpacked(block)
+            found = {name: decoded(chunks[name], layout) for name, layout in self.layouts.items()}
+        except (OSError, ValueError, KeyError, TypeError, ChunkError):
+            return None
+        rows = block.stop - block.start
+        return {name: values.reshape(self.rows.size, *self.arrays[name].sizes)[:rows] for name, values in found.items()}
+
+    def write(self, block: Block, values: Mapping[str, np.ndarray]) -> None:
+        """Write all arrays of a block; it is on the disk when this returns.
+
+        Parameters
+        ----------
+        block : Block
+        values : mapping
+            Name -> (rows, ...) array.
+        """
+        chunks = {name: self._encoded(name, values[name]) for name in self.arrays}
+        head = json.dumps({name: len(chunk) for name, chunk in chunks.items()}).encode()
+        write_whole(self._pack(block), b"".join([head, b"\n", *chunks.values()]))
+
+    def _pack(self, block: Block) -> Path:
+        return self.folder / _PACKED / "c" / "/".join(map(str, self.rows.chunk_of(block)))
+
+    def _packed(self, block: Block) -> dict[str, bytes]:
+        """The chunks that the file of a block has."""
+        head, _, content = self._pack(block).read_bytes().partition(b"\n")
+        chunks, start = {}, 0
+        for name, size in json.loads(head).items():
+            chunks[name] = content[start : start + size]
+            start += size
+        return chunks
+
+    def _unpacked(self, block: Block) -> dict[str, bytes]:
+        """The chunks of a block in a group that was finished once."""
+        return {name: self._file(block, name).read_bytes() for name in self.arrays}
+
+    def _file(self, block: Block, name: str) -> Path:
+        (file,) = self.layouts[name].files(*self.rows.place(block))
+        return self.folder / file
+
+    def _encoded(self, name: str, values: np.ndarray) -> bytes:
+        values = np.asarray(values, self.arrays[name].numpy_type)
+        if values.dtype == object:
+            values = np.array([str(one)[:MOST_TEXT] for one in values.ravel()], dtype=object)
+        return encoded(values.ravel(), self.layouts[name])
+
+    def finish(self, summary: Mapping[str, tuple[RowArray, np.ndarray]]) -> None:
+        """Make chunks of all blocks, add arrays that only the whole group tells, and put it into the store, in place
+        of what was there.
+
+        Parameters
+        ----------
+        summary : mapping
+            Name -> the array, and its values along all rows, (*rows.shape, ...).
+
+        Raises
+        ------
+        DamagedError
+            If rows of the plane went missing meanwhile.
+        """
+        read_layout(self.store)
+        for block in self.rows.all:
+            if self._pack(block).exists():
+                write_all({self._file(block, name): chunk for name, chunk in self._packed(block).items()})
+        group, contents = zarr.open_group(self.folder, mode="r+", use_consolidated=False), {}
+        for name, (array, values) in summary.items():
+            remove_known(self.folder / name, GROUP_FILE)
+            self._create(group, name, array)
+            layout = self._layout(name, array)
+            for block in self.rows.all:
+                (file,) = layout.files(*self.rows.place(block))
+                here = np.asarray(values, array.numpy_type)[self.rows.place(block)]
+                contents[self.folder / file] = encoded(here.ravel(), layout)
+        write_all(contents)
+        # Not before: what is half made is made from them again.
+        remove_known(self.folder / _PACKED, GROUP_FILE)
+        remove_group(self.store, self.name)
+        move_whole(self.folder, self.store / self.name)
+        consolidate(self.store)
+
+
+def set_aside(path: Path, name: str) -> None:
+    """Take a damaged group out of the store, to be gone on with: what is not sound of it is computed again."""
+    remove_known(unfinished(path, name), GROUP_FILE)
+    (path / name).rename(unfinished(path, name))

@@ -1,0 +1,153 @@
+"""What the motions of one cell lead to, and the quantities of the attractors found, as kernels."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from solver.contact.quantities import Slot
+from solver.flow.loads import loaded_system_at
+from solver.flow.switched_system import FREQUENCY, LENGTH
+from solver.flow.zone_flows import ZONE_FLOWS, new_flows, zone_flows
+from solver.kernels import types
+from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import copy_into
+from solver.timedomain.attractor import AttractorKind
+from solver.timedomain.integrator import COMPLETE
+from solver.timedomain.orbits import new_orbit
+from solver.timedomain.poincare import add_harmonics
+from solver.timedomain.quantities import GAUGE, Gauge, clear, gather, new_work, read
+from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, keep_sample, try_orbit
+from solver.timedomain.section_map import MAP_ROOM, carry_period, new_room, new_steps
+from solver.timedomain.settling import LIMITS, MEMORY, Limits, Memory, settle_state, spread_sample
+
+__all__ = ["AMPLITUDE", "CHAOTIC", "NUMBERS", "Cell", "recall", "seek"]
+
+_F, _I = types.float64, types.int64
+_COUNTS = types.int64[::1]
+
+#: The last kind of a bounded attractor.
+CHAOTIC = int(AttractorKind.CHAOTIC)
+
+#: Numbers that are kept of an attractor: those of `Slot`, and the amplitude of the forcing frequency.
+AMPLITUDE = len(Slot)
+NUMBERS = AMPLITUDE + 1
+
+#: Forcing periods over which the quantities of an aperiodic attractor are taken.
+_WINDOW = 128
+
+# An orbit that Newton's method finds from a motion of a map, or from an attractor of a neighbouring cell, is taken for
+# what that motion ends on if it is no farther away than this share of the system's length; else the motion is followed.
+_APART = 0.2
+
+
+class Cell(NamedTuple):
+    """What kernels are told of a cell: the row's `parameters` and `parameter_slope`, its value of the axis `p`, what
+    quantities are read with, what is known of it, and room for a motion."""
+
+    parameters: np.ndarray
+    parameter_slope: np.ndarray
+    p: float
+    gauge: Gauge
+    known: Known
+    memory: Memory
+    limits: Limits
+
+
+_CELL = types.NamedTuple((ARRAY, ARRAY, _F, GAUGE, KNOWN, MEMORY, LIMITS), Cell)
+
+
+@kernel(types.void(_CELL, _I, MATRIX, _COUNTS, MATRIX, MATRIX, _COUNTS, MATRIX))
+def seek(cell, period, motions, kinds, brought, states, slots, numbers):
+    """What motions in one cell lead to.
+
+    Parameters
+    ----------
+    cell : Cell
+    period : int
+        Forcing periods of the motions of a map.
+    motions : (a, m) array
+        States on motions of a map; overwritten, as all states are.
+    kinds, brought : (b,) int array, (b, m) array
+        Attractors of other cells.
+    states : (c, m) array
+        Others.
+    slots : (a + b + c,) int array
+        Slot that each leads to, in this order, or FAILED or NO_ROOM.
+    numbers : (A, NUMBERS) array
+        What is new is described there.
+    """
+    known, memory = cell.known, cell.memory
+    system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
+    limits, length = _scaled(cell.limits, system.numbers[LENGTH]), system.numbers[LENGTH]
+    flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
+    room, orbit, before, first = new_room(flows), new_orbit(flows), known.count[0], 0
+    for group in range(3):
+        starts = motions if group == 0 else (brought if group == 1 else states)
+        for i in range(starts.shape[0]):
+            slot = -1
+            if group == 0 or group == 1 and kinds[i] <= HIGHEST_PERIOD:
+                repeats = period if group == 0 else kinds[i]
+                slot = try_orbit(flows, known, starts[i], repeats, limits.ceiling, _APART * length, orbit, room)
+            if slot < 0:
+                slot = settle_state(flows, known, starts[i], limits, memory, orbit, room)
+            slots[first + i] = slot
+        first += starts.shape[0]
+    _describe(flows, cell, before, limits.ceiling, numbers, room)
+
+
+@kernel(LIMITS(LIMITS, _F), inner=True)
+def _scaled(limits, length):
+    """The ceiling as a length."""
+    return Limits(
+        limits.tolerance, limits.ceiling * length, limits.near, limits.transient, limits.watched, limits.floor
+    )
+
+
+@kernel(types.void(ZONE_FLOWS, _CELL, _I, _F, MATRIX, MAP_ROOM), inner=True)
+def _describe(flows, cell, first, ceiling, numbers, room):
+    """Fill in numbers (A, NUMBERS) of the attractors from slot `first` on: those of `Slot`, and the amplitude."""
+    known, state = cell.known, cell.memory.before
+    if known.count[0] == first:
+        return
+    omega, steps, work, sums = flows.system.numbers[FREQUENCY], new_steps(flows), new_work(flows), np.empty((2, 2))
+    for slot in range(first, known.count[0]):
+        kind = known.kind[slot]
+        if kind < 1 or kind > CHAOTIC:
+            continue
+        periods = kind if kind <= HIGHEST_PERIOD else _WINDOW
+        copy_into(state, known.points[slot, 0])
+        clear(work)
+        sums[:, :] = 0.0
+        for _ in range(periods):
+            status, count = carry_period(flows, state, steps[:0], steps, ceiling, room)
+            if status != COMPLETE:
+                break
+            gather(flows, cell.gauge, steps, count, work, room)
+            add_harmonics(flows, steps, count, 0.0, omega, sums, room)
+        read(cell.gauge, work, numbers[slot])
+        numbers[slot, AMPLITUDE] = math.hypot(sums[1, 0], sums[1, 1]) * omega / (math.pi * periods)
+
+
+@kernel(types.void(_CELL, _COUNTS, MATRIX, MATRIX))
+def recall(cell, kinds, states, rates):
+    """Make attractors of these kinds (k,) known again from a state (k, m) of each, in their slots."""
+    known, memory = cell.known, cell.memory
+    system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
+    limits = _scaled(cell.limits, system.numbers[LENGTH])
+    flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
+    room, orbit = new_room(flows), new_orbit(flows)
+    for slot in range(kinds.shape[0]):
+        if kinds[slot] <= HIGHEST_PERIOD:
+            try_orbit(flows, known, states[slot], kinds[slot], limits.ceiling, math.inf, orbit, room)
+        elif kinds[slot] <= CHAOTIC:
+            copy_into(memory.before, states[slot])
+            for i in range(limits.watched):
+                carry_period(flows, memory.before, memory.none, memory.none, limits.ceiling, room)
+                copy_into(memory.sections[i], memory.before)
+            spread_sample(memory.sections, limits.watched, memory.sample)
+            keep_sample(system, known, kinds[slot], memory.sample, rates[slot, 0], rates[slot, 1], memory.gaps)
+        # What has no sections, or was not found again, keeps its slot.
+        if known.count[0] <= slot:
+            known.kind[slot] = kinds[slot] if kinds[slot] > CHAOTIC else 0
+            known.count[0] = slot + 1
