@@ -227,6 +227,7 @@ class Figures:
     """What is drawn."""
 
     curves: list[float] | None = MISSING
+    multipliers: list[float] | None = MISSING
     formats: list[str] = allowed(names=("png", "pdf", "svg"))
     dpi: int = allowed(30, 1200)
     stability: str = allowed(names=("static", "dynamic"))
