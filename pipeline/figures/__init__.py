@@ -11,7 +11,7 @@ from pipeline.plane.stored import read_stored
 __all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_named"]
 
 #: Figures of a plane, those that take longest first.
-NAMES = ("map", "curves", "map-window", "attractors", "verification", "basins", "backbone")
+NAMES = ("map", "curves", "map-window", "multipliers", "attractors", "verification", "basins", "backbone")
 
 
 def draw(
@@ -23,6 +23,7 @@ def draw(
     window: list[float] | None = None,
     stability: str = "static",
     units: str = "dimensionless",
+    multipliers: list[float] | None = None,
     only: Sequence[str] | None = None,
 ) -> list[Path]:
     """Draw the map, the amplitude-frequency curves and the backbone of a stored plane, and a part of the map if asked.
@@ -46,16 +47,18 @@ def draw(
         Which motions the labels count: "static" (det J > 0, what is dynamically unstable is shaded) or "dynamic".
     units : str
         Of the axes: "dimensionless", or "physical" with the dimensionless value on the opposite side.
+    multipliers : list of float or None
+        Parameter values along whose branches Floquet multipliers are drawn; None draws none.
     only : sequence of str, optional
         Names of the figures that are drawn; all there are unless given.
 
     Returns
     -------
     list of Path
-        map, map-window, curves, attractors, verification, basins and backbone, each in all formats; "-dynamic" stands
-        behind the names of those of dynamic stability. Attractors and verification are drawn where the store has the
-        group `attractors`, basins where it has `places`. The backbone is left out where the plane's rows do not run
-        over the mesh frequency, or without mean load. Of a volume, layers: the maps of up to nine layers.
+        map, map-window, curves, multipliers, attractors, verification, basins and backbone, each in all formats;
+        "-dynamic" stands behind the names of those of dynamic stability. Attractors and verification are drawn where
+        the store has the group `attractors`, basins where it has `places`. The backbone is left out where the plane's
+        rows do not run over the mesh frequency, or without mean load. Of a volume, layers: maps of up to five of them.
 
     Raises
     ------
@@ -63,12 +66,12 @@ def draw(
         If the options are not allowed for this plane, or there is no store of ours.
     """
     plane = read_stored(store_path, stability == "dynamic", units == "physical")
-    check_options(plane.plan, curves, formats, dpi, window, stability, units)
+    check_options(plane.plan, curves, formats, dpi, window, stability, units, multipliers)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
         if plane.plan.parameter2 is not None:
             return _draw_layers(plane, folder, formats, dpi)
-        return _draw(plane, folder, curves, formats, dpi, window, only)
+        return _draw(plane, folder, curves, formats, dpi, window, multipliers, only)
 
 
 def draw_named(store_path: Path, folder: Path, options: dict, name: str) -> list[Path]:
@@ -113,7 +116,7 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(plane, folder, curves, formats, dpi, window, only) -> list[Path]:
+def _draw(plane, folder, curves, formats, dpi, window, multipliers, only) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from pipeline.figures.backbone import draw_backbone, has_backbone
     from pipeline.figures.curves import draw_curves
@@ -125,6 +128,10 @@ def _draw(plane, folder, curves, formats, dpi, window, only) -> list[Path]:
     if window is not None:
         drawers["map-window"] = lambda: draw_window(plane, window)
     drawers["curves"] = lambda: draw_curves(plane, curves)
+    if multipliers is not None:
+        from pipeline.figures.multipliers import draw_multipliers
+
+        drawers["multipliers"] = lambda: draw_multipliers(plane, multipliers)
     if any((plane.path / group).exists() for group in ("attractors", "places")):
         # What it needs of the solver are many kernels, and most planes have none.
         drawers |= _of_attractors(plane)

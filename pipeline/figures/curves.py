@@ -13,11 +13,12 @@ from pipeline.figures.naming import STATE_NAMES, axis_label, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
 from pipeline.plane.row_curves import RowCurves, curves_at
+from pipeline.plane.segments import Piece
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, backbone
 
-__all__ = ["chosen_values", "draw_curves"]
+__all__ = ["LINES", "MARKS", "chosen_values", "draw_curves", "line_of"]
 
 #: Inches.
 _WIDTH, _LEFT, _RIGHT, _BESIDE = 7.2, 0.5, 0.15, 0.55
@@ -26,7 +27,7 @@ _ASIDE = 0.35
 
 _UNSTABLE, _UNLASTING = (0, (2.6, 1.3)), (0, (0.9, 0.9))
 #: Whether a piece is statically and dynamically stable -> its line.
-_LINES = {
+LINES = {
     (True, True): ("stable", {"linestyle": "solid", "zorder": 4}),
     (True, False): ("dynamically unstable", {"linestyle": _UNLASTING, "zorder": 4}),
     (False, False): ("statically unstable", {"linestyle": _UNSTABLE, "zorder": 3}),
@@ -35,7 +36,7 @@ _FREQUENCY = {"color": "0.45", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.
 _BACKBONE = {"color": "black", "linewidth": 0.6, "linestyle": (0, (1, 1.2)), "zorder": 2}
 _MARK = {"linestyle": "none", "markersize": 2.8, "markeredgewidth": 0.5, "markeredgecolor": "black", "zorder": 5}
 #: Name -> events that share a marker, and the marker.
-_MARKS = {
+MARKS = {
     "fold": ((Event.FOLD,), {**_MARK, "marker": "o", "markerfacecolor": "black"}),
     "grazing, drive flank": (
         (Event.MIN_AT_DRIVE, Event.MAX_AT_DRIVE),
@@ -57,6 +58,11 @@ _EXIT = {"marker": "^", "color": "black", "linestyle": "none", "markersize": 4.5
 _AMPLITUDES = 60
 #: Inches: markers closer than this hide each other and are enlarged, in an inset of this size, at most so many times.
 _CROWDED, _INSET, _MOST = 0.07, (0.72, 0.56), 2
+
+
+def line_of(piece: Piece, lasting: bool) -> tuple[bool, bool]:
+    """The key of `LINES` of a piece that is dynamically stable or not."""
+    return piece.stable, bool(lasting)
 
 
 def chosen_values(plane: StoredPlane, values: list[float] | None) -> list[float]:
@@ -131,11 +137,9 @@ _QUANTITIES = {"amplitude": r"amplitude $\lambda_a$", "mean": r"mean $\lambda_m$
 
 def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None:
     x, y = row.points["position"], row.points[name]
-    for kind, (_, style) in _LINES.items():
+    for kind, (_, style) in LINES.items():
         pieces = [
-            piece
-            for piece, lasting in zip(row.pieces, row.lasting, strict=True)
-            if (piece.stable, bool(lasting)) == kind
+            piece for piece, lasting in zip(row.pieces, row.lasting, strict=True) if line_of(piece, lasting) == kind
         ]
         # Round ends, as lines of neighbouring pieces would gape between flat ones.
         axes.add_collection(
@@ -149,7 +153,7 @@ def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None
             ),
             autolim=False,
         )
-    for events, style in _MARKS.values():
+    for events, style in MARKS.values():
         here = np.isin(row.points["event"], events)
         if np.any(here):
             axes.plot(x[here], y[here], **style)
@@ -176,7 +180,7 @@ def _enlarge_crowded(figure: Drawing, axes: Axes, row: RowCurves, name: str) -> 
     scale = np.array([right - left, high - low])
     curve = (np.column_stack([row.points["position"], row.points[name]]) - (left, low)) / scale * size
     shown = np.all((curve >= 0.0) & (curve <= size), axis=1)
-    events = curve[np.isin(row.points["event"], [kind for kinds, _ in _MARKS.values() for kind in kinds]) & shown]
+    events = curve[np.isin(row.points["event"], [kind for kinds, _ in MARKS.values() for kind in kinds]) & shown]
     blocked = [curve[shown]]
     for frequency in row.modes if row.plan.sweep.name == "omega" else ():
         place = (frequency - left) / scale[0] * size[0]
@@ -289,15 +293,13 @@ def _extent(row: RowCurves) -> tuple[float, float, float]:
 
 def _legend_keys(plane: StoredPlane, rows: list[RowCurves]) -> dict[str, Line2D]:
     """Text and key of everything that these rows show."""
-    kinds = {
-        (piece.stable, bool(lasting)) for row in rows for piece, lasting in zip(row.pieces, row.lasting, strict=True)
-    }
+    kinds = {line_of(piece, lasting) for row in rows for piece, lasting in zip(row.pieces, row.lasting, strict=True)}
     states = [ImpactState(code) for code in sorted({piece.impact for row in rows for piece in row.pieces})]
     keys = {f"$I$ = {s.symbol}: {STATE_NAMES[s]}": Line2D([], [], color=_state_colour(s)) for s in states}
-    for kind, (name, style) in _LINES.items():
+    for kind, (name, style) in LINES.items():
         if kind in kinds:
             keys[name] = Line2D([], [], color="0.3", linestyle=style["linestyle"])
-    for name, (events, style) in _MARKS.items():
+    for name, (events, style) in MARKS.items():
         if any(np.any(np.isin(row.points["event"], events)) for row in rows):
             keys[name] = Line2D([], [], **style)
     if any(_runaway(row) for row in rows):

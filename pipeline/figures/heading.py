@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 from pipeline.figures.layout import RIGHT
 from pipeline.figures.naming import fixed_parameters, gear_text, symbol
 from pipeline.plan.plan import Plan
+from pipeline.plan.unfelt import unfelt_harmonics
 from pipeline.plane.stored import StoredPlane
 
 __all__ = ["HEAD", "balance_text", "write_heading"]
@@ -18,10 +19,10 @@ def write_heading(figure: Figure, plane: StoredPlane) -> None:
     """Write two lines at the top: the store, its balance and grid, what is fixed; the gear."""
     width, height = figure.get_size_inches()
     plan = plane.plan
-    sizes = " \u00d7 ".join(f"{axis.num} {symbol(axis.name)}" for axis in (plan.sweep, plan.parameter))
+    sizes = " \u00d7 ".join(f"{axis.num} {symbol(axis.name)}" for axis in plan.axes)
     about = f"{plane.path.stem}:  {balance_text(plan)},  {sizes}"
     fixed = fixed_parameters(plan, plane.scales)
-    for line, (left, right) in enumerate(((about, fixed), (gear_text(plan), unfelt(plan)))):
+    for line, (left, right) in enumerate(((about, fixed), (gear_text(plan), _unfelt(plan)))):
         y = 1.0 - (_TOP + line * _LINE) / height
         figure.text(_LEFT / width, y, left, ha="left", va="top", fontsize=8)
         figure.text(1.0 - RIGHT / width, y, right, ha="right", va="top", fontsize=8)
@@ -35,15 +36,7 @@ def balance_text(plan: Plan) -> str:
     return f"order {order} (harmonic balance)" + (f" of {period} periods" if period > 1 else "")
 
 
-def unfelt(plan: Plan) -> str:
-    """What the balance does not feel of the gear; empty where it feels everything."""
-    order = plan.solver["order"]
-    first = plan.solver["balance"] == "describing_function"
-    parts = []
-    for name, what, felt in (
-        ("alpha_harmonics", "stiffness", 2 if first else 2 * order),
-        ("f_e_harmonics", "error", order),
-    ):
-        if any(amplitude for amplitude, _ in plan.gear.get(name, ())[max(felt - 1, 0) :]):
-            parts.append(f"{what} above {felt}")
-    return f"not felt: harmonics of the {' and the '.join(parts)}" if parts else ""
+def _unfelt(plan: Plan) -> str:
+    """What the balance does not feel of the excitation; empty where it feels everything."""
+    found = unfelt_harmonics(plan)
+    return "" if found is None else f"not felt: {found.words}"

@@ -13,6 +13,7 @@ from pipeline.figures.naming import STATE_NAMES, mesh_energies
 from pipeline.figures.palette import hex_colour, label_colour
 from pipeline.figures.panels import Panel, shares_of_labels
 from pipeline.figures.shading import CONTRADICTORY, UNSTABLE
+from pipeline.plane.division import stored_division
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 from solver import ImpactState
@@ -129,6 +130,8 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
     for kind, energy, present in zip(MODES, mesh_energies(planes[0]), modes, strict=True):
         if present:
             entries.append(Entry(f"linear mode, {energy}", line=kind))
+    if any(stored_division(plane) is None for plane in planes):
+        entries.append(Entry("areas: cells of the raster"))
     if any((plane.open == 1).any() for plane in planes):
         entries += [Entry("not excluded: motions", area=OPEN_CELLS), Entry("above the ceiling of $λ_a$")]
     if any((plane.status == FAILED).any() for plane in planes):

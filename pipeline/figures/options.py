@@ -21,6 +21,7 @@ def check_options(
     window: list[float] | None = None,
     stability: str = "static",
     units: str = "dimensionless",
+    multipliers: list[float] | None = None,
 ) -> None:
     """Raise unless these figures can be drawn of this plane.
 
@@ -39,6 +40,8 @@ def check_options(
         "static" or "dynamic".
     units : str
         "dimensionless" or "physical"; the latter needs a gear in physical units.
+    multipliers : list of float or None
+        Parameter values along whose branches Floquet multipliers are drawn.
 
     Raises
     ------
@@ -47,19 +50,21 @@ def check_options(
     """
     row = plan.parameter
     if plan.parameter2 is not None:
-        for key, value in (("curves", curves), ("window", window), ("units", units)):
+        for key, value in (("curves", curves), ("window", window), ("units", units), ("multipliers", multipliers)):
             if value not in (None, "dimensionless"):
                 raise ConfigurationError(
                     f"figures.{key} = {value} is not allowed for a volume: with plane.layer=VALUE, a value of "
                     f"{plan.parameter2.name}, it is drawn of the plane of that layer"
                 )
-    if curves is not None and not curves:
-        raise ConfigurationError("figures.curves = [] is not allowed: it must be null or hold at least one value")
-    for value in curves or []:
-        if not (math.isfinite(value) and row.low <= value <= row.high):
-            raise ConfigurationError(
-                f"figures.curves = {value} is not allowed: it must lie within {row.name} = {row.low:g} ... {row.high:g}"
-            )
+    for key, values in (("curves", curves), ("multipliers", multipliers)):
+        if values is not None and not values:
+            raise ConfigurationError(f"figures.{key} = [] is not allowed: it must be null or hold at least one value")
+        for value in values or []:
+            if not (math.isfinite(value) and row.low <= value <= row.high):
+                raise ConfigurationError(
+                    f"figures.{key} = {value} is not allowed: it must lie within {row.name} = {row.low:g} ... "
+                    f"{row.high:g}"
+                )
     if not formats:
         names = sentence_of(Figures, "formats").removeprefix("one of ")
         raise ConfigurationError(f"figures.formats = [] is not allowed: it must be a list of {names}")

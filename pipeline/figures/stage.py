@@ -15,7 +15,10 @@ __all__ = ["STAGE"]
 def _options(job: Job) -> dict:
     """The settings of figures as `pipeline.figures.draw` takes them."""
     options = job.settings.config.figures
-    return {name: getattr(options, name) for name in ("curves", "formats", "dpi", "window", "stability", "units")}
+    return {
+        name: getattr(options, name)
+        for name in ("curves", "formats", "dpi", "window", "stability", "units", "multipliers")
+    }
 
 
 def _check_options(job: Job) -> None:

@@ -11,7 +11,8 @@ import numpy as np
 
 __all__ = ["Arcs", "Crossings", "arcs_of"]
 
-_MOST_STEPS, _CLOSE = 60, 4e-16
+# Steps of Newton or halving, and how far the last one may move, as a share of an arc.
+_MOST_STEPS, _CLOSE = 60, 1e-14
 
 
 @dataclass(frozen=True)

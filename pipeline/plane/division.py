@@ -153,20 +153,33 @@ def _joined(division: Division) -> Division:
     """
     ends = _ends(division)
     codes = [_without_missed(division, part, low) for part, (low, _) in zip(division.slabs, ends, strict=True)]
-    count = len(codes)
-    for before, number in (*((i, i + 1) for i in range(count - 1)), *((i + 1, i) for i in range(count - 1)[::-1])):
-        known, here = (ends[before][1], ends[number][0]) if before < number else (ends[before][0], ends[number][1])
-        shared = np.minimum(known[1:, None], here[1:]) - np.maximum(known[:-1, None], here[:-1])
-        for gap in np.flatnonzero(np.array(codes[number]) == 0):
-            best = int(np.argmax(shared[:, gap]))
-            # What begins or ends at this row is narrow there, and shares nothing with the next slab.
-            if shared[best, gap] > _SHARED * max(np.diff(x)[gap] for x in ends[number]):
-                codes[number][gap] = codes[before][best]
+    # What is left where no row says anything of a region is what holds next to it.
+    for least in (_SHARED, 0.0):
+        _spread(codes, ends, least)
+    for found in codes:
+        known = [code for code in found if code]
+        for gap, code in enumerate(found):
+            if not code and known:
+                found[gap] = found[gap - 1] if gap else known[0]
     parts = tuple(
         replace(part, codes=tuple(new or old for new, old in zip(found, part.codes, strict=True)))
         for part, found in zip(division.slabs, codes, strict=True)
     )
     return replace(division, slabs=parts)
+
+
+def _spread(codes: list[list[int]], ends: list[tuple[np.ndarray, np.ndarray]], least: float) -> None:
+    """Fill in codes from the slabs below and above, where parts share more than a part of their width."""
+    count = len(codes)
+    for before, number in (*((i, i + 1) for i in range(count - 1)), *((i + 1, i) for i in range(count - 1)[::-1])):
+        upwards = before < number
+        known, here = (ends[before][1], ends[number][0]) if upwards else (ends[before][0], ends[number][1])
+        shared = np.minimum(known[1:, None], here[1:]) - np.maximum(known[:-1, None], here[:-1])
+        for gap in np.flatnonzero(np.array(codes[number]) == 0):
+            best = int(np.argmax(shared[:, gap]))
+            # What begins or ends at this row is narrow there, and shares nothing with the next slab.
+            if shared[best, gap] > least * max(np.diff(x)[gap] for x in ends[number]):
+                codes[number][gap] = codes[before][best]
 
 
 def _ends(division: Division) -> list[tuple[np.ndarray, np.ndarray]]:

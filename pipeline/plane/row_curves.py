@@ -11,7 +11,7 @@ from pipeline.plane.segments import Piece, pieces_of_row
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED
 from solver import EndReason, Model, RowError
-from solver.stability import assess
+from solver.stability import assess, multipliers
 from solver.stability.instability import LEFT_TO_FOLDS
 
 __all__ = ["RowCurves", "curves_at"]
@@ -61,6 +61,20 @@ class RowCurves:
         return pieces_of_row(self.points, b)
 
     @cached_property
+    def multipliers(self) -> np.ndarray:
+        """Floquet multipliers at the points, (point, m) complex."""
+        place = self.points["position"], self.points["motion"]
+        period = balance_of(self.plan.solver).period
+        return multipliers(self.model, self.plan.sweep.name, *place, omega=self._omega, period=period)
+
+    @property
+    def _omega(self) -> float | None:
+        """The frequency, where it is not swept."""
+        if self.plan.parameter.name == "omega":
+            return self.value
+        return None if self.plan.sweep.name == "omega" else self.plan.omega
+
+    @cached_property
     def lasting(self) -> np.ndarray:
         """Whether the motions of a piece are dynamically stable, (piece,) bool: from one in its middle.
 
@@ -76,9 +90,7 @@ class RowCurves:
         position, motion = (
             0.5 * (array[left] + array[right]) for array in (self.points["position"], self.points["motion"])
         )
-        omega = None if self.plan.sweep.name == "omega" else self.plan.omega
-        omega = self.value if self.plan.parameter.name == "omega" else omega
-        balance = balance_of(self.plan.solver)
+        balance, omega = balance_of(self.plan.solver), self._omega
         kind = assess(
             self.model, self.plan.sweep.name, position, motion, omega=omega, balance=balance, static=np.ones(left.size)
         ).kind

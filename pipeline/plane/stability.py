@@ -75,13 +75,13 @@ def region_stability(
         shares = division.shares(windows["window"], windows["rows"])
     except ParameterError as error:
         raise StoreError(f"{plane.path}: {error}") from error
-    found: dict[str, list[float]] = {}
+    found: dict[int, list[float]] = {}
     for code, share in shares.items():
         label, dynamic = domain_label(static_code(code)), domain_label(dynamic_code(code))
         (n, _), (left, _) = label_parts(label), label_parts(dynamic)
-        sizes = (1, left == 0 < n, left < n, bool(is_contradictory(code)))
-        found[label] = [a + share * b for a, b in zip(found.get(label, [0.0] * 4), sizes, strict=True)]
-    return {label: RegionStability(*sizes) for label, sizes in found.items()}
+        sizes, static = (1, left == 0 < n, left < n, bool(is_contradictory(code))), int(static_code(code))
+        found[static] = [a + share * b for a, b in zip(found.get(static, [0.0] * 4), sizes, strict=True)]
+    return {domain_label(static): RegionStability(*found[static]) for static in sorted(found)}
 
 
 def together(regions: Iterable[RegionStability]) -> RegionStability:

@@ -83,25 +83,25 @@ class Division:
             Twice the same where the curve is not met.
         """
         order = np.argsort(points[:, 1], kind="stable")
-        number, table = self._met(points[order, 1])
+        number, table = self._met(points[order, 1], (self.curves[curve],))
         found = np.zeros((len(points), 2), np.int64)
         for place, k, (arcs, x) in zip(order, number, table, strict=True):
-            part, ours = self.slabs[k], np.flatnonzero(arcs[:, 0] == curve)
-            if ours.size:
-                nearest = ours[np.argmin(np.abs(x[ours] - points[place, 0]))]
-                arc = int(arcs[nearest, 0]), int(arcs[nearest, 1])
+            part = self.slabs[k]
+            # The sides of the plane come first.
+            if x.size > 2:
+                arc = curve, int(arcs[2 + np.argmin(np.abs(x[2:] - points[place, 0])), 1])
                 if arc in part.slab.arcs:
                     at = part.slab.arcs.index(arc)
                     found[place] = part.codes[at - 1], part.codes[at]
         return found
 
-    def _met(self, p: np.ndarray):
-        """The number of the slab of every ascending p, and what its row meets: `RowCrossings.table`."""
+    def _met(self, p: np.ndarray, curves: tuple[SlabCurve, ...]):
+        """The number of the slab of every ascending p, and what its row meets of some curves: `RowCrossings.table`."""
         lows = np.array([part.slab.low for part in self.slabs])
         number = np.clip(np.searchsorted(lows, p, side="right") - 1, 0, None)
         # A row between two slabs, or on the border of one, is looked at inside.
         inside = [self.slabs[k].slab.inner(value) for k, value in zip(number, p, strict=True)]
-        return number, RowCrossings(self.curves, self.plane.x_range).table(np.array(inside))
+        return number, RowCrossings(curves, self.plane.x_range).table(np.array(inside))
 
     def shares(
         self, x_window: tuple[float, float] | None = None, p_window: tuple[float, float] | None = None
@@ -156,7 +156,7 @@ class Division:
         (p, x) int64 array
         """
         found = np.empty((p.size, x.size), np.int64)
-        number, table = self._met(p)
+        number, table = self._met(p, self.curves)
         for row, (k, (arcs, places)) in enumerate(zip(number, table, strict=True)):
             part = self.slabs[k]
             at = {(int(curve), int(which)): place for (curve, which), place in zip(arcs, places, strict=True)}

@@ -411,3 +411,30 @@ def test_labels_are_written_into_their_regions(traced):
     for i, (x, y, wide, tall) in enumerate(boxes):
         for other, level, width, height in boxes[:i]:
             assert abs(x - other) >= 0.5 * (wide + width) or abs(y - level) >= 0.5 * (tall + height)
+
+
+def test_multipliers_along_a_row(plane, tmp_path):
+    """Drawn where asked for: those of the motions of the row, the largest ones up to what cells store."""
+    assert "multipliers.png" not in {path.name for path in drawn(plane.path, tmp_path / "without")}
+    paths = figures.draw(plane.path, tmp_path, None, ["png"], 50, multipliers=[0.25, 0.3], only=["multipliers"])
+    assert [path.name for path in paths] == ["multipliers.png"]
+    row = curves_at(plane, 0.25)
+    largest = np.abs(row.multipliers).max(axis=1)
+    columns, looked = plane.plan.sweep.values, 0
+    for column in range(len(columns)):
+        for point in np.flatnonzero(np.abs(row.points["position"] - columns[column]) < 1e-12):
+            gaps = np.abs(plane.amplitude[2, column] - row.points["amplitude"][point])
+            if np.nanmin(gaps) < 1e-9:
+                stored = plane.array("multiplier")[2, column, np.nanargmin(gaps)]
+                assert largest[point] == pytest.approx(stored, abs=1e-9)
+                looked += 1
+    assert looked > 0
+    # At a period doubling one is -1, at a Neimark-Sacker a pair lies on the circle.
+    for event, miss in (
+        (Event.PERIOD_DOUBLING, np.min(np.abs(row.multipliers + 1.0), axis=1)),
+        (Event.NEIMARK_SACKER, np.min(np.abs(np.abs(row.multipliers) - 1.0), axis=1)),
+    ):
+        at = row.points["event"] == event
+        assert np.any(at) and np.all(miss[at] < 1e-6)
+    with pytest.raises(ConfigurationError, match="figures.multipliers = 7.0"):
+        figures.check_options(plane.plan, None, ["png"], 60, multipliers=[7.0])

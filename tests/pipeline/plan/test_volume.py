@@ -143,7 +143,7 @@ def test_failures_name_both_values(tmp_path, capsys):
 
 
 def test_layers_are_drawn(swept, volume):
-    from pipeline.figures.volume import draw_volume, shown_layers
+    from pipeline.figures.volume import coexistence, draw_volume, shown_layers
 
     assert [path.name for path in (swept / "figures/omega_b_fe").glob("[!.]*")] == ["layers.png"]
     stored = read_stored(volume)
@@ -153,7 +153,12 @@ def test_layers_are_drawn(swept, volume):
         np.testing.assert_array_equal(plane.domain, contents(volume)["domain"][index])
     figure = draw_volume(stored)
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
-    assert titles == ["$f_e$ = 0", "$f_e$ = 0.25", "$f_e$ = 0.5"]
+    assert titles == ["$f_e$ = 0", "$f_e$ = 0.25", "$f_e$ = 0.5", "layers in which $n$ is at least 2, of 3"]
+    # In one row, and below it in how many layers several motions coexist.
+    assert len({round(axes.get_position().y0, 6) for axes in figure.axes[:3]}) == 1
+    several = np.sum(contents(volume)["n_stable"] >= 2, axis=0)
+    np.testing.assert_array_equal(coexistence(stored), several)
+    assert several.max() > 1
     shown = {text.get_text() for axes in figure.axes for text in axes.texts}
     present = {layers[0.0].labels[code] for code in np.unique(contents(volume)["domain"]).tolist()}
     assert present <= shown and len(present) > 3

@@ -1,18 +1,22 @@
 """What boundaries divide a plane into, against cells that know nothing of boundaries."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import pipeline
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import frame_of
-from pipeline.plane.division import parting_arcs, stored_division
+from pipeline.plane.division import _without_missed, parting_arcs, stored_division
 from pipeline.plane.resonances import mesh_shares
 from pipeline.plane.stability import region_stability, together
 from pipeline.plane.stored import read_stored
 from solver import Event, domain_label
 from solver.boundaries.problem import Plane
+from solver.regions.division import DividedSlab
 from solver.regions.labelling import dynamic_code, is_contradictory, stability_codes, static_code
+from solver.regions.slabs import Slab
 from tests.conftest import MODELS
 from tests.pipeline.planes import small_plan, small_store, traced_store
 
@@ -116,6 +120,41 @@ def test_lines_part_what_differs(plane):
     for number, shown in static.items():
         if plane.boundaries.curves[number].kind in (Event.FOLD, Event.MIN_AT_DRIVE):
             assert np.mean(shown[plane.boundaries.curves[number].arc_shows]) > 0.95
+
+
+def test_at_a_higher_order_regions_are_what_their_cells_say(tmp_path):
+    """No solution is enumerated there: cells have what the region says, and every place has a label."""
+    overrides = ("solver=hb", "solver.order=3", "plane.sweep.min=0.45", "plane.sweep.max=0.75")
+    plane = read_stored(
+        traced_store(tmp_path / "order.zarr", small_plan(*overrides, "plane.parameter.min=0.1", columns=60, rows=10))
+    )
+    division = stored_division(plane)
+    said, cells = division.codes_at(plane.plan.sweep.values, plane.rows), plane.stability_codes
+    np.testing.assert_array_equal(said[1:-1, 1:-1], cells[1:-1, 1:-1])
+    shares = division.shares()
+    assert 0 not in shares and sum(shares.values()) == pytest.approx(1.0, abs=1e-12)
+    assert len({static_code(code) for code in shares}) > 3
+    assert any(static_code(code) != dynamic_code(code) for code in shares)
+    fine = division.codes_at(np.linspace(0.45, 0.75, 300), np.linspace(0.1, 0.5, 200))
+    assert np.all(fine != 0)
+
+
+@pytest.mark.parametrize(
+    ("codes", "widths", "expected"),
+    [
+        # Between two folds, and the same on both sides of each: the pair was missed.
+        ((65, 65, 65), (0.4, 0.2, 0.4), [65, 0, 65]),
+        # The narrower side of a single fold.
+        ((65, 65), (0.9, 0.1), [65, 0]),
+        ((65, 66), (0.5, 0.5), [65, 66]),
+    ],
+)
+def test_a_fold_tells_of_a_pair_that_a_row_has_missed(codes, widths, expected):
+    curves = [SimpleNamespace(kind=Event.FOLD)] * (len(codes) - 1)
+    arcs = ((-1, 0), *((i, 0) for i in range(len(codes) - 1)), (-1, 1))
+    part = DividedSlab(Slab(0.0, 1.0, arcs), codes, np.array(widths))
+    x = np.concatenate([[0.0], np.cumsum(widths)])
+    assert _without_missed(SimpleNamespace(curves=curves), part, x) == expected
 
 
 def test_what_is_not_allowed_is_said(plane, tmp_path):
