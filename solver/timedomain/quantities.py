@@ -61,7 +61,18 @@ from solver.timedomain.section_map import (
 )
 from solver.timedomain.shooting import ShootingStatus, shoot
 
-__all__ = ["GAUGE", "QUANTITY_WORK", "Gauge", "clear", "gather", "gauge_at", "motion_quantities", "new_work", "read"]
+__all__ = [
+    "GAUGE",
+    "QUANTITY_WORK",
+    "Gauge",
+    "Quantities",
+    "clear",
+    "gather",
+    "gauge_at",
+    "motion_quantities",
+    "new_work",
+    "read",
+]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 
