@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,9 +17,8 @@ from tests.made_once import share
 settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)
 settings.load_profile("bevelmap")
 
-# Sources are compiled once and not by each of the hundreds of processes of the tests, whatever is set around them.
+# What pytest makes of the tests' sources is kept, whatever is set around it: it takes longer than all imports.
 sys.dont_write_bytecode = False
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 if TYPE_CHECKING:
     from solver import Model

@@ -1,5 +1,6 @@
 """Types of every configuration key, and what values may be where that is a range or a word; values live in conf/."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -152,21 +153,21 @@ class Plane:
 class Solver:
     """Which balance, and continuation settings; see `solver.Continuation`."""
 
-    balance: str = MISSING
-    order: int = MISSING
-    period: int = MISSING
-    corrector: str = MISSING
-    certify: str = MISSING
-    certify_columns: int = MISSING
-    tolerance: float = MISSING
-    amplitude_max: float = MISSING
-    first_step: float = MISSING
-    largest_step: float = MISSING
-    smallest_step: float = MISSING
-    largest_angle: float = MISSING
-    largest_distance: float = MISSING
-    parameter_step: float = MISSING
-    growth: float = MISSING
+    balance: str = allowed(names=("describing_function", "galerkin"))
+    order: int = allowed(1, 1000)
+    period: int = allowed(1, 1000)
+    corrector: str = allowed(names=("newton", "broyden"))
+    certify: str = allowed(names=("none", "columns", "all"))
+    certify_columns: int = allowed(2, 10**6)
+    tolerance: float = allowed(0.0, 1e-6, above=True)
+    amplitude_max: float = allowed(0.0, above=True)
+    first_step: float = allowed(0.0, above=True)
+    largest_step: float = allowed(0.0, above=True)
+    smallest_step: float = allowed(0.0, above=True)
+    largest_angle: float = allowed(0.0, math.pi, above=True)
+    largest_distance: float = allowed(0.0, 10.0, above=True)
+    parameter_step: float = allowed(0.0, 1.0, above=True)
+    growth: float = allowed(0.0, above=True)
 
 
 @dataclass

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pipeline.config.allowed import check_one
+from pipeline.config.schema import Solver
 from pipeline.plan.plan import Plan
 from pipeline.plan.thermal import thermal_pair
 from solver import (
@@ -25,37 +27,15 @@ if TYPE_CHECKING:
     from solver import Row
     from solver.rows.seeds import Seeds
 
-__all__ = [
-    "BALANCES",
-    "CERTIFY",
-    "CORRECTORS",
-    "balance_of",
-    "continuation_of",
-    "frame_of",
-    "model_at",
-    "point_of",
-    "row_axis",
-    "row_of",
-    "seeds_of",
-]
-
+__all__ = ["balance_of", "continuation_of", "frame_of", "model_at", "point_of", "row_axis", "row_of", "seeds_of"]
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
-
-
-CERTIFY = ("none", "columns", "all")
-
-
-BALANCES = ("describing_function", "galerkin")
-
-
 NOT_CONTINUATION = ("balance", "order", "period", "certify", "certify_columns")
 
 
 def balance_of(settings: dict) -> Balance:
     """The harmonic balance that the solver settings describe."""
-    if settings["balance"] not in BALANCES:
-        raise ParameterError("balance", settings["balance"], f"one of {', '.join(BALANCES)}")
+    _check_word("balance", settings)
     if settings["balance"] == "galerkin":
         # Its kernels are many, and first-order runs do without them.
         from solver.harmonic.galerkin import Galerkin
@@ -67,19 +47,22 @@ def balance_of(settings: dict) -> Balance:
     return DescribingFunction()
 
 
+def _check_word(name: str, settings: dict) -> None:
+    """A plan may come from a store, whose settings no schema has seen."""
+    check_one(Solver, f"solver.{name}", str(settings[name]))
+
+
 def continuation_of(settings: dict) -> Continuation:
     """The continuation that the solver settings describe."""
     settings = {key: value for key, value in settings.items() if key not in NOT_CONTINUATION}
+    _check_word("corrector", settings)
     name, tolerance = settings.pop("corrector"), settings.pop("tolerance")
-    if name not in CORRECTORS:
-        raise ParameterError("corrector", name, f"one of {', '.join(CORRECTORS)}")
     return Continuation(corrector=CORRECTORS[name](tolerance=tolerance), **settings)
 
 
 def seeds_of(settings: dict) -> Seeds:
     """Where branches start, as the solver settings describe."""
-    if settings["certify"] not in CERTIFY:
-        raise ParameterError("certify", settings["certify"], f"one of {', '.join(CERTIFY)}")
+    _check_word("certify", settings)
     if settings["certify"] == "none":
         return LinearSeeds()
     if settings["balance"] == "galerkin":

@@ -21,15 +21,24 @@ __all__ = ["COUNT", "Helpers", "load"]
 COUNT = 2
 
 
+#: In a helper, what those have in common that are started together.
+_TURN = []
+
+
 def load(modules: Iterable[str]) -> None:
     """In a helper or on a worker: import modules, zarr with its own defaults."""
-    load_zarr()
-    for module in modules:
-        importlib.import_module(module)
+    # One helper after the other: where there are two cores, one is ready early instead of two late.
+    with contextlib.ExitStack() as held:
+        for turn in _TURN:
+            held.enter_context(turn)
+        load_zarr()
+        for module in modules:
+            importlib.import_module(module)
 
 
-def _end_with_parent() -> None:
-    """In a helper: whoever is killed ends nobody, and its helpers would wait for tasks without end."""
+def _begin(turn) -> None:
+    """In a helper: end with the process that started it, which may be killed and ends nobody then."""
+    _TURN.append(turn)
 
     def wait() -> None:
         multiprocessing.parent_process().join()
@@ -49,7 +58,7 @@ class Helpers:
     def __init__(self, modules: Iterable[str]):
         before = set(multiprocessing.active_children())
         spawn = multiprocessing.get_context("spawn")
-        self._pool = ProcessPoolExecutor(COUNT, mp_context=spawn, initializer=_end_with_parent)
+        self._pool = ProcessPoolExecutor(COUNT, mp_context=spawn, initializer=_begin, initargs=(spawn.Lock(),))
         with deaf_to_interrupts(), main_module_hidden():
             # Each of the first tasks starts a process.
             for _ in range(COUNT):

@@ -36,7 +36,11 @@ _ROWS = {
     ),
 }
 
-_ATTRACTORS = ("solver.timedomain.attractors", "solver.timedomain.row_systems")
+_ATTRACTORS = (
+    "solver.timedomain.cell_search",
+    "solver.timedomain.quantities.gauge_at",
+    "solver.timedomain.row_systems",
+)
 
 #: By stage and balance, those that take longest first.
 NEEDED = {

@@ -2,16 +2,15 @@
 
 import math
 
+from pipeline.config.allowed import check_one
 from pipeline.config.physical import PATHS
+from pipeline.config.schema import Solver, Store
 from pipeline.plan.axes import Axis
 from pipeline.plan.plan import Plan, plan_of
 from pipeline.plan.planning import check_numbers
 from solver import SCALAR_PARAMETERS
 
 __all__ = ["validate_plan"]
-
-#: Room per row: lowest and highest, as `store.max_...` may be.
-_ROOM = {"max_solutions": (1, 100), "max_branches": (1, 100), "max_points": (2, 10**7)}
 
 
 def validate_plan(numbers: dict) -> Plan:
@@ -28,17 +27,21 @@ def validate_plan(numbers: dict) -> Plan:
     names = [axis.name for axis in plan.axes]
     if len(set(names)) < len(names):
         raise ValueError(f"axes {' x '.join(names)}")
-    for name, (low, high) in _ROOM.items():
-        value = getattr(plan, name)
-        if type(value) is not int or not low <= value <= high:
-            raise ValueError(f"{name} = {str(value)[:40]}")
+    for name in ("max_solutions", "max_branches", "max_points"):
+        _check_whole(Store, name, getattr(plan, name))
     if (plan.omega is None) != ("omega" in (plan.sweep.name, plan.parameter.name)) or not _finite(plan.omega or 1.0):
         raise ValueError(f"omega = {str(plan.omega)[:40]}")
     for name in ("order", "period"):
-        if type(plan.solver[name]) is not int or not 1 <= plan.solver[name] <= 1000:
-            raise ValueError(f"solver.{name} = {str(plan.solver[name])[:40]}")
+        _check_whole(Solver, name, plan.solver[name])
     check_numbers(plan)
     return plan
+
+
+def _check_whole(section: type, name: str, value) -> None:
+    """It is a number that a configuration could have had."""
+    if type(value) is not int:
+        raise ValueError(f"{name} = {str(value)[:40]}")
+    check_one(section, name, value)
 
 
 def _check_axis(axis: Axis) -> None:

@@ -17,11 +17,10 @@ import numpy as np
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate_rows
-from solver.model.condensation import rotation_coupling
+from solver.model.condensation import NO_COUPLING, direction_squares, rotation_coupling
 from solver.model.contact_system import ContactSystem
 from solver.model.parameters import (
     BACK_GAP,
-    CONE,
     DEGREES,
     FRONT_GAP,
     GEAR,
@@ -29,8 +28,6 @@ from solver.model.parameters import (
     KAPPA,
     KIND,
     MESH_FREQUENCY,
-    PRESSURE,
-    SIGMA,
     VARIATION_R,
     VARIATION_T,
     XI_MESH,
@@ -48,9 +45,6 @@ _I, _F = types.int64, types.float64
 
 # Slots of `numbers`.
 FREQUENCY, LOW, HIGH, LENGTH, ONE_ZONE = range(5)
-
-# A support has no part in the contact direction where its share of d . d is rounding: cos 90 degrees is 6e-17.
-_NO_COUPLING = 1e-30
 
 
 class SwitchedSystem(NamedTuple):
@@ -91,16 +85,11 @@ def _supports(model, slope, p, groups):
     groups (4, 6): xi, k, sum_j d_j^2 kappa_g and 2 sum_j d_j^2 xi_hg of each, as in
     `solver.model.contact_system.gear_system`.
     """
-    radians = math.pi / 180.0
-    cone = (model[CONE] + p * slope[CONE]) * radians
-    pressure = (model[PRESSURE] + p * slope[PRESSURE]) * radians
-    sigma, sine = model[SIGMA] + p * slope[SIGMA], math.sin(pressure) ** 2
-    radial, axial = sigma * math.cos(cone) ** 2 * sine, sigma * math.sin(cone) ** 2 * sine
-    tangential = sigma * math.cos(pressure) ** 2
+    radial, axial, tangential = direction_squares(model, slope, p)
     count = 0
     for j in range(6):
         square = radial if j % 3 == 0 else (axial if j % 3 == 1 else tangential)
-        if not square > _NO_COUPLING:
+        if not square > NO_COUPLING:
             continue
         xi = model[XI_SUPPORT + j] + p * slope[XI_SUPPORT + j]
         k = model[K_SUPPORT + j] + p * slope[K_SUPPORT + j]

@@ -23,20 +23,17 @@ from solver.harmonic.impedance import base_frequency
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import finite_array, has_methods, instance_of, number_array
-from solver.model.condensation import rotation_coupling
+from solver.model.condensation import NO_COUPLING, direction_squares, rotation_coupling
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
 from solver.model.parameters import (
     BACK_GAP,
-    CONE,
     F_PM,
     FRONT_GAP,
     K_SUPPORT,
     KAPPA,
     LOADS,
     PERIOD,
-    PRESSURE,
-    SIGMA,
     STIFFNESSES,
     VARIATION_T,
     XI_SUPPORT,
@@ -50,9 +47,6 @@ __all__ = ["balance_quantities", "fill_quantities"]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _COMPLEX = np.complex128
-
-# A support has no part in the contact direction where its share of d . d is rounding.
-_NO_COUPLING = 1e-30
 
 
 @kernel(types.UniTuple(_F, 2)(ARRAY), inner=True)
@@ -185,13 +179,10 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
             number_at(parameters, parameter_slope, p, at + 1),
         )
         _add(error, l * period, size * complex(math.cos(phase), math.sin(phase)))
-    radians, values[12] = math.pi / 180.0, 0.0
-    cone, pressure = (number_at(gear, slope, p, CONE)[0] * radians, number_at(gear, slope, p, PRESSURE)[0] * radians)
-    sigma, sine = number_at(gear, slope, p, SIGMA)[0], math.sin(pressure) ** 2
-    squares = (sigma * math.cos(cone) ** 2 * sine, sigma * math.sin(cone) ** 2 * sine, sigma * math.cos(pressure) ** 2)
+    squares, values[12] = direction_squares(gear, slope, p), 0.0
     for j in range(6):
         square, g = squares[j % 3], j // 3
-        if not square > _NO_COUPLING:
+        if not square > NO_COUPLING:
             continue
         k_support, xi = number_at(gear, slope, p, K_SUPPORT + j)[0], number_at(gear, slope, p, XI_SUPPORT + j)[0]
         kappa, drag = number_at(gear, slope, p, KAPPA + g)[0], number_at(gear, slope, p, XI_TRANSLATION + g)[0]

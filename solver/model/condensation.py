@@ -22,7 +22,10 @@ from solver.model.parameters import (
     number_at,
 )
 
-__all__ = ["mesh_receptance", "phasor", "rotation_coupling"]
+__all__ = ["NO_COUPLING", "direction_squares", "mesh_receptance", "phasor", "rotation_coupling"]
+
+#: A support has no part in the contact direction where its share of d . d is rounding: cos 90 degrees is 6e-17.
+NO_COUPLING = 1e-30
 
 
 @kernel(types.UniTuple(types.complex128, 2)(ARRAY, ARRAY, types.float64, types.int64), inline=True)
@@ -65,6 +68,16 @@ def rotation_coupling(parameters, parameter_slope, p):
         value += math.cos(pressure) ** 2
         slope -= math.sin(2.0 * pressure) * d_pressure * radians
     return value, slope
+
+
+@kernel(types.UniTuple(types.float64, 3)(ARRAY, ARRAY, types.float64), inner=True)
+def direction_squares(parameters, parameter_slope, p):
+    """d_j^2 of the radial, axial and tangential support of either gear, of a gear's own numbers at one axis value."""
+    radians = math.pi / 180.0
+    cone = (parameters[CONE] + p * parameter_slope[CONE]) * radians
+    pressure = (parameters[PRESSURE] + p * parameter_slope[PRESSURE]) * radians
+    sigma, sine = parameters[SIGMA] + p * parameter_slope[SIGMA], math.sin(pressure) ** 2
+    return (sigma * math.cos(cone) ** 2 * sine, sigma * math.sin(cone) ** 2 * sine, sigma * math.cos(pressure) ** 2)
 
 
 @kernel(

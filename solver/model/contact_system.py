@@ -18,6 +18,7 @@ from functools import lru_cache
 import numpy as np
 
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, whole_number
+from solver.model.condensation import NO_COUPLING
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
 __all__ = ["ContactSystem", "gear_system", "in_motion", "reduced", "support_kinds"]
@@ -196,10 +197,6 @@ def reduced(system: ContactSystem) -> ContactSystem:
     )
 
 
-# A support has no part in the contact direction where its share of d . d is rounding.
-_NO_COUPLING = 1e-30
-
-
 def support_kinds(model: Model, *, separate: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Which coordinate of `gear_system` each of the six supports moves with, and its share.
 
@@ -217,7 +214,7 @@ def support_kinds(model: Model, *, separate: bool = False) -> tuple[np.ndarray, 
         d_j / sum d_i^2 over the kind: x_j over the coordinate, where all of a kind move alike.
     """
     squares = model.direction**2
-    member, kinds = _kinds(model, squares > _NO_COUPLING, separate)
+    member, kinds = _kinds(model, squares > NO_COUPLING, separate)
     share = np.zeros(6)
     for g in range(len(kinds)):
         here = member == g
@@ -258,7 +255,7 @@ def gear_system(model: Model, *, separate: bool = False) -> ContactSystem:
     instance_of("separate", separate, bool)
     squares = model.direction**2
     # What the contact does not reach is no part of the motion; cos 90 degrees is 6e-17.
-    reached = squares > _NO_COUPLING
+    reached = squares > NO_COUPLING
     kappa, xi_mesh = np.repeat(model.kappa, 3), np.repeat(model.xi_translation, 3)
     member, kinds = _kinds(model, reached, separate)
     groups = len(kinds)

@@ -3,13 +3,12 @@
 Not imported by `import solver`: the kernels are many.
 """
 
-from solver.contact.quantities import Quantities
 from solver.timedomain.attractor import AttractorKind
 from solver.timedomain.attractor_row import AttractorRow, AttractorSearch, SeenFrom
 from solver.timedomain.attractors import continue_attractors, find_attractors, settle
 from solver.timedomain.integrator import Status, Trajectory, Zone, integrate
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
-from solver.timedomain.quantities import motion_quantities
+from solver.timedomain.quantities import Quantities, motion_quantities
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
 
 __all__ = [

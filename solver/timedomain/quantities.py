@@ -7,7 +7,7 @@ is sampled.
 
 For kernels:
 
-    gauge = gauge_of(model, system, omega)                 Python: what is read, beside the motion
+    gauge = gauge_at(parameters, parameter_slope, p, False)     what is read, beside the motion; allocates
     work = new_work(flows)                                 once for systems of one size; allocates
     clear(work)
     gather(flows, gauge, steps, count, work, room)         after each `carry_period` that kept its steps
@@ -25,9 +25,25 @@ from solver.flow.zone_flows import COEFFICIENTS, ZONE_FLOWS, change_basis, combi
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.checks import ParameterError, frequency, instance_of, whole_number
-from solver.model.contact_system import ContactSystem, gear_system, support_kinds
+from solver.model.checks import frequency, instance_of, whole_number
+from solver.model.condensation import NO_COUPLING, direction_squares, rotation_coupling
+from solver.model.contact_system import gear_system, support_kinds
 from solver.model.gear_model import Model
+from solver.model.packing import packed
+from solver.model.parameters import (
+    F_PM,
+    GEAR,
+    K_SUPPORT,
+    KAPPA,
+    KIND,
+    LOADS,
+    VARIATION_T,
+    XI_SUPPORT,
+    XI_TRANSLATION,
+    error_slot,
+    gear_numbers,
+    number_at,
+)
 from solver.timedomain.bernstein import restrict, widen_by_hull
 from solver.timedomain.integrator import COMPLETE, Status, checked_state, checked_tolerance
 from solver.timedomain.poincare import checked_flows
@@ -45,9 +61,20 @@ from solver.timedomain.section_map import (
 )
 from solver.timedomain.shooting import ShootingStatus, shoot
 
-__all__ = ["GAUGE", "QUANTITY_WORK", "Gauge", "clear", "gather", "gauge_of", "motion_quantities", "new_work", "read"]
+__all__ = [
+    "GAUGE",
+    "QUANTITY_WORK",
+    "Gauge",
+    "Quantities",
+    "clear",
+    "gather",
+    "gauge_at",
+    "motion_quantities",
+    "new_work",
+    "read",
+]
 
-_F, _I = types.float64, types.int64
+_F, _I, _B = types.float64, types.int64, types.boolean
 
 
 class Gauge(NamedTuple):
@@ -55,7 +82,7 @@ class Gauge(NamedTuple):
 
     `numbers` (3,): eps_t, the static force f_pm/c, and 1 where supports can be told from the coordinates. `error`
     (L, 2): cos and sin amplitudes of e, l = 1 ... L. `seen` (n,): d.x of the coordinates. `supports` (S, 2 n): forces
-    from the state.
+    from the state. Of a system that is no gear pair `seen` has no elements: it has no transmission error.
     """
 
     numbers: np.ndarray
@@ -94,48 +121,65 @@ def _gram() -> np.ndarray:
 _GRAM = _gram()
 
 
-def gauge_of(model: Model, system: ContactSystem, omega: float) -> Gauge:
-    """What is read of a gear pair.
+@kernel(GAUGE(ARRAY, ARRAY, _F, _B))
+def gauge_at(parameters, parameter_slope, p, separate):
+    """What is read of a system of packed parameters at one axis value.
 
     Parameters
     ----------
-    model : Model
-    system : ContactSystem
-        `gear_system(model)`, where the forces of supports that it merges though their gears differ are not told, or
-        `gear_system(model, separate=True)`.
-    omega : float
-
-    Raises
-    ------
-    ParameterError
-        If an argument is not allowed, or the system is of another number of coordinates.
+    parameters, parameter_slope : arrays
+        Of `solver.model.packing.packed`. Of a system that is no gear pair only lambda is read.
+    p : float
+        Axis value.
+    separate : bool
+        Whether the coordinates are those of `gear_system(model, separate=True)`. If not, the forces of supports that
+        are merged though their gears differ are not told.
     """
-    instance_of("model", model, Model)
-    instance_of("system", system, ContactSystem)
-    frequency(omega)
-    member, share = support_kinds(model, separate=True)
-    n, apart = system.degrees, int(member.max(initial=-1)) + 2
-    merged = gear_system(model).degrees
-    if n not in (merged, apart):
-        raise ParameterError("system", f"{n} coordinates", f"gear_system(model), of {merged} or {apart}")
-    rows = []
-    if n == apart:
-        # Of supports that move alike the one with the largest share has the largest force.
-        for coordinate in range(n - 1):
-            j = max(np.flatnonzero(member == coordinate), key=lambda j: abs(share[j]))
-            row = np.zeros(2 * n)
-            row[coordinate] = share[j] * model.k_support[j]
-            row[n + coordinate] = 2.0 * share[j] * model.xi_support[j]
-            rows.append(row)
-    amplitudes = np.array([a * np.exp(1j * phase) for a, phase in model.error_harmonics()])
-    seen = np.ones(n)
-    seen[-1] = 0.0
-    return Gauge(
-        np.array([model.variation_translation, model.f_pm / model.rotation, float(n == apart)]),
-        np.column_stack([amplitudes.real, -amplitudes.imag]),
-        seen,
-        np.array(rows).reshape(-1, 2 * n),
-    )
+    numbers = np.zeros(3)
+    if parameters[KIND] != GEAR:
+        return Gauge(numbers, np.empty((0, 2)), np.empty(0), np.empty((0, 0)))
+    gear, slope = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
+    numbers[0] = number_at(gear, slope, p, VARIATION_T)[0]
+    numbers[1] = number_at(gear, slope, p, F_PM)[0] / rotation_coupling(gear, slope, p)[0]
+    error = np.empty((int(parameters[LOADS]), 2))
+    for l in range(error.shape[0]):
+        at = error_slot(parameters, l + 1)
+        (size, _), (phase, _) = (
+            number_at(parameters, parameter_slope, p, at),
+            number_at(parameters, parameter_slope, p, at + 1),
+        )
+        error[l, 0], error[l, 1] = size * math.cos(phase), -size * math.sin(phase)
+    # Of each kind: xi, k, kappa and xi_hg, the sum of d_j^2 and the largest of them, whose support has the most force.
+    kinds, count, told = np.empty((6, 6)), 0, True
+    squares = direction_squares(gear, slope, p)
+    for j in range(6):
+        square = squares[j % 3]
+        if not square > NO_COUPLING:
+            continue
+        xi, k = number_at(gear, slope, p, XI_SUPPORT + j)[0], number_at(gear, slope, p, K_SUPPORT + j)[0]
+        kappa = number_at(gear, slope, p, KAPPA + j // 3)[0]
+        drag = number_at(gear, slope, p, XI_TRANSLATION + j // 3)[0]
+        kind = 0
+        while kind < count:
+            alike = kinds[kind, 2] == kappa and kinds[kind, 3] == drag
+            if kinds[kind, 0] == xi and kinds[kind, 1] == k and (alike or not separate):
+                told = told and alike
+                break
+            kind += 1
+        if kind == count:
+            kinds[kind, 0], kinds[kind, 1], kinds[kind, 2], kinds[kind, 3] = xi, k, kappa, drag
+            kinds[kind, 4], kinds[kind, 5] = 0.0, 0.0
+            count += 1
+        kinds[kind, 4] += square
+        kinds[kind, 5] = max(kinds[kind, 5], square)
+    numbers[2] = 1.0 if told else 0.0
+    seen, supports = np.ones(count + 1), np.zeros((count if told else 0, 2 * count + 2))
+    seen[count] = 0.0
+    for kind in range(supports.shape[0]):
+        share = math.sqrt(kinds[kind, 5]) / kinds[kind, 4]
+        supports[kind, kind] = share * kinds[kind, 1]
+        supports[kind, count + 1 + kind] = 2.0 * share * kinds[kind, 0]
+    return Gauge(numbers, error, seen, supports)
 
 
 @kernel(QUANTITY_WORK(ZONE_FLOWS), inner=True)
@@ -240,6 +284,8 @@ def gather(flows, gauge, steps, count, work, room):
             _widen(flows, step, _FORCE, work, room)
             room.powers[0] += flank
         totals[_ZONE] = z
+        if gauge.seen.shape[0] == 0:
+            continue
         _expand(flows, step, work)
         copy_into(powers, room.powers)
         for i in range(n):
@@ -289,12 +335,15 @@ def read(gauge, work, values):
     values[4] = values[1] - values[0]
     values[5], values[6] = totals[_PSI], totals[_PSI + 1]
     values[8] = values[6] - values[5]
+    if gauge.seen.shape[0] == 0:
+        values[5], values[6], values[8] = math.nan, math.nan, math.nan
     time = totals[_TIME]
     for first, mean, rms in ((_LAMBDA_FIRST, 2, 3), (_PSI_FIRST, -1, 7)):
         average = totals[first + 1] / time
         if mean >= 0:
             values[mean] = totals[first] + average
-        values[rms] = math.sqrt(max(totals[first + 2] / time - average * average, 0.0))
+        square = totals[first + 2] / time - average * average
+        values[rms] = math.sqrt(square) if square > 0.0 else (math.nan if math.isnan(totals[first]) else 0.0)
     # Without contact there is no force; a negative static force is carried by the back flank.
     lowest, highest = min(totals[_FORCE], 0.0), max(totals[_FORCE + 1], 0.0)
     if totals[_FREE] == 0.0:
@@ -305,9 +354,10 @@ def read(gauge, work, values):
     values[12] = (support if gauge.supports.shape[0] > 0 else 0.0) if gauge.numbers[2] > 0.0 else math.nan
 
 
-@kernel(_I(ZONE_FLOWS, GAUGE, ARRAY, _I, ARRAY))
-def _quantities(flows, gauge, state, periods, values):
+@kernel(_I(ZONE_FLOWS, ARRAY, ARRAY, _F, _B, ARRAY, _I, ARRAY))
+def _quantities(flows, parameters, parameter_slope, p, separate, state, periods, values):
     """Fill values (13,) with what a motion does over some periods; its state is overwritten."""
+    gauge = gauge_at(parameters, parameter_slope, p, separate)
     room, steps, work = new_room(flows), new_steps(flows), new_work(flows)
     clear(work)
     for _ in range(periods):
@@ -363,8 +413,8 @@ def motion_quantities(
         if orbit.status is ShootingStatus.CONVERGED and np.max(np.abs(together @ orbit.state - current)) <= near:
             system, current = apart, orbit.state.copy()
     values = np.full(len(Slot), np.nan)
-    gauge = gauge_of(model, system, omega)
-    status = Status(_quantities(checked_flows(system, omega, tolerance), gauge, current, periods, values))
+    flows, vectors = checked_flows(system, omega, tolerance), packed(model, "omega", None, 1, 1)
+    status = Status(_quantities(flows, *vectors, omega, system is apart, current, periods, values))
     return Quantities(*values.tolist()), status
 
 

@@ -9,12 +9,11 @@ from solver.flow.switched_system import FREQUENCY, HIGH, LOW, count_degrees
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.contact_system import ContactSystem, gear_system, reduced
+from solver.model.contact_system import ContactSystem, reduced
 from solver.model.gear_model import Model
 from solver.model.packing import packed
-from solver.model.parameter_path import place_on
 from solver.model.parameters import LOADS, STIFFNESSES
-from solver.timedomain.quantities import Gauge, gauge_of
+from solver.timedomain.quantities import Gauge, gauge_at
 
 __all__ = ["RowSystems", "motion_states", "random_states", "row_systems"]
 
@@ -149,23 +148,21 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
         modes = np.where(modes > 1e-9 * np.max(modes, axis=1, initial=1.0)[:, None], modes, np.inf)
         slowest = np.minimum(np.min(modes, axis=1), group.numbers[:, FREQUENCY])
         box[columns] = np.column_stack([reach, reach * slowest])
-    gauges = _gauges(system, axis, values, frequencies, rest)
+    if isinstance(system, Model):
+        gauges = tuple(gauge_at(parameters, slope, value, False) for value in values.tolist())
+    else:
+        gauges = _gauges(reduced(system), rest)
     return RowSystems(parameters, slope, values, degrees, rest, box, gaps, frequencies, gauges, tuple(alike))
 
 
-def _gauges(system: Model | ContactSystem, axis: str, values: np.ndarray, omega: np.ndarray, rest: np.ndarray):
-    if isinstance(system, Model):
-        models = [place_on(axis, value, system)[0] for value in (values[:1] if axis == "omega" else values)]
-        gauges = [gauge_of(model, gear_system(model), omega[0]) for model in models]
-        return tuple(gauges * values.size if axis == "omega" else gauges)
-    small = reduced(system)
-    force, varying = small.force, small.varying_force
+def _gauges(system: ContactSystem, rest: np.ndarray) -> tuple[Gauge, ...]:
+    """What is read of a system that is no gear pair: the force over that at rest in contact."""
+    force, varying = system.force, system.varying_force
     # The stiffness varies in the mesh force where both act along one direction; elsewhere there is no one mesh force.
     share = float(varying @ force / (force @ force))
     share = share if np.allclose(varying, share * force, rtol=1e-12, atol=0.0) else np.nan
-    seen, nothing = np.zeros(small.degrees), np.empty((0, 2 * small.degrees))
-    closed = rest[:, : small.degrees] @ small.contact - small.front_gap
-    return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), seen, nothing) for at in closed)
+    closed = rest[:, : system.degrees] @ system.contact - system.front_gap
+    return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), np.empty(0), np.empty((0, 0))) for at in closed)
 
 
 def _solved(matrices: np.ndarray, rights: np.ndarray) -> np.ndarray:

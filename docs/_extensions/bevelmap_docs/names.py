@@ -41,13 +41,14 @@ def names(package: str) -> str:
 
 
 def _home(package: str, name: str) -> str:
-    """The module within a package that defines a name."""
+    """The module that defines a name of a package."""
     value = getattr(importlib.import_module(package), name)
     module = getattr(value, "__module__", "")
     if module.startswith(f"{package}."):
         return module
     loaded = sorted(other for other in sys.modules if other.startswith(f"{package}."))
-    return next(other for other in loaded if name in getattr(sys.modules[other], "__all__", ()))
+    # Or of another package, whose names this one hands on.
+    return next((other for other in loaded if name in getattr(sys.modules[other], "__all__", ())), module)
 
 
 def _summary(module: str) -> str:

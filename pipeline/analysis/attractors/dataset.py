@@ -46,8 +46,12 @@ NUMBERS = {
     "amplitude": "amplitude of the mesh frequency in the mesh displacement",
     "rms": "root mean square of the varying part of the mesh displacement",
     "peak_to_peak": "peak to peak of the mesh displacement",
+    "error_rms": "root mean square of the varying part of the dynamic transmission error",
+    "error_peak_to_peak": "peak to peak of the dynamic transmission error",
     "force": "largest mesh force over the static one: dynamic factor",
     "contact_loss": "share of the period without contact",
+    "impact_velocity": "largest speed of the mesh displacement where teeth meet again",
+    "support_force": "largest force of a support",
     "lyapunov": "largest Lyapunov exponent per unit of dimensionless time",
     "lyapunov_error": "standard error of the largest Lyapunov exponent",
 }

@@ -214,7 +214,7 @@ def markdown(answer: Answer, name: str) -> str:
         parts += [
             f"## Labels over {where}, the worst first",
             pipes(["further parameters", "labels"], rows),
-            f"Worst label within the tolerances: **{_worst(answer)}**.",
+            f"Worst label within the tolerances, {answer.known[0].source}: **{_worst(answer)}**.",
         ]
     if answer.notes:
         parts += ["## Notes", _bullets(answer.notes)]
@@ -266,5 +266,5 @@ def lines(answer: Answer) -> list[str]:
         )
         found += [f"  {text}" for text in (_largest_sentence(answer), _resonance_sentence(answer)) if text]
     if answer.corners:
-        found.append(f"  worst label within the tolerances: {_worst(answer)}")
+        found.append(f"  worst label within the tolerances, {answer.known[0].source}: {_worst(answer)}")
     return [*found, *(f"  note: {note}" for note in answer.notes)]

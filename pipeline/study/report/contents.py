@@ -11,7 +11,7 @@ from pipeline.study.report.comparison import appendix, differences, numbers, sum
 from pipeline.study.report.document import Document, Grid, Heading, Listing, Paragraph, Picture
 from pipeline.study.report.pictures import pictures_of
 from pipeline.study.report.sources import COMPARED, STUDY_PLANES, Source
-from pipeline.study.report.trust import dynamic_shares, verified_grid
+from pipeline.study.report.trust import dynamic_grid, integration, verified_grid
 from pipeline.study.statements import STATEMENTS, Planes, evaluate
 from pipeline.study.statements.quantities import RowFolds
 from pipeline.study.tables.article import ARTICLE_TABLES
@@ -129,29 +129,10 @@ def _trust(study: dict[str, Source]) -> Iterator:
         "also sees period doubling and Neimark–Sacker bifurcations. Where it contradicts the folds, the order is too "
         "low: the first-order orbit is no true one there."
     )
-    rows = []
-    for plane, source in study.items():
-        shares = dynamic_shares(source.path)
-        rows.append(
-            (
-                plane,
-                percent(shares.stable),
-                percent(shares.contradictory),
-                percent(shares.undecided),
-                percent(shares.unstable),
-            )
-        )
-    yield Grid(
-        "Cells by the worst that is said of a motion that the label counts.",
-        ("Plane", "All stable", "One contradictory", "One not known", "One dynamically unstable"),
-        tuple(rows),
-    )
+    yield dynamic_grid({plane: source.path for plane, source in study.items()})
     for source in study.values():
         if source.verified:
-            yield Paragraph(
-                f"In the plane {source.plane} the equations of motion were also integrated in every cell: from every "
-                "stable solution, from rest, from random states, and from the attractors of the neighbouring cells."
-            )
+            yield Paragraph(integration(source.path, source.plane))
             yield verified_grid(source.path)
             picture = pictures_of(source.path, ("verification",), None)["verification"]
             yield Picture(f"{source.plane}-verification", "Where the first-order map can be trusted.", picture)

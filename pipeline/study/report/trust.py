@@ -1,40 +1,48 @@
 """How far first order can be trusted, from the stores: dynamic stability everywhere, integration in one plane."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-
-import numpy as np
 
 from pipeline.analysis.attractors.queries import attractors_of
 from pipeline.analysis.attractors.sheets import MEANINGS, label_lines, map_labels
 from pipeline.analysis.attractors.wording import percents
+from pipeline.errors import StoreError
+from pipeline.plane.stability import region_stability, together
 from pipeline.plane.stored import read_stored
+from pipeline.study.numerals import percent
 from pipeline.study.report.document import Grid
-from solver.stability import Instability
 
-__all__ = ["DynamicShares", "dynamic_shares", "verified_grid"]
-
-
-@dataclass(frozen=True)
-class DynamicShares:
-    """Shares of a plane's cells by the worst that dynamic stability says of a motion that the label counts."""
-
-    stable: float
-    contradictory: float
-    undecided: float
-    unstable: float
+__all__ = ["dynamic_grid", "integration", "verified_grid"]
 
 
-def dynamic_shares(path: Path) -> DynamicShares:
-    """Read a store block by block."""
-    counts = np.zeros(4)
-    for part in read_stored(path).parts:
-        unstable, contradictory = part.unstable, part.contradictory & ~part.unstable
-        undecided = np.any((part.stable == 1) & (part.instability == Instability.UNDECIDED), axis=-1)
-        undecided &= ~unstable & ~contradictory
-        stable = ~unstable & ~contradictory & ~undecided
-        counts += [np.sum((part.domain != 0) & cells) for cells in (stable, contradictory, undecided, unstable)]
-    return DynamicShares(*(counts / max(counts.sum(), 1.0)).tolist())
+def dynamic_grid(paths: Mapping[str, Path]) -> Grid:
+    """Of every plane, how much of its area has motions that the label counts and that are not dynamically stable."""
+    rows = []
+    for name, path in paths.items():
+        try:
+            all_of_it = together(region_stability(path).values())
+            shares = (all_of_it.one_unstable, all_of_it.none_stable, all_of_it.contradictory)
+            rows.append((name, *map(percent, shares)))
+        except StoreError:
+            rows.append((name, *["its boundaries do not divide it"] * 3))
+    headings = ("Plane", "One is unstable", "None is stable", "One is contradictory")
+    return Grid(
+        "Motions that the label counts, by dynamic stability: shares of the plane's area, from the boundary curves.",
+        headings,
+        tuple(rows),
+    )
+
+
+def integration(path: Path, name: str) -> str:
+    """Where and from what a plane was integrated, counted."""
+    found, plan = attractors_of(path), read_stored(path).plan
+    cells, starts = int((found.label.values != 0).sum()), int(found.starts.values.max())
+    return (
+        f"In {cells:,} of the {plan.parameter.num * plan.sweep.num:,} cells of the plane {name} the equations of "
+        f"motion were integrated: from every stable solution, from rest, from {starts} random "
+        f"state{'s' * (starts != 1)}, and "
+        "from the attractors of the neighbouring cells."
+    )
 
 
 def verified_grid(path: Path) -> Grid:

@@ -58,10 +58,10 @@ RULES = {
         "the last row with a peak."
     ),
     "stability": (
-        "Stability: the share of the region without a stable motion of one mesh period, counted in the plane's cells: "
-        "by integration where the store has attractors of all of it, else by the multipliers of the first-order "
-        "motions; and the share in which several motions are statically stable, so that the start decides which one is "
-        "reached."
+        "Stability: the share of the region without a stable motion of one mesh period, by integration where the store "
+        "has attractors of all its cells, else by the multipliers of the first-order motions (from the boundary curves "
+        "where they are stored, else counted in cells); and the share in which several motions are statically stable, "
+        "so that the start decides which one is reached."
     ),
 }
 

@@ -7,9 +7,10 @@ import pytest
 
 from pipeline.config.allowed import _ALLOWED, check_one, sentence_of
 from pipeline.config.compose import compose
-from pipeline.config.schema import Axis, Check, Configuration, Figures
+from pipeline.config.schema import Axis, Check, Configuration, Figures, Solver
 from pipeline.config.typed import conf_folder
 from pipeline.errors import ConfigurationError
+from solver import Continuation, Newton, ParameterError, ProvenSeeds
 
 
 def _bounded(section: type):
@@ -32,7 +33,7 @@ def test_values_outside_are_refused_and_the_ends_are_not(section, name, bounds):
         inside, outside = list(bounds.names), ["", "nonsense", bounds.names[0].upper()]
     else:
         ends = [end for end in (bounds.low, bounds.high) if math.isfinite(end)]
-        inside = ends[1:] if bounds.above else ends
+        inside = (ends[1:] if bounds.above else ends) or [bounds.low + 1.0]
         outside = [math.nan, -math.inf, bounds.low - 1, *([bounds.low] if bounds.above else [])]
         outside += [bounds.high + 1] if math.isfinite(bounds.high) else []
     assert inside and outside
@@ -49,6 +50,23 @@ def test_there_are_ranges():
     assert len(BOUNDED) > 15
     assert sentence_of(Figures, "dpi") == "from 30 to 1200" and sentence_of(Figures, "curves") == ""
     assert sentence_of(Check, "seed") == "from 0 to 2^31 - 1"
+
+
+_STEPS = [field.name for field in dataclasses.fields(Continuation) if field.name not in ("corrector", "max_points")]
+
+
+@pytest.mark.parametrize("name", [*_STEPS, "tolerance", "certify_columns"])
+def test_ranges_of_the_solver_are_its_own(name):
+    made = {"tolerance": lambda value: Newton(tolerance=value), "certify_columns": ProvenSeeds}
+    make = made.get(name, lambda value: Continuation(**{name: value}))
+    (bounds,) = (bounds for section, key, bounds in BOUNDED if (section, key) == (Solver, name))
+    make(bounds.high if math.isfinite(bounds.high) else 1e6)
+    for value in [
+        bounds.low if bounds.above else bounds.low - 1,
+        bounds.high + 1 if math.isfinite(bounds.high) else -1.0,
+    ]:
+        with pytest.raises(ParameterError):
+            make(value)
 
 
 def test_every_entry_of_a_list_is_looked_at():

@@ -18,7 +18,9 @@ _ENDED = list(itertools.product([signal.SIGTERM, signal.SIGHUP], ["local", "none
 
 @pytest.mark.parametrize(("number", "cluster"), slow_but([_ENDED[0], _ENDED[3]], _ENDED))
 def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undisturbed, capsys):
-    run = start(tmp_path, f"cluster={cluster}")
+    # Slow enough that it is not done before it is told.
+    environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "slow"}
+    run = start(tmp_path, f"cluster={cluster}", environment=environment)
     until(run, 3)
     # A terminal that is closed, or a scheduler of jobs, tells all processes; `kill` tells one.
     os.killpg(run.process.pid, number) if number == signal.SIGHUP else run.process.send_signal(number)

@@ -9,6 +9,7 @@ import pytest
 import pipeline.plane.resonances
 import pipeline.study.numerals
 from pipeline.plan.axes import Axis
+from pipeline.plan.numerics import model_at, seeds_of
 from pipeline.plane.labels import (
     TRAITS,
     contact_lost,
@@ -22,6 +23,7 @@ from pipeline.plane.labels import (
 from pipeline.plane.peaks import Peak, resonance_peak, solved
 from pipeline.plane.resonances import resonances_of
 from pipeline.plane.segments import Piece
+from pipeline.plane.stored import StoredPlane
 from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
 from pipeline.study.tables import claims, classes
 from pipeline.study.tables.article import ARTICLE_TABLES, Band, band_range, band_rows
@@ -40,11 +42,13 @@ from pipeline.study.tables.classes import (
     severest,
 )
 from pipeline.study.tables.edges import Edge, band_edges, edges, nearest_edge
-from pipeline.study.tables.lacking import Lacking
+from pipeline.study.tables.lacking import Lacking, lacking_in
 from pipeline.study.tables.rows import RowPeak
-from solver import Event, enumerate_row
+from solver import Event, enumerate_row, sweep_row
 from solver.regions import bands as parts
 from tests.conftest import published
+from tests.pipeline.analysis.margins import made_attractors
+from tests.pipeline.planes import small_plan, small_store, traced_store
 
 BESIDE = 1e-6
 
@@ -324,6 +328,32 @@ def test_a_claim_holds_at_one_of_its_resonances():
     assert judge(one, {"mesh": QUIET}, {}) == Verdict(NOT_COMPARED, "shaft not measured")
     for here in (bands, {}):
         assert judge(Entry("", unclear="too vague"), here, {}) == Verdict(NOT_COMPARED, "too vague")
+
+
+def test_stability_is_by_integration_where_there_is_one_else_by_curves_else_by_cells(tmp_path):
+    """At the shaft resonance, b from 0.98 on, a tenth of the region has no stable motion of one period."""
+    plan = small_plan("plane=omega_b", "plane.parameter.min=0.98", "plane.parameter.max=1.5", columns=160, rows=5)
+    x, p = (0.9373, 2.0), (0.98, 1.5)
+    traced = traced_store(tmp_path / "traced.zarr", plan)
+    bare = small_store(tmp_path / "bare.zarr", plan)
+    exact, counted = (lacking_in(StoredPlane(path, plan), x, p) for path in (traced, bare))
+    assert exact.source == counted.source == "dynamic stability"
+    # From a row of 2,000 motions: backlash does not matter here.
+    fine = sweep_row(model_at(plan, 1.2, 1.0), "omega", np.linspace(*x, 2000), seeds=seeds_of(plan.solver))
+    expected = np.mean(~np.any((fine.stable == 1) & (fine.instability == 0), axis=1))
+    assert exact.share == pytest.approx(expected, abs=2e-3) and expected > 0.1
+    assert counted.share == pytest.approx(exact.share, abs=0.01)
+    single = lacking_in(StoredPlane(traced, plan), x, (1.2, 1.2))
+    assert single.share == pytest.approx(exact.share, abs=2e-3)
+    made_attractors.put_attractors(traced, plan, {})
+    assert lacking_in(StoredPlane(traced, plan), x, p) == Lacking(0.0, "integration")
+    columns = np.flatnonzero((plan.sweep.values >= x[0]) & (plan.sweep.values <= x[1]))
+    cells = {(2, columns[3]): [made_attractors.LOUD], (1, columns[0]): [made_attractors.QUIET, made_attractors.LOUD]}
+    made_attractors.put_attractors(traced, plan, cells)
+    assert lacking_in(StoredPlane(traced, plan), x, p).share == 1.0 / (5 * columns.size)
+    # Of a part of its cells nothing is told about the whole.
+    made_attractors.put_attractors(traced, plan, {}, columns=columns[:-1])
+    assert lacking_in(StoredPlane(traced, plan), x, p) == exact
 
 
 def test_every_entry_of_the_article_has_a_meaning_or_a_reason():

@@ -29,7 +29,7 @@ RANGES = {
     "xi_support": (0.002, 0.05),
 }
 #: What curves separate from the rest. A pair that has left the circle may meet on the real axis beyond +1 and come back
-#: by folds, which belong to det J: cells with a multiplier there are compared with nothing.
+#: by folds, which belong to det J: cells with a multiplier there, or beyond such places, are compared with nothing.
 CRITICAL, BEYOND_ONE = (Instability.PERIOD_DOUBLING, Instability.NEIMARK_SACKER), "beyond +1"
 
 
@@ -87,16 +87,20 @@ def _beyond_one(plane, value, x, motion) -> bool:
 def along_branches(plane, value, row, crossed):
     """For every branch of a row what it passes, in order: kinds of its cells, and None where a curve crosses it.
 
-    `crossed` (c, 4) are lambda_m, lambda_c, lambda_s and the axis value of the crossings.
+    Between its cells also BEYOND_ONE, where that holds at a point of the branch. `crossed` (c, 4) are lambda_m,
+    lambda_c, lambda_s and the axis value of the crossings.
     """
-    values, shown = np.unique(np.concatenate([row.grid, crossed[:, -1]])), [0, *plane.balance.fundamental]
+    shown = [0, *plane.balance.fundamental]
     problem = plane.balance.problem(plane.at(value), plane.sweep, *plane.span, plane.omega)
     for curve in row.curves:
+        values = np.unique(np.concatenate([row.grid, crossed[:, -1], curve.points[:, -1]]))
         columns, motions, *_ = curve_crossings(problem, curve, values, Continuation())
         passed = []
         for x, motion in zip(values[columns], motions, strict=True):
             here = crossed[crossed[:, -1] == x, :-1]
             passed += [None] * int(np.sum(np.max(np.abs(here - motion[shown]), axis=1) < 1e-6))
+            if x not in row.grid:
+                passed += [BEYOND_ONE] * _beyond_one(plane, value, x, motion)
             for column in np.flatnonzero(row.grid == x):
                 gaps = np.max(np.abs(row.motions[column] - motion), axis=1)
                 assert np.nanmin(gaps) < 1e-6

@@ -9,9 +9,10 @@ from scipy.integrate import solve_ivp
 
 from solver import Model, ParameterError
 from solver.contact.quantities import Quantities, Slot
-from solver.model.contact_system import gear_system, support_kinds
+from solver.model.contact_system import ContactSystem, gear_system, support_kinds
+from solver.model.packing import packed
 from solver.timedomain import Status, advance, shoot
-from solver.timedomain.quantities import motion_quantities
+from solver.timedomain.quantities import gauge_at, motion_quantities
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import first_order_state, full_gear_system
 
@@ -178,3 +179,22 @@ def test_bad_input_is_named():
     ):
         with pytest.raises(ParameterError, match=f"^{name} ="):
             call()
+
+
+@pytest.mark.parametrize("axis, value", [("k_support", 1.3), ("f_e", 0.3), ("pressure_angle", 25.0), ("f_pm", 0.2)])
+@pytest.mark.parametrize("separate", [False, True])
+def test_what_is_read_moves_with_the_axis(axis, value, separate):
+    along = gauge_at(*packed(UNEQUAL, axis, 0.7, 1, 1), value, separate)
+    there = gauge_at(*packed(UNEQUAL.replace(**{axis: value}), "omega", None, 1, 1), 0.7, separate)
+    for one, other in zip(along, there, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-14)
+    model = UNEQUAL.replace(**{axis: value})
+    assert along.seen.size == gear_system(model, separate=separate).degrees
+    # With one stiffness of all supports, those of the gears' inner pairs still differ in damping and mass.
+    assert along.numbers[2] == float(separate) and (along.supports.size > 0) == separate
+
+
+def test_of_another_system_only_its_displacement_is_read():
+    spring = ContactSystem([[1.0]], [[0.1]], [[0.0]], [1.0], [1.0], 1.0, 1.0, load=[[0.5], [0.3]])
+    found = gauge_at(*packed(spring, "omega", None, 1, 1), 0.6, False)
+    assert found.seen.size == found.supports.size == 0 and found.numbers[1] == 0.0

@@ -2,23 +2,12 @@
 
 import numpy as np
 
+from pipeline.analysis.attractors.dataset import NUMBERS
 from solver.timedomain import AttractorKind, AttractorRow, SeenFrom
 
 __all__ = ["World"]
 
 _ROOM = 8
-_NUMBERS = (
-    "lowest",
-    "highest",
-    "mean",
-    "amplitude",
-    "rms",
-    "peak_to_peak",
-    "force",
-    "contact_loss",
-    "lyapunov",
-    "lyapunov_error",
-)
 
 
 class World:
@@ -58,7 +47,7 @@ class World:
             impact=np.full((cells, _ROOM), -1, np.int8),
             seen=np.zeros((cells, _ROOM), np.uint8),
             round=np.full((cells, _ROOM), -1, np.int16),
-            **{name: np.full((cells, _ROOM), np.nan) for name in _NUMBERS},
+            **{name: np.full((cells, _ROOM), np.nan) for name in NUMBERS},
             hits=np.zeros((cells, _ROOM), np.int32),
             upwards=np.full((cells, _ROOM), -1, np.int8),
             downwards=np.full((cells, _ROOM), -1, np.int8),
@@ -106,7 +95,7 @@ class World:
         kind = self.domains[number][0]
         found.kind[i, slot], found.impact[i, slot], found.round[i, slot] = kind, number % 3, round
         found.state[i, slot], found.seen[i, slot] = (number, i, 0.0, 0.0), int(bit)
-        for name in _NUMBERS:
+        for name in NUMBERS:
             getattr(found, name)[i, slot] = number + 0.1 * i
         return True
 

@@ -12,9 +12,13 @@ from pipeline.analysis.attractors.sheets import label_lines, several_right
 from pipeline.analysis.attractors.wording import bound, cell_label, label_meaning, likely_missed, percents
 from pipeline.config.compose import compose
 from pipeline.errors import ConfigurationError
+from pipeline.plan.numerics import model_at
+from pipeline.run.kernels import kernels_for
 from solver import ParameterError, domain_code
+from solver.kernels.compile import Kernel
+from solver.kernels.warm import kernels_of
 from solver.timedomain import AttractorKind as Kind
-from solver.timedomain import SeenFrom
+from solver.timedomain import SeenFrom, continue_attractors, find_attractors
 from tests.pipeline.planes import small_plan
 
 
@@ -164,3 +168,15 @@ def test_lines_of_labels_add_up():
     assert [line.label for line in lines] == ["1/0", "2/0-1", "all"]
     assert all(sum(line.counts.values()) == line.cells for line in lines) and lines[-1].cells == 7
     assert several_right(labels, judged) == (1, 3)
+
+
+def test_kernels_that_the_stage_calls_are_compiled_ahead(monkeypatch):
+    """Every kernel that Python calls while a row is searched and gone on with."""
+    plan, called = small_plan(columns=3, rows=2), set()
+    honest = Kernel.__call__
+    monkeypatch.setattr(Kernel, "__call__", lambda kernel, *given: called.add(kernel) or honest(kernel, *given))
+    model, search = model_at(plan, 0.2, plan.sweep.low), search_of(options("starts=1"))
+    row = find_attractors(model, "omega", [0.9, 1.0], search=search)
+    columns, kinds, states = row.gains(0)
+    continue_attractors(model, "omega", [0.9, 1.0], row, columns, kinds, states, round=1, search=search)
+    assert called and called <= set(kernels_of(kernels_for(["attractors"], "describing_function")))

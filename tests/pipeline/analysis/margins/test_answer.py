@@ -332,7 +332,9 @@ def test_the_stage(stores, tmp_path, capsys):
     first = made()
     assert main([*words, f"output.root={out}"]) == 0
     said = capsys.readouterr().out
-    assert "label at omega = 0.9, f_e = 0.1: 1/0" in said and "worst label within the tolerances: 1/0" in said
+    assert (
+        "label at omega = 0.9, f_e = 0.1: 1/0" in said and "worst label within the tolerances, first order: 1/0" in said
+    )
     assert first.keys() == {"margins/omega_fe.md", "margins/omega_fe.csv", "figures/omega_fe/margins.png"}
     assert made() == first
     # How to verify it: the command as it was typed, with another stage.

@@ -4,7 +4,6 @@ import shutil
 
 import numpy as np
 import pytest
-import xarray as xr
 import zarr
 
 from pipeline.analysis.margins import Design, answer
@@ -14,17 +13,11 @@ from pipeline.analysis.margins.resonances import mesh_modes, resonances_in
 from pipeline.analysis.margins.sheets import lines, markdown, tidy
 from pipeline.plan.numerics import model_at
 from pipeline.plan.unfelt import unfelt_harmonics
-from pipeline.store import groups, names
 from solver import ImpactState
-from solver.model.contact_system import gear_system
-from solver.timedomain import AttractorSearch, find_attractors
+from solver.timedomain import settle
+from tests.pipeline.analysis.margins.made_attractors import BOUND, KINDS, LOUD, QUIET, put_attractors
 from tests.pipeline.analysis.margins.spur import SPUR
 from tests.pipeline.planes import small_plan, traced_store
-
-KINDS = ["none", *(f"{n}T" for n in range(1, 9)), "quasi_periodic", "chaotic", "unbounded", "unsettled"]
-QUIET = {"kind": 1, "impact": 0, "force": 1.2, "rms": 0.1, "contact_loss": 0.0}
-LOUD = {"kind": 2, "impact": 1, "force": 2.5, "rms": 0.4, "contact_loss": 0.25}
-BOUND = "With 4 random starts nothing is certain."
 
 
 @pytest.fixture(scope="module")
@@ -38,48 +31,15 @@ def made(tmp_path_factory):
     return {name: (traced_store(folder / f"{name}.zarr", plan), plan) for name, plan in plans.items()}
 
 
-def put_attractors(path, plan, cells, rows=None, columns=None, digest=None):
-    """A group `attractors` of some rows and columns with one quiet motion a cell, but for `cells`."""
-    rows = np.arange(plan.parameter.num) if rows is None else rows
-    columns = np.arange(plan.sweep.num) if columns is None else columns
-    shape = rows.size, columns.size, 2
-    values = {name: np.zeros(shape, np.int8 if name in ("kind", "impact") else float) for name in QUIET}
-    labels, codes = ["", "1T/0"], np.ones(shape[:2], np.int16)
-    for name, value in QUIET.items():
-        values[name][..., 0] = value
-    for (row, column), motions in cells.items():
-        texts = [KINDS[one["kind"]] + (f"/{one['impact']}" if one["impact"] >= 0 else "") for one in motions]
-        labels.append(" + ".join(texts))
-        codes[row, column] = len(labels) - 1
-        for number, motion in enumerate(motions):
-            for name, value in motion.items():
-                values[name][row, column, number] = value
-    places = (plan.parameter.name, plan.sweep.name, "attractor")
-    variables = {name: (places, value) for name, value in values.items()}
-    variables["label"] = (places[:2], codes, {"labels": labels})
-    axes = {
-        plan.parameter.name: (plan.parameter.name, plan.parameter.values[rows]),
-        plan.sweep.name: (plan.sweep.name, plan.sweep.values[columns]),
-    }
-    attributes = {"configuration_hash": digest or plan.digest, "bound": BOUND}
-    groups.write_group(path, "attractors", xr.Dataset(variables, axes, attributes))
-
-
-@pytest.fixture
-def with_group(monkeypatch):
-    if "attractors" not in groups.ADDED:
-        for module in ("groups", "layout"):
-            monkeypatch.setattr(f"pipeline.store.{module}.ADDED", (*names.ADDED, "attractors"))
-
-
 def test_first_order_promises_nothing_of_the_spur_pair(made):
     """Teeth part at (0.5, 0.1), λ from 0.95104 by integration, and order 1 says 1/0 (docs/physics.md, section 9)."""
     path, plan = made["spur"]
     model = model_at(plan, 0.1, 0.5)
-    system = gear_system(model)
-    # From rest.
-    settled = find_attractors(system, "omega", [0.5], search=AttractorSearch(starts=0))
-    assert settled.impact[0, 0] == ImpactState.SINGLE_SIDED and settled.lowest[0, 0] == pytest.approx(0.95104, abs=2e-5)
+    # Translations are no part of the motion: a state is λ and its speed.
+    settled, slots = settle(model, 0.5, [[1.1, 0.0]])
+    (slot,) = slots.tolist()
+    assert settled.impact[..., slot] == ImpactState.SINGLE_SIDED
+    assert settled.lowest[..., slot] == pytest.approx(0.95104, abs=2e-5)
     found = answer(path, plan, Design(0.5, 0.1, 0.5, 0.5), "HOW")
     assert found.label == "1/0" and found.doubts
     assert any("first order alone" in doubt for doubt in found.doubts)
@@ -90,7 +50,7 @@ def test_first_order_promises_nothing_of_the_spur_pair(made):
     assert [one.omega for one in found.resonances] == pytest.approx([1 / 3, 1 / 2], abs=1e-12)
 
 
-def test_what_integration_found_is_said(made, with_group, tmp_path):
+def test_what_integration_found_is_said(made, tmp_path):
     path, plan = made["fe"]
     path = shutil.copytree(path, tmp_path / "fe.zarr")
     design = Design(0.9, 0.1, 0.8, 1.0)
@@ -128,7 +88,7 @@ def test_what_integration_found_is_said(made, with_group, tmp_path):
     assert integrated(path, plan, box.x, box.p) is None
 
 
-def test_unsettled_is_nothing_else(made, with_group, tmp_path):
+def test_unsettled_is_nothing_else(made, tmp_path):
     path, plan = made["fe"]
     path = shutil.copytree(path, tmp_path / "fe.zarr")
     cell = int(np.argmin(np.abs(plan.parameter.values - 0.1))), int(np.argmin(np.abs(plan.sweep.values - 0.9)))
@@ -187,7 +147,7 @@ def test_modes_are_named_by_mesh_strain_energy():
         assert [one.omega for one in resonances_in(model, 0.99 * natural, 1.01 * natural)] == pytest.approx([natural])
 
 
-def test_a_group_that_is_no_group(made, with_group, tmp_path):
+def test_a_group_that_is_no_group(made, tmp_path):
     """What is not listed counts as none."""
     path, plan = made["fe"]
     assert "attractors" not in zarr.open_group(path, mode="r")

@@ -43,7 +43,7 @@ def _patch(module) -> None:
         if kind == "slow":
             import time
 
-            time.sleep(0.1)
+            time.sleep(0.3)
         elif abs(value - plan.parameter.values[plan.parameter.num // 2]) < 1e-12:
             _fail(kind)
         return honest(plan, value, *rest)
