@@ -126,6 +126,8 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     _list_rows(job, reporter, store.notes(path), "")
     for text in lost:
         reporter.error(text)
+    # Workers that were killed while they wrote leave drafts; all that were to be computed are.
+    store.remove_left_overs(path)
     # A chunk that went missing while the others were computed would be read as fill values.
     store.read_layout(path)
     reporter.line(

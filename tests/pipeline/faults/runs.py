@@ -36,7 +36,7 @@ ROWS = 36
 #: A plane of twelve blocks, each of three rows that take some hundredths of a second.
 COMMAND = (
     "plane=omega_fe",
-    "plane.sweep.num=60",
+    "plane.sweep.num=240",
     f"plane.parameter.num={ROWS}",
     "solver.certify_columns=25",
     "stages=[sweep]",
