@@ -19,6 +19,7 @@ from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.names import STORE_FILE
 from pipeline.store.removal import remove_known
+from pipeline.store.repair import remove_left_overs
 from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
@@ -127,7 +128,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     for text in lost:
         reporter.error(text)
     # Workers that were killed while they wrote leave drafts; all that were to be computed are.
-    store.remove_left_overs(path)
+    remove_left_overs(path)
     # A chunk that went missing while the others were computed would be read as fill values.
     store.read_layout(path)
     reporter.line(
