@@ -17,7 +17,7 @@ from solver.timedomain.integrator import COMPLETE
 from solver.timedomain.orbits import new_orbit
 from solver.timedomain.poincare import add_harmonics
 from solver.timedomain.quantities import GAUGE, Gauge, clear, gather, new_work, read
-from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, keep_sample, try_orbit
+from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, fill_sample, try_orbit
 from solver.timedomain.section_map import MAP_ROOM, carry_period, new_room, new_steps
 from solver.timedomain.settling import LIMITS, MEMORY, Limits, Memory, settle_state, spread_sample
 
@@ -90,6 +90,7 @@ def seek(cell, period, motions, kinds, brought, states, slots, numbers):
                 repeats = period if group == 0 else kinds[i]
                 slot = try_orbit(flows, known, starts[i], repeats, limits.ceiling, _APART * length, orbit, room)
             if slot < 0:
+                _fill_samples(flows, known, limits, memory, room)
                 slot = settle_state(flows, known, starts[i], limits, memory, orbit, room)
             slots[first + i] = slot
         first += starts.shape[0]
@@ -129,10 +130,23 @@ def _describe(flows, cell, first, ceiling, numbers, room):
         numbers[slot, AMPLITUDE] = math.hypot(sums[1, 0], sums[1, 1]) * omega / (math.pi * periods)
 
 
+@kernel(types.void(ZONE_FLOWS, KNOWN, LIMITS, MEMORY, MAP_ROOM), inner=True)
+def _fill_samples(flows, known, limits, memory, room):
+    """Make the samples of attractors that were recalled without one."""
+    for slot in range(known.count[0]):
+        if known.kind[slot] > HIGHEST_PERIOD and known.kind[slot] <= CHAOTIC and math.isnan(known.spacing[slot]):
+            copy_into(memory.before, known.points[slot, 0])
+            for i in range(limits.watched):
+                carry_period(flows, memory.before, memory.none, memory.none, limits.ceiling, room)
+                copy_into(memory.sections[i], memory.before)
+            spread_sample(memory.sections, limits.watched, memory.sample)
+            fill_sample(flows.system, known, slot, memory.sample, memory.gaps)
+
+
 @kernel(types.void(_CELL, _COUNTS, MATRIX, MATRIX))
 def recall(cell, kinds, states, rates):
     """Make attractors of these kinds (k,) known again from a state (k, m) of each, in their slots."""
-    known, memory = cell.known, cell.memory
+    known = cell.known
     system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
     limits = _scaled(cell.limits, system.numbers[LENGTH])
     flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
@@ -140,13 +154,12 @@ def recall(cell, kinds, states, rates):
     for slot in range(kinds.shape[0]):
         if kinds[slot] <= HIGHEST_PERIOD:
             try_orbit(flows, known, states[slot], kinds[slot], limits.ceiling, math.inf, orbit, room)
-        elif kinds[slot] <= CHAOTIC:
-            copy_into(memory.before, states[slot])
-            for i in range(limits.watched):
-                carry_period(flows, memory.before, memory.none, memory.none, limits.ceiling, room)
-                copy_into(memory.sections[i], memory.before)
-            spread_sample(memory.sections, limits.watched, memory.sample)
-            keep_sample(system, known, kinds[slot], memory.sample, rates[slot, 0], rates[slot, 1], memory.gaps)
+        elif kinds[slot] <= CHAOTIC and known.count[0] == slot:
+            # Its sample is made when a motion has to be compared with it.
+            known.kind[slot], known.spacing[slot] = kinds[slot], math.nan
+            known.rates[slot, 0], known.rates[slot, 1] = rates[slot, 0], rates[slot, 1]
+            copy_into(known.points[slot, 0], states[slot])
+            known.count[0] += 1
         # What has no sections, or was not found again, keeps its slot.
         if known.count[0] <= slot:
             known.kind[slot] = kinds[slot] if kinds[slot] > CHAOTIC else 0

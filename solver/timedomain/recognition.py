@@ -36,6 +36,7 @@ __all__ = [
     "SAMPLE",
     "Known",
     "distance",
+    "fill_sample",
     "keep_sample",
     "new_known",
     "recognised",
@@ -379,6 +380,17 @@ def within_sample(system, known, state, hits, count):
     return -1
 
 
+@kernel(types.void(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, ARRAY), inner=True)
+def fill_sample(system, known, slot, sample, gaps):
+    """Fill in the sample (128, m) of an attractor, and how far apart its sections lie; gaps (128,) is overwritten."""
+    for i in range(SAMPLE):
+        copy_into(known.samples[slot, i], sample[i])
+        gaps[i] = _nearest(system, sample, sample[i], i)
+    # Nine of ten sections have another within this distance; twice of it leaves room for the thin parts of the set.
+    spacing = 2.0 * _nine_tenths(gaps)
+    known.spacing[slot] = max(spacing, _SMALLEST * system.numbers[LENGTH])
+
+
 @kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, ARRAY), inner=True)
 def keep_sample(system, known, kind, sample, rate, error, gaps):
     """Slot of an attractor that is known by a sample of its sections, and becomes known if it was not.
@@ -411,12 +423,7 @@ def keep_sample(system, known, kind, sample, rate, error, gaps):
     slot = known.count[0]
     if slot == known.kind.shape[0]:
         return -1
-    for i in range(SAMPLE):
-        copy_into(known.samples[slot, i], sample[i])
-        gaps[i] = _nearest(system, sample, sample[i], i)
-    # Nine of ten sections have another within this distance; twice of it leaves room for the thin parts of the set.
-    spacing = 2.0 * _nine_tenths(gaps)
-    known.spacing[slot] = max(spacing, _SMALLEST * system.numbers[LENGTH])
+    fill_sample(system, known, slot, sample, gaps)
     known.kind[slot], known.rates[slot, 0], known.rates[slot, 1] = kind, rate, error
     copy_into(known.points[slot, 0], sample[0])
     known.count[0] += 1
