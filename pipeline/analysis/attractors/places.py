@@ -147,7 +147,8 @@ def run_places(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"attractors: {at}: {', '.join(_said(found.isel(place=i))) or 'nothing found'}")
     reporter.line(f"attractors: {found.attrs['bound']}")
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
-    reporter.line(f"attractors: {len(where)} places with {options.starts} random starts each {end}")
+    places = f"{len(where)} place{'' if len(where) == 1 else 's'}"
+    reporter.line(f"attractors: {places} with {options.starts} random starts each {end}")
     reporter.line(f"attractors: {sheet.name} in {folder.resolve()}")
     return 1 if np.any(found.message.values != "") else 0
 
