@@ -43,7 +43,6 @@ __all__ = [
     "ZoneFlows",
     "apply_map",
     "change_basis",
-    "combine",
     "loaded_flows",
     "matrix_at",
     "new_flows",
@@ -145,7 +144,7 @@ def new_flows(system, room):
 
 @kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True)
 def apply_map(maps, row, state, image):
-    """Fill image (padded) with maps[row] applied to a state, both of them different arrays."""
+    """Fill image with maps[row] applied to a state: another state (padded), or the coefficients (16,) of lambda."""
     columns = maps.shape[1] - 1
     for r in range(0, maps.shape[2], 4):
         t0, t1, t2, t3 = (
@@ -161,26 +160,6 @@ def apply_map(maps, row, state, image):
             t2 += maps[row, c, r + 2] * z
             t3 += maps[row, c, r + 3] * z
         image[r], image[r + 1], image[r + 2], image[r + 3] = t0, t1, t2, t3
-
-
-@kernel(types.void(CUBE, _I, ARRAY, ARRAY), inline=True)
-def combine(table, row, state, coefficients):
-    """Fill in the sixteen coefficients of lambda of the motion of a state, from `contact` or `bernstein`."""
-    columns = table.shape[1] - 1
-    for r in range(0, COEFFICIENTS, 4):
-        t0, t1, t2, t3 = (
-            table[row, columns, r],
-            table[row, columns, r + 1],
-            table[row, columns, r + 2],
-            table[row, columns, r + 3],
-        )
-        for c in range(columns):
-            z = state[c]
-            t0 += table[row, c, r] * z
-            t1 += table[row, c, r + 1] * z
-            t2 += table[row, c, r + 2] * z
-            t3 += table[row, c, r + 3] * z
-        coefficients[r], coefficients[r + 1], coefficients[r + 2], coefficients[r + 3] = t0, t1, t2, t3
 
 
 @kernel(types.void(ARRAY, ARRAY), inner=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.flow.switched_system import FREQUENCY
-from solver.flow.zone_flows import ZONE_FLOWS, ZoneFlows, combine, loaded_flows
+from solver.flow.zone_flows import ZONE_FLOWS, ZoneFlows, apply_map, loaded_flows
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_number, frequency, instance_of, whole_number
@@ -54,7 +54,7 @@ def add_harmonics(flows, steps, count, start, base, sums, room):
     half, intervals = flows.half[0], flows.count[0]
     for s in range(count):
         step, row = steps[s], int(steps[s, ROW])
-        combine(flows.contact, row, step[STATE:], room.powers)
+        apply_map(flows.contact, row, step[STATE:], room.powers)
         middle = start + (2.0 * (row % intervals) + 1.0) * half
         add_fourier(room.powers, step[BEGIN], step[END], half, middle, base, sums)
 

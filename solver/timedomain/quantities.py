@@ -21,7 +21,7 @@ import numpy as np
 
 from solver.contact.quantities import Quantities, Slot
 from solver.flow.switched_system import FREQUENCY, HIGH, LOW
-from solver.flow.zone_flows import COEFFICIENTS, ZONE_FLOWS, change_basis, combine
+from solver.flow.zone_flows import COEFFICIENTS, ZONE_FLOWS, apply_map, change_basis
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
@@ -269,7 +269,7 @@ def gather(flows, gauge, steps, count, work, room):
         totals[_TIME] += length
         hull_of_step(flows, step, work.hull)
         _integrate(work, _LAMBDA_FIRST, length)
-        combine(flows.contact, row, step[STATE:], room.powers)
+        apply_map(flows.contact, row, step[STATE:], room.powers)
         if z == 0:
             totals[_FREE] += length
         else:

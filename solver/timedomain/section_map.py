@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.flow.zone_flows import COEFFICIENTS, CUBE, ZONE_FLOWS, apply_map, combine, matrix_at
+from solver.flow.zone_flows import COEFFICIENTS, CUBE, ZONE_FLOWS, apply_map, matrix_at
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
@@ -95,7 +95,7 @@ def new_steps(flows):
 
 @kernel(_B(CUBE, _I, ARRAY, _F, _F), inline=True)
 def _stays(table, row, state, low, high):
-    """Whether lambda stays within a range over the whole interval: `combine` and `hull_within` in one."""
+    """Whether lambda stays within a range over the whole interval: `apply_map` and `hull_within` in one."""
     columns, outside = table.shape[1] - 1, False
     for r in range(0, COEFFICIENTS, 4):
         t0, t1 = table[row, columns, r], table[row, columns, r + 1]
@@ -118,12 +118,12 @@ def _end_of_step(flows, zone, row, begin, room):
     low, high = flows.limits[z, 0] - slack, flows.limits[z, 1] + slack
     if begin == -1.0 and _stays(flows.bernstein, row, room.state, low, high):
         return 1.0, 0
-    combine(flows.bernstein, row, room.state, room.hull)
+    apply_map(flows.bernstein, row, room.state, room.hull)
     if begin > -1.0:
         keep_right(room.hull, 0.5 * (begin + 1.0))
         if hull_within(room.hull, low, high):
             return 1.0, 0
-    combine(flows.contact, row, room.state, room.powers)
+    apply_map(flows.contact, row, room.state, room.powers)
     return first_exit_of_hull(room.hull, room.powers, begin, flows.limits[z], slack, room.piece)
 
 
@@ -244,7 +244,7 @@ def carry_period(flows, state, tangents, steps, ceiling, room):
 @kernel(types.void(ZONE_FLOWS, ARRAY, ARRAY), inner=True)
 def hull_of_step(flows, step, hull):
     """Fill in the Bernstein coefficients (16,) of lambda over one step."""
-    combine(flows.bernstein, int(step[ROW]), step[STATE:], hull)
+    apply_map(flows.bernstein, int(step[ROW]), step[STATE:], hull)
     begin, end = step[BEGIN], step[END]
     if begin > -1.0:
         keep_right(hull, 0.5 * (begin + 1.0))
@@ -259,5 +259,5 @@ def widen_over(flows, steps, count, extremes, room):
         step = steps[s]
         hull_of_step(flows, step, room.hull)
         if not hull_within(room.hull, extremes[0], extremes[1]):
-            combine(flows.contact, int(step[ROW]), step[STATE:], room.powers)
+            apply_map(flows.contact, int(step[ROW]), step[STATE:], room.powers)
             widen_by_hull(room.hull, room.powers, step[BEGIN], step[END], flows.slack[0], extremes, room.piece)
