@@ -10,6 +10,7 @@ from solver.timedomain.integrator import Status, Trajectory, Zone, integrate
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
 from solver.timedomain.quantities import Quantities, motion_quantities
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
+from solver.timedomain.trajectory import SampledMotion, trajectory
 
 __all__ = [
     "AttractorKind",
@@ -18,6 +19,7 @@ __all__ = [
     "Measurement",
     "PeriodicOrbit",
     "Quantities",
+    "SampledMotion",
     "Sections",
     "SeenFrom",
     "ShootingStatus",
@@ -35,4 +37,5 @@ __all__ = [
     "orbit_state",
     "settle",
     "shoot",
+    "trajectory",
 ]
