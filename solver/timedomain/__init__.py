@@ -11,6 +11,7 @@ from solver.timedomain.orders import order_spectrum
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
 from solver.timedomain.quantities import Quantities, motion_quantities
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
+from solver.timedomain.trajectory import SampledMotion, trajectory
 
 __all__ = [
     "AttractorKind",
@@ -19,6 +20,7 @@ __all__ = [
     "Measurement",
     "PeriodicOrbit",
     "Quantities",
+    "SampledMotion",
     "Sections",
     "SeenFrom",
     "ShootingStatus",
@@ -37,4 +39,5 @@ __all__ = [
     "order_spectrum",
     "settle",
     "shoot",
+    "trajectory",
 ]

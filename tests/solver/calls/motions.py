@@ -174,6 +174,9 @@ CALLS = {
         integration_tolerance=tolerances(1e-12),
         max_iterations=argument(20, (*COUNT, 0)),
     ),
+    "solver.timedomain.trajectory": lambda: batch(
+        periods=periods(), samples=argument(16, (*COUNT, 0)), tolerance=tolerances()
+    ),
 }
 
 #: Calls over other axes and with other systems: what is called, and with what.
