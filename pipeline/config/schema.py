@@ -278,6 +278,13 @@ class Margins:
 
 
 @dataclass
+class Motion:
+    """A point of the plane of which all motions are drawn; see `pipeline.plan.points`."""
+
+    at: Any = MISSING
+
+
+@dataclass
 class Report:
     """The reproduction report."""
 
@@ -297,6 +304,7 @@ class Configuration:
     output: Output = MISSING
     store: Store = MISSING
     attractors: Attractors = MISSING
+    motion: Motion = MISSING
     margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING

@@ -42,6 +42,18 @@ _ATTRACTORS = (
     "solver.timedomain.row_systems",
 )
 
+#: A single place: its row of the map, and what motions and quantities are read with.
+_MOTION = (
+    *_ATTRACTORS,
+    "solver.timedomain.quantities._quantities",
+    "solver.timedomain.trajectory",
+    "solver.timedomain.poincare._advance",
+    "solver.timedomain.poincare._measure",
+    "solver.timedomain.shooting",
+    "solver.harmonic.quantities",
+    "solver.flow.zone_flows._tabulated",
+)
+
 #: By stage and balance, those that take longest first.
 NEEDED = {
     "sweep": _ROWS,
@@ -56,6 +68,7 @@ NEEDED = {
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
     "attractors": dict.fromkeys(_ROWS, _ATTRACTORS),
+    "motion": {balance: (*rows, *_MOTION) for balance, rows in _ROWS.items()},
     "debug": _ROWS,
 }
 

@@ -87,6 +87,12 @@ CALLS = {
         "stability": argument("static", WRONG_WORDS),
         "units": argument("dimensionless", WRONG_WORDS),
     },
+    "pipeline.figures.plots.Plots.motion": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", WRONG_WORDS),
+        "attractors": argument({"starts": 1}, (1, "starts", True, [], {1: 2}, {"stars": 1}, {"starts": -1})),
+        **place(),
+    },
     "pipeline.open_plane": lambda plane: {
         "name": argument(plane.path, PATHS, "nowhere.zarr"),
         "root": argument("outputs", PATHS[:-1]),
