@@ -109,7 +109,7 @@ class AttractorRow:
     impact_velocity : (X, A) array
         Largest speed of lambda where teeth meet again.
     support_force : (X, A) array
-        Largest force of a support.
+        Largest force of a support, in units of k_m b_c.
     lyapunov, lyapunov_error : (X, A) arrays
         Largest Lyapunov exponent per unit of tau and its standard error; of periodic motions from the multipliers.
     hits : (X, A) int32 array
