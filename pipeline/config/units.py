@@ -20,6 +20,7 @@ KINDS = {
     "inertia": ("4.5e-4 kg*m^2", "kg*m^2"),
     "density": ("7850 kg/m^3", "kg/m^3"),
     "stiffness": ("300 N/um", "N/m"),
+    "Young's modulus": ("206 GPa", "Pa"),
     "damping": ("900 N*s/m", "N*s/m"),
     "torque": ("45 N*m", "N*m"),
     "diametral pitch": ("8 1/inch", "1/m"),

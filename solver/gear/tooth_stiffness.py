@@ -121,8 +121,7 @@ def body_compliance(force, lever, root_radius: float, root_half_angle: float, bo
         r_f (m), theta_f (rad) and the diameter of the bore (m); r_f/r_bore and theta_f are taken at the nearest end of
         the range of the fit where they are outside.
     """
-    ratio = min(max(root_radius / (0.5 * bore), _BODY_RATIOS[0]), _BODY_RATIOS[1])
-    angle = min(max(root_half_angle, _BODY_ANGLES[0]), _BODY_ANGLES[1])
+    ratio, angle = np.clip(root_radius / (0.5 * bore), *_BODY_RATIOS), np.clip(root_half_angle, *_BODY_ANGLES)
     l, m, p, q = _BODY @ [angle**-2, ratio**2, ratio / angle, 1.0 / angle, ratio, 1.0]
     share = lever / (2.0 * root_radius * root_half_angle)
     return np.cos(force) ** 2 * (l * share**2 + m * share + p * (1.0 + q * np.tan(force) ** 2))
@@ -228,6 +227,15 @@ class ToothMesh:
     @property
     def _gears(self) -> tuple[GearTeeth, GearTeeth]:
         return self.first, self.second
+
+    @property
+    def bodies_fit(self) -> tuple[bool, bool]:
+        """Whether the body of each gear is within the range for which its compliance was fitted."""
+        return tuple(
+            _BODY_RATIOS[0] <= 2.0 * gear.root_radius / gear.bore <= _BODY_RATIOS[1]
+            and _BODY_ANGLES[0] <= gear.root_half_angle <= _BODY_ANGLES[1]
+            for gear in self._gears
+        )
 
     def pair_stiffness(self, place) -> np.ndarray:
         """Stiffness of one pair of teeth.
