@@ -23,6 +23,7 @@ _HOMES = {
     "gear.blank": ("Blank",),
     "gear.mesh_cycle": ("CycleFit", "fit_cycle"),
     "gear.pair": ("GearPair",),
+    "gear.pitch_cones": ("PitchCones",),
     "gear.scales": ("Scale", "Scales"),
     "gear.stiffness_estimates": ("iso_6336_stiffness", "thumb_stiffness"),
     "gear.teeth": ("GearTeeth",),

@@ -1,14 +1,14 @@
 """A gear in physical units: from its configuration to SI numbers; and values with units as dimensionless numbers."""
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, fields
 
 from pipeline.config.mesh_cycle import read_mesh_cycle
 from pipeline.config.schema import PhysicalGear
 from pipeline.config.teeth import METHODS, DrawnMesh, drawn_mesh
 from pipeline.config.units import quantities, quantity, speed
 from pipeline.errors import ConfigurationError
-from solver import Blank, GearPair, ParameterError, Scales
+from solver import Blank, GearPair, ParameterError, PitchCones, Scales
 
 __all__ = ["AXIS_KEYS", "MESH_DAMPING", "PATHS", "TEMPERATURE", "describe", "place_of", "value_of"]
 
@@ -63,16 +63,19 @@ def describe(config: PhysicalGear) -> dict:
         One line that names the key.
     """
     values, cycle, drawn = _values(config), None, None
-    if config.mesh_cycle is not None:
-        cycle = read_mesh_cycle(config.mesh_cycle, config.mesh_cycle_harmonics)
-        values |= _of_cycle(config, cycle)
-    if config.mesh_stiffness in METHODS:
-        bores = None if config.blanks is None else [blank.bore for blank in _blanks(config)]
-        drawn = drawn_mesh(config.mesh_stiffness, config.tooth, values, bores, config.mesh_cycle_harmonics)
-        values |= _of_teeth(config, drawn)
-    if values["mesh_stiffness"] is None:
-        raise _without("mesh_stiffness")
     try:
+        cones = PitchCones(**{field.name: values[field.name] for field in fields(PitchCones)})
+        if config.mesh_cycle is not None:
+            cycle = read_mesh_cycle(config.mesh_cycle, config.mesh_cycle_harmonics, cones, config.mesh_cycle_length)
+            values |= _of_cycle(config, cycle)
+        if config.mesh_stiffness in METHODS:
+            bores = None if config.blanks is None else [blank.bore for blank in _blanks(config)]
+            drawn = drawn_mesh(
+                config.mesh_stiffness, config.tooth, cones, values["pressure_angle"], bores, config.mesh_cycle_harmonics
+            )
+            values |= _of_teeth(config, drawn)
+        if values["mesh_stiffness"] is None:
+            raise _without("mesh_stiffness")
         pair = GearPair(**values)
     except ParameterError as error:
         raise ConfigurationError(f"{_PREFIX}{error}") from None

@@ -103,6 +103,7 @@ class PhysicalGear:
     mesh_damping_ratio: float | None = MISSING
     mesh_cycle: str | None = MISSING
     mesh_cycle_harmonics: int = MISSING
+    mesh_cycle_length: Any = MISSING
     half_backlash: Any = MISSING
     error_harmonics: Any = MISSING
     torque: Any = MISSING

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from pipeline.config.units import quantity
 from pipeline.errors import ConfigurationError
-from solver import GearTeeth, ParameterError, ToothMesh, bevel_mesh, iso_6336_stiffness
+from solver import GearTeeth, ParameterError, PitchCones, ToothMesh, bevel_mesh, iso_6336_stiffness
 
 __all__ = ["METHODS", "DrawnMesh", "drawn_mesh"]
 
@@ -41,7 +41,9 @@ class DrawnMesh:
     bodies_fit: tuple[bool, bool]
 
 
-def drawn_mesh(method: str, tooth, values: dict, bores: list[float] | None, count: int) -> DrawnMesh:
+def drawn_mesh(
+    method: str, tooth, cones: PitchCones, pressure_angle: float, bores: list[float] | None, count: int
+) -> DrawnMesh:
     """Compute or estimate the mesh stiffness.
 
     Parameters
@@ -49,8 +51,9 @@ def drawn_mesh(method: str, tooth, values: dict, bores: list[float] | None, coun
     method : str
         Of `METHODS`.
     tooth : pipeline.config.schema.Teeth
-    values : dict
-        Of the gear: teeth, module (m), shaft_angle, pressure_angle (degrees) and face_width (m).
+    cones : PitchCones
+    pressure_angle : float
+        Degrees.
     bores : list of float or None
         Of the blanks (m), where `tooth` has none.
     count : int
@@ -61,7 +64,7 @@ def drawn_mesh(method: str, tooth, values: dict, bores: list[float] | None, coun
     ConfigurationError
         One line that names the key.
     """
-    mesh = _mesh(tooth, values, bores)
+    mesh = _mesh(tooth, cones, pressure_angle, bores)
     if method == ISO_6336:
         try:
             stiffness = iso_6336_stiffness(mesh)
@@ -79,12 +82,7 @@ def drawn_mesh(method: str, tooth, values: dict, bores: list[float] | None, coun
     return DrawnMesh(method, mesh.contact_ratio, mesh.mean_stiffness, harmonics, estimate, mesh.bodies_fit)
 
 
-def _mesh(tooth, values: dict, bores: list[float] | None) -> ToothMesh:
-    teeth = values["teeth"]
-    if not isinstance(teeth, list) or len(teeth) != 2:
-        raise ConfigurationError(
-            f"gear.physical.teeth = {teeth!r} is not allowed: it must be two whole numbers above 0"
-        )
+def _mesh(tooth, cones: PitchCones, pressure_angle: float, bores: list[float] | None) -> ToothMesh:
     gears = []
     for place in range(2):
         given = {name: _one_of_two(tooth, name, place) for name in vars(tooth) if name != "bore"}
@@ -92,9 +90,9 @@ def _mesh(tooth, values: dict, bores: list[float] | None) -> ToothMesh:
         try:
             gears.append(
                 GearTeeth(
-                    teeth=teeth[place],
-                    module=values["module"],
-                    pressure_angle=values["pressure_angle"],
+                    teeth=cones.teeth[place],
+                    module=cones.module,
+                    pressure_angle=pressure_angle,
                     bore=_bore(tooth, bores, place),
                     **given,
                 )
@@ -102,7 +100,7 @@ def _mesh(tooth, values: dict, bores: list[float] | None) -> ToothMesh:
         except ParameterError as error:
             raise _named(error) from None
     try:
-        return bevel_mesh(*gears, values["shaft_angle"], values["face_width"])
+        return bevel_mesh(*gears, cones.shaft_angle, cones.face_width)
     except ParameterError as error:
         raise _named(error) from None
 

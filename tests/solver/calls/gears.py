@@ -93,6 +93,9 @@ CALLS = {
     "solver.GearPair": pair_arguments,
     "solver.GearPair.load": lambda: {"self": pair(), "drive": argument(1.0, NUMBER), "load": argument(1.0, NUMBER)},
     "solver.GearTeeth": teeth_arguments,
+    "solver.PitchCones": lambda: {
+        name: pair_arguments()[name] for name in ("teeth", "module", "shaft_angle", "face_width")
+    },
     "solver.Model": gear_arguments,
     "solver.Model.linear_frequencies": lambda: {"self": model(), "gain": argument(1.0, NUMBER)},
     "solver.Model.mesh_modes": lambda: {"self": model(), "gain": argument(1.0, NUMBER)},
