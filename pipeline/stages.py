@@ -48,6 +48,11 @@ STAGES = (
         "pipeline.analysis.attractors.stage",
     ),
     Entry(
+        "motion",
+        "every motion at one point: time history, phase portrait, spectrum, mesh force",
+        "pipeline.figures.motion_stage",
+    ),
+    Entry(
         "diagram",
         "what one motion does along a row, up and down: Poincaré points, extremes, RMS, jumps",
         "pipeline.figures.diagram_stage",
