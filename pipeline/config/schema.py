@@ -300,6 +300,29 @@ class Motion:
 
 
 @dataclass
+class Diagram:
+    """The row that is followed up and down; see `pipeline.analysis.diagram.options`."""
+
+    value: Any = MISSING
+    columns: int | None = allowed(2, 10**5)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+
+
+@dataclass
+class Spectrum:
+    """Spectra along a row; see `pipeline.analysis.diagram.options`."""
+
+    value: Any = MISSING
+    columns: int | None = allowed(2, 10**5)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+    direction: str = allowed(names=("up", "down"))
+    of: str = allowed(names=("displacement", "force"))
+    axis: str = allowed(names=("frequency", "order"))
+    orders: float = allowed(1.0, 60.0)
+    periods: int = allowed(1, 1000)
+
+
+@dataclass
 class Report:
     """The reproduction report."""
 
@@ -320,6 +343,8 @@ class Configuration:
     store: Store = MISSING
     attractors: Attractors = MISSING
     motion: Motion = MISSING
+    diagram: Diagram = MISSING
+    spectrum: Spectrum = MISSING
     margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING
