@@ -287,7 +287,7 @@ def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
     return tangent if tangent[-1] >= 0.0 else -tangent
 
 
-@kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
+@kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True, shared=True)
 def parameters_at(parameters, parameter_slope, y):
     """The parameters at y = (..., x, p), and what either axis adds to them there.
 
