@@ -266,8 +266,8 @@ class BoundaryProblem(Protocol):
     def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
         """How the boundary may go on beyond the last point of a stretch; nothing where it ends there."""
 
-    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
-        """A number of the sign of det dE/du."""
+    def static_determinants(self, problem: Problem, points: np.ndarray) -> np.ndarray:
+        """Numbers (k,) of the sign of det dE/du at points (k, n + 1) of y."""
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (n, n), dE/dp (n,) and the derivatives of det dE/du by u (n,) at a fold, each up to a positive factor.
