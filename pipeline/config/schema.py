@@ -289,7 +289,7 @@ class Margins:
     point: Any = MISSING
     range: Any = MISSING
     tolerances: Any = MISSING
-    reach: float = MISSING
+    reach: float = allowed(1.1, 100.0)
 
 
 @dataclass
