@@ -32,6 +32,7 @@ RESULTS = {
     "solver.timedomain.Quantities",
     "solver.timedomain.SampledMotion",
     "solver.timedomain.Sections",
+    "solver.timedomain.SlowRun",
     "solver.timedomain.Trajectory",
 }
 
