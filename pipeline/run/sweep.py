@@ -11,7 +11,6 @@ from pipeline.plan.axes import ROLES
 from pipeline.plan.plan import Block
 from pipeline.plan.planning import warnings
 from pipeline.run.job import Job, open_log
-from pipeline.run.libraries import load_beside
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.stage import Stage
 from pipeline.run.warmup import warm_up_for
@@ -73,9 +72,6 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     else:
         remove_known(path, STORE_FILE)
         store.create(path, job.plan, settings.store_name, settings.yaml())
-    if job.asks("boundaries"):
-        # Boundaries are stored with xarray, which looks for dask's arrays.
-        load_beside("xarray", "dask.array")
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
     reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")

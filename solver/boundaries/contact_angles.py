@@ -91,7 +91,7 @@ def _rows(values, constants, mean, fundamental, displacement):
     return constants[0] * mean + (e * fundamental.conjugate()).real, row.real, -row.imag
 
 
-@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True, shared=True)
 def angle_rows(known, parameters, y, residual, jacobian):
     """Balance and angles: fill the first five rows of residual and jacobian (., 7) at y (7,).
 
@@ -180,7 +180,7 @@ def _contract(left, right):
     return total
 
 
-@kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+@kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True, shared=True)
 def determinant(known, parameters, y, gradient, square):
     """det dE/du, its derivatives by y, and dE/du itself.
 

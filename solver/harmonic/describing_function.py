@@ -56,7 +56,7 @@ __all__ = [
 _C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
 
 
-@kernel(types.Tuple((_C, _C, _F, _F))(ARRAY, ARRAY, types.float64), inner=True)
+@kernel(types.Tuple((_C, _C, _F, _F))(ARRAY, ARRAY, types.float64), inner=True, shared=True)
 def coefficients(parameters, parameter_slope, p):
     """The numbers that the balance depends on at one axis value, and their derivatives along the axis.
 
@@ -107,7 +107,7 @@ def coefficients(parameters, parameter_slope, p):
     )
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), shared=True)
 def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
     """Residual (3,) and Jacobian (3, 4) at y = (lambda_m, lambda_c, lambda_s, axis value); see the module.
 

@@ -179,7 +179,7 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
             number_at(parameters, parameter_slope, p, at + 1),
         )
         _add(error, l * period, size * complex(math.cos(phase), math.sin(phase)))
-    squares, values[12] = direction_squares(gear, slope, p), 0.0
+    squares, values[12], resonant = direction_squares(gear, slope, p), 0.0, False
     for j in range(6):
         square, g = squares[j % 3], j // 3
         if not square > NO_COUPLING:
@@ -191,9 +191,15 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
             one_sided = force[0] if k == 0 else 2.0 * force[k]
             motion = complex(u[0], 0.0) if k == 0 else complex(u[2 * k - 1], -u[2 * k])
             push = -(kappa * one_sided + 2.0j * rate * drag * motion)
-            translation = push / complex(k_support - rate * rate, 2.0 * xi * rate)
+            impedance = complex(k_support - rate * rate, 2.0 * xi * rate)
+            if impedance == 0.0:
+                # Dividing by it would raise.
+                resonant = True
+                break
+            translation = push / impedance
             _add(error, k, -square * translation)
-            value = math.sqrt(square) * translation * complex(k_support, 2.0 * xi * rate)
+            # In units of k_m b_c, those of gear g being m_g b_c Omega_n^2.
+            value = math.sqrt(square) * translation * complex(k_support, 2.0 * xi * rate) / kappa
             support[max(2 * k - 1, 0)], support[2 * k] = value.real, -value.imag
             if k == 0:
                 support[0] = value.real
@@ -201,11 +207,17 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
         values[12] = max(values[12], abs(low), abs(high))
     values[5], values[6] = _range(error)
     values[7], values[8] = _spread(error), values[6] - values[5]
+    if resonant:
+        for i in (5, 6, 7, 8, 12):
+            values[i] = math.nan
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, MATRIX, _B, MATRIX))
 def fill_quantities(parameters, parameter_slope, values, motions, truncated, found):
-    """Fill found (k, 13), by `Slot`, for motions (k, n) at axis values (k,); nan where a motion is.
+    """Fill found (k, 13), by `Slot`, for motions (k, n) at axis values (k,).
+
+    nan where a motion is, and of a quantity that is infinite or none: a force over no load, a support at its undamped
+    resonance.
 
     Parameters
     ----------
@@ -217,10 +229,11 @@ def fill_quantities(parameters, parameter_slope, values, motions, truncated, fou
     found : (k, 13) array
     """
     for i in range(values.shape[0]):
-        if math.isfinite(motions[i, 0]):
+        known = math.isfinite(motions[i, 0])
+        if known:
             _motion_quantities(parameters, parameter_slope, motions[i], values[i], truncated, found[i])
-        else:
-            for j in range(found.shape[1]):
+        for j in range(found.shape[1]):
+            if not known or not math.isfinite(found[i, j]):
                 found[i, j] = math.nan
 
 
@@ -246,7 +259,8 @@ def balance_quantities(
     Returns
     -------
     (..., 13) array
-        By `solver.contact.quantities.Slot`; nan where the motion is. `Quantities(*row)` names them and their units.
+        By `solver.contact.quantities.Slot`; nan where the motion is, and as `fill_quantities` says.
+        `Quantities(*row)` names them and their units.
 
     Raises
     ------
