@@ -8,10 +8,13 @@ from pathlib import Path
 from pipeline.figures.options import check_options
 from pipeline.plane.stored import read_stored
 
-__all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra"]
+__all__ = ["NAMES", "OF_ROWS", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra"]
 
 #: Figures of a plane, those that take longest first.
 NAMES = ("map", "curves", "map-window", "multipliers", "attractors", "verification", "basins", "backbone")
+
+#: Those that need the rows of the plane and nothing that later stages add.
+OF_ROWS = ("curves", "multipliers", "backbone")
 
 
 def draw(
