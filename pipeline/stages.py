@@ -48,6 +48,11 @@ STAGES = (
         "pipeline.analysis.attractors.stage",
     ),
     Entry(
+        "motion",
+        "every motion at one point: time history, phase portrait, spectrum, mesh force",
+        "pipeline.figures.motion_stage",
+    ),
+    Entry(
         "margins", "how far a design point is from anything that changes its label", "pipeline.figures.margins_stage"
     ),
     Entry("figures", "pictures of the stored plane; nothing is solved again", "pipeline.figures.stage"),

@@ -1,15 +1,18 @@
 """The figures of an opened plane, as matplotlib figures for a notebook or a script."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.analysis.attractors.options import check_box
 from pipeline.config.allowed import sentence_of
-from pipeline.config.schema import Figures
+from pipeline.config.compose import compose
+from pipeline.config.schema import Attractors, Figures
 from pipeline.errors import ConfigurationError
 from pipeline.figures.options import check_options
 from pipeline.plan.plan import Plan
-from solver.model.checks import finite_array
+from solver import ParameterError
+from solver.model.checks import finite_array, finite_number
 
 __all__ = ["Plots"]
 
@@ -126,6 +129,49 @@ class Plots:
         with own_style():
             return draw_backbone(plane)
 
+    def motion(self, units: str = "dimensionless", attractors: Mapping[str, object] | None = None, **place: float):
+        """Every motion at a point, computed anew: time history, mesh force, phase portrait and spectrum of each.
+
+        Parameters
+        ----------
+        units : str
+            As for `map`.
+        attractors : mapping, optional
+            Settings of the search for attractors by name, such as `{"starts": 100}`: the keys of `attractors` in the
+            configuration. Others are as they are there.
+        **place : float
+            By the axes' own names, such as `omega=0.64, f_e=0.3`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            With a card for each motion.
+
+        Raises
+        ------
+        ConfigurationError
+            If an option is not allowed for this plane, or it is a volume.
+        solver.ParameterError
+            If the place is not given by the names of both axes, or lies outside of the plane.
+        solver.RowError
+            If the balance leaves the mean open there.
+        """
+        axes = (self.plan.sweep, self.plan.parameter)
+        if self.plan.parameter2 is not None:
+            raise ConfigurationError("motion is not allowed for a volume: plane.layer=VALUE takes out a plane")
+        if set(place) != {axis.name for axis in axes}:
+            raise ParameterError("place", place, f"given by {axes[0].name} and {axes[1].name}, each with a value")
+        x, p = (finite_number(a.name, place[a.name], at_least=a.low, at_most=a.high) for a in axes)
+        self._check(None, None, "static", units)
+        settings = _search_settings(attractors)
+        from pipeline.analysis.motion.motions import motions_at
+        from pipeline.figures.drawing import own_style
+        from pipeline.figures.motion import draw_motions
+
+        plane = self._read("static", units)
+        with own_style():
+            return draw_motions(plane, motions_at(self.plan, x, p, settings))
+
     def _check(self, curves, window, stability: str, units: str) -> None:
         for name, value in (("stability", stability), ("units", units)):
             if not isinstance(value, str):
@@ -138,3 +184,14 @@ class Plots:
         from pipeline.plane.stored import read_stored
 
         return read_stored(self.path, stability == "dynamic", units == "physical")
+
+
+def _search_settings(given: Mapping[str, object] | None) -> Attractors:
+    """Settings of the search for attractors, those that are not given as the configuration has them."""
+    given = {} if given is None else given
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        raise ParameterError("attractors", given, "settings by name, such as {'starts': 100}")
+    values = [f"attractors.{key}={'null' if value is None else value}" for key, value in given.items()]
+    settings = compose(values).config.attractors
+    check_box(settings.box)
+    return settings

@@ -35,6 +35,7 @@ def by_key(numbers: Mapping) -> dict[str, object]:
         elif name == "physical":
             found |= _flat((value or {}).get("gear", {}), "gear.physical")
             found |= _flat((value or {}).get("mesh_cycle") or {}, "gear.physical.mesh_cycle")
+            found |= _flat((value or {}).get("teeth") or {}, "gear.physical.tooth")
         elif name == "thermal":
             found |= _flat(value or {}, "gear.thermal")
         elif name == "omega":

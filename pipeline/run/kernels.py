@@ -15,6 +15,7 @@ _ROWS = {
         "solver.continuation.arclength.trace",
         "solver.stability.assessment._assess",
         "solver.continuation.on_curve._crossings",
+        "solver.harmonic.quantities.fill_quantities",
         "solver.harmonic.describing_function.residual_and_jacobian",
         "solver.harmonic.describing_function.test_functions",
         "solver.continuation.setup.no_contacts",
@@ -29,6 +30,7 @@ _ROWS = {
         "solver.continuation.arclength.trace",
         "solver.stability.assessment._assess",
         "solver.continuation.on_curve._crossings",
+        "solver.harmonic.quantities.fill_quantities",
         "solver.harmonic.galerkin._linear_degree",
         "solver.harmonic.galerkin.test_functions",
         "solver.harmonic.galerkin._extremes",
@@ -42,6 +44,18 @@ _ATTRACTORS = (
     "solver.timedomain.cell_search",
     "solver.timedomain.quantities.gauge_at",
     "solver.timedomain.row_systems",
+)
+
+#: A single place: its row of the map, and what motions and quantities are read with.
+_MOTION = (
+    *_ATTRACTORS,
+    "solver.timedomain.quantities._quantities",
+    "solver.timedomain.trajectory",
+    "solver.timedomain.poincare._advance",
+    "solver.timedomain.poincare._measure",
+    "solver.timedomain.shooting",
+    "solver.harmonic.quantities",
+    "solver.flow.zone_flows._tabulated",
 )
 
 #: By stage and balance, those that take longest first.
@@ -58,6 +72,7 @@ NEEDED = {
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
     "attractors": dict.fromkeys(_ROWS, _ATTRACTORS),
+    "motion": {balance: (*rows, *_MOTION) for balance, rows in _ROWS.items()},
     "debug": _ROWS,
 }
 

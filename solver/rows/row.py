@@ -1,16 +1,17 @@
 """One row of a plane: its branches, the solutions at the row's grid values, and whether these are proven to be all."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from solver.contact.impact import domain_code, impact_of_range
+from solver.contact.quantities import Slot
 from solver.continuation.continuation import Continuation, Curve, EndReason, Event
 from solver.continuation.problem import Balance
 from solver.enumeration.solutions import Above, Proof
 from solver.harmonic.describing_function import DescribingFunction
+from solver.harmonic.quantities import fill_quantities, fill_system_quantities
 from solver.model.checks import ascending_grid, has_methods, instance_of
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
@@ -47,6 +48,9 @@ class Row:
         Dynamic stability, `solver.stability.Instability`; -1 beyond the number of solutions.
     multiplier : (X, S) array
         Largest modulus of the multipliers; nan beyond the number of solutions.
+    quantities : (X, S, 13) array
+        What is read of the motions, by `solver.contact.quantities.Slot`; nan beyond the number of solutions, and where
+        it cannot be computed.
     open : (X,) int8 array
         1 where solutions above the amplitude ceiling exist or are not excluded, and on both sides of a place where a
         branch left through it. Where nothing is proven also where the solutions do not add up to the degree of the
@@ -67,6 +71,7 @@ class Row:
     impact: np.ndarray
     instability: np.ndarray
     multiplier: np.ndarray
+    quantities: np.ndarray
     open: np.ndarray
     certified: np.ndarray
     notes: tuple[str, ...]
@@ -95,11 +100,6 @@ class Row:
     def amplitude(self) -> np.ndarray:
         """lambda_a of the mesh frequency, (X, S)."""
         return np.hypot(self.cos, self.sin)
-
-    @cached_property
-    def extremes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest lambda over the period, two (X, S) arrays."""
-        return self.balance.extremes(self.motions)
 
     def branch_motions(self, curve: Curve) -> np.ndarray:
         """lambda_m, lambda_c and lambda_s at the points of one of the curves, (3, points).
@@ -284,6 +284,11 @@ def _described(span: RowSpan, grid: np.ndarray, branches: Branches, raster: _Ras
         )
         kind, modulus, tests = stability.kind.astype(np.int8), stability.modulus, stability.tests
     parameters = packed(span.system, span.axis, span.omega, span.balance.order, span.balance.period)
+    quantities = np.empty((column.size, len(Slot)))
+    if isinstance(span.system, Model):
+        fill_quantities(*parameters, grid[column], unknowns, span.balance.truncated, quantities)
+    else:
+        fill_system_quantities(*parameters, grid[column], unknowns, quantities)
     known = KnownMotions(grid[column], unknowns, tests)
     located = [
         locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in branches.curves
@@ -299,6 +304,7 @@ def _described(span: RowSpan, grid: np.ndarray, branches: Branches, raster: _Ras
         impact_of_range(*span.balance.extremes(motions), low[:, None], high[:, None]),
         arranged(kind, -1),
         arranged(modulus, np.nan),
+        arranged(quantities, np.nan),
         raster.open.astype(np.int8),
         raster.certified,
         (*branches.notes, *raster.notes, *(note for _, notes in located for note in notes)),

@@ -7,9 +7,11 @@ from solver.timedomain.attractor import AttractorKind
 from solver.timedomain.attractor_row import AttractorRow, AttractorSearch, SeenFrom
 from solver.timedomain.attractors import continue_attractors, find_attractors, settle
 from solver.timedomain.integrator import Status, Trajectory, Zone, integrate
+from solver.timedomain.orders import order_spectrum
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
 from solver.timedomain.quantities import Quantities, motion_quantities
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
+from solver.timedomain.trajectory import SampledMotion, trajectory
 
 __all__ = [
     "AttractorKind",
@@ -18,6 +20,7 @@ __all__ = [
     "Measurement",
     "PeriodicOrbit",
     "Quantities",
+    "SampledMotion",
     "Sections",
     "SeenFrom",
     "ShootingStatus",
@@ -33,6 +36,8 @@ __all__ = [
     "monodromy",
     "motion_quantities",
     "orbit_state",
+    "order_spectrum",
     "settle",
     "shoot",
+    "trajectory",
 ]

@@ -32,6 +32,8 @@ _QUANTITIES = {
     "mean": Slot.MEAN,
     "rms": Slot.RMS,
     "peak_to_peak": Slot.PEAK_TO_PEAK,
+    "error_lowest": Slot.ERROR_LOWEST,
+    "error_highest": Slot.ERROR_HIGHEST,
     "error_rms": Slot.ERROR_RMS,
     "error_peak_to_peak": Slot.ERROR_PEAK_TO_PEAK,
     "force": Slot.DYNAMIC_FACTOR,

@@ -61,6 +61,11 @@ def window(plane):
     }
 
 
+def physical():
+    # The gear of the plane is dimensionless.
+    return {"physical": argument(False, (True, 1, "yes", None, []))}
+
+
 WRONG_WORDS = ("foo", "", None, 1, True, [])
 
 CALLS = {
@@ -87,6 +92,12 @@ CALLS = {
         "stability": argument("static", WRONG_WORDS),
         "units": argument("dimensionless", WRONG_WORDS),
     },
+    "pipeline.figures.plots.Plots.motion": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", WRONG_WORDS),
+        "attractors": argument({"starts": 1}, (1, "starts", True, [], {1: 2}, {"stars": 1}, {"starts": -1})),
+        **place(),
+    },
     "pipeline.open_plane": lambda plane: {
         "name": argument(plane.path, PATHS, "nowhere.zarr"),
         "root": argument("outputs", PATHS[:-1]),
@@ -104,8 +115,8 @@ CALLS = {
         "self": plane,
         "what": argument("2T", (*NAME, "2t", "1T/7", "9T", {})),
     },
-    "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row()},
-    "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row()},
+    "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row(), **physical()},
+    "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row(), **physical()},
     "pipeline.api.OpenPlane.label_at": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.label_near": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.label_of": lambda plane: {
@@ -113,8 +124,8 @@ CALLS = {
         "code": argument(132, (None, "1", True, 2.5, 2.0, np.nan, -1, 2**16, [1], {})),
     },
     "pipeline.api.OpenPlane.mask": lambda plane: {"self": plane, "what": argument("jump", (*NAME, "2/7", "99/0", {}))},
-    "pipeline.api.OpenPlane.motions_at": lambda plane: {"self": plane, **place()},
-    "pipeline.api.OpenPlane.motions_near": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.motions_at": lambda plane: {"self": plane, **place(), **physical()},
+    "pipeline.api.OpenPlane.motions_near": lambda plane: {"self": plane, **place(), **physical()},
     "pipeline.api.OpenPlane.nearest_boundaries": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.thresholds": lambda plane: {"self": plane, **window(plane)},
 }

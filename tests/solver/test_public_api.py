@@ -30,6 +30,7 @@ RESULTS = {
     "solver.timedomain.Measurement",
     "solver.timedomain.PeriodicOrbit",
     "solver.timedomain.Quantities",
+    "solver.timedomain.SampledMotion",
     "solver.timedomain.Sections",
     "solver.timedomain.Trajectory",
 }

@@ -155,6 +155,11 @@ CALLS = {
         "period": periods(1),
         "samples": argument(64, (*COUNT, 0, 4)),
     },
+    "solver.timedomain.order_spectrum": lambda: {
+        "samples": argument([0.0, 1.0, 0.5], array([0.0, 1.0, 0.5], [1.0], any_shape=True)),
+        "periods": argument(2.0, POSITIVE),
+        "window": argument(None, tuple(v for v in NAME if v is not None)),
+    },
     "solver.timedomain.settle": lambda: {
         "system": argument(stop(), OBJECT),
         "omega": argument(0.9, POSITIVE),
@@ -168,6 +173,9 @@ CALLS = {
         tolerance=tolerances(),
         integration_tolerance=tolerances(1e-12),
         max_iterations=argument(20, (*COUNT, 0)),
+    ),
+    "solver.timedomain.trajectory": lambda: batch(
+        periods=periods(), samples=argument(16, (*COUNT, 0)), tolerance=tolerances()
     ),
 }
 

@@ -6,6 +6,7 @@ import pytest
 from solver import ContactSystem, Event, Galerkin, LiftedSeeds, Proof, enumerate_row, sweep_row
 from solver.boundaries import boundary_curves, row_events
 from solver.contact.impact import domain_label
+from solver.contact.quantities import Slot
 from solver.regions.regions import regions
 
 #: A mass and a stop: x'' + 0.03 x' + x + 10 max(x - 1, 0) = 0.1 cos.
@@ -162,3 +163,30 @@ def test_unequal_gaps_shift_a_free_contact():
     np.testing.assert_allclose(mine.mean, theirs.mean + 0.4, rtol=0, atol=1e-9)
     np.testing.assert_array_equal(mine.impact, theirs.impact)
     np.testing.assert_array_equal(mine.instability, theirs.instability)
+
+
+@pytest.mark.parametrize(("system", "omega", "share"), [(SPUR, 0.7, 1.0), (STOP, 1.1, 0.0)])
+def test_quantities_are_those_of_sampled_motions(system, omega, share):
+    row = sweep_row(system, "omega", [omega, 1.001 * omega])
+    angle = 2.0 * np.pi * (np.arange(200_000) + 0.5) / 200_000
+    variation = sum(a * np.cos(l * angle + p) for l, (a, p) in enumerate(system.stiffness_harmonics, start=1))
+    for motion, found in zip(row.motions[0], row.quantities[0], strict=True):
+        if np.isnan(motion[0]):
+            continue
+        place = motion[0] + motion[1] * np.cos(angle) + motion[2] * np.sin(angle)
+        force = system.contact_force(place)
+        assert found[Slot.LOWEST] == pytest.approx(place.min(), abs=1e-8)
+        assert found[Slot.RMS] == pytest.approx(np.std(place), abs=1e-8)
+        assert found[Slot.CONTACT_LOSS] == pytest.approx(np.mean(force == 0.0), abs=2e-5)
+        meets = np.flatnonzero((force != 0.0) & (np.roll(force, 1) == 0.0))
+        speed = np.abs(np.gradient(place, angle) * omega)
+        expected = np.max(speed[meets], initial=0.0)
+        assert found[Slot.IMPACT_VELOCITY] == pytest.approx(expected, abs=1e-4)
+        if share:
+            # The mean load 0.1 is the static force.
+            assert found[Slot.DYNAMIC_FACTOR] == pytest.approx(
+                np.max((1.0 + share * variation) * force) / 0.1, rel=1e-6
+            )
+        else:
+            assert np.isnan(found[Slot.DYNAMIC_FACTOR])
+        assert np.isnan(found[Slot.SUPPORT_FORCE])
