@@ -1,13 +1,23 @@
 """How parameters are written in figures."""
 
 from pipeline.config.physical import TEMPERATURE
+from pipeline.config.quantities import Quantity
 from pipeline.plan.numerics import frame_of, model_at
 from pipeline.plan.plan import Plan
 from pipeline.plane.resonances import mesh_shares
 from pipeline.plane.stored import StoredPlane
 from solver import ImpactState, Scales
 
-__all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "gear_text", "mesh_energies", "symbol", "value_text"]
+__all__ = [
+    "STATE_NAMES",
+    "axis_label",
+    "fixed_parameters",
+    "gear_text",
+    "mesh_energies",
+    "quantity_text",
+    "symbol",
+    "value_text",
+]
 
 _SYMBOLS = {
     "omega": r"\Omega",
@@ -47,6 +57,11 @@ STATE_NAMES = {
 def symbol(name: str) -> str:
     """The article's symbol of a parameter, as mathematical text."""
     return f"${_SYMBOLS[name]}$"
+
+
+def quantity_text(quantity: Quantity) -> str:
+    """A quantity of motions with its symbol."""
+    return f"{quantity.label} ${quantity.symbol}$"
 
 
 def axis_label(name: str, attributes: dict) -> str:
