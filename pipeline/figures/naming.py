@@ -5,6 +5,7 @@ from pipeline.plan.numerics import frame_of, model_at
 from pipeline.plan.plan import Plan
 from pipeline.plane.resonances import mesh_shares
 from pipeline.plane.stored import StoredPlane
+from pipeline.run.sheets import number_text
 from solver import ImpactState, Scales
 
 __all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "gear_text", "mesh_energies", "symbol", "value_text"]
@@ -57,10 +58,10 @@ def axis_label(name: str, attributes: dict) -> str:
 def value_text(name: str, value: float, scales: Scales | None = None) -> str:
     """A parameter with its value, "$f_e$ = 0.126", and the physical one where there are scales, "(6.3 µm)"."""
     unit = " K" if name == TEMPERATURE else ""
-    text = f"{symbol(name)} = {value:.4g}{unit}".replace("-", "\N{MINUS SIGN}")
+    text = f"{symbol(name)} = {number_text(value, 4)}{unit}"
     if scales is None or name not in scales:
         return text
-    return f"{text} ({value * scales[name].shown:.3g} {scales[name].unit})"
+    return f"{text} ({number_text(value * scales[name].shown)} {scales[name].unit})"
 
 
 def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:

@@ -129,6 +129,8 @@ def boundary_curves(
     curves: list[BoundaryCurve] = []
     boundary = _boundary_problem(plane, balance)
     for kind in np.unique(kinds):
+        if boundary.repeats(Event(kind)):
+            continue
         curves += _curves(Tracer(boundary, Event(kind), continuation), points[kinds == kind])
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
 

@@ -176,7 +176,8 @@ def gauge_at(parameters, parameter_slope, p, separate):
     seen, supports = np.ones(count + 1), np.zeros((count if told else 0, 2 * count + 2))
     seen[count] = 0.0
     for kind in range(supports.shape[0]):
-        share = math.sqrt(kinds[kind, 5]) / kinds[kind, 4]
+        # In units of k_m b_c, those of gear g being m_g b_c Omega_n^2.
+        share = math.sqrt(kinds[kind, 5]) / (kinds[kind, 4] * kinds[kind, 2])
         supports[kind, kind] = share * kinds[kind, 1]
         supports[kind, count + 1 + kind] = 2.0 * share * kinds[kind, 0]
     return Gauge(numbers, error, seen, supports)
@@ -245,7 +246,7 @@ def _expand(flows, step, work):
             work.state[r, j] = total
 
 
-@kernel(types.void(ZONE_FLOWS, GAUGE, MATRIX, _I, QUANTITY_WORK, MAP_ROOM), inner=True)
+@kernel(types.void(ZONE_FLOWS, GAUGE, MATRIX, _I, QUANTITY_WORK, MAP_ROOM), inner=True, shared=True)
 def gather(flows, gauge, steps, count, work, room):
     """Add what a motion does over the steps of one period, tau counted from its start.
 

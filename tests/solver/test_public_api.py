@@ -30,7 +30,9 @@ RESULTS = {
     "solver.timedomain.Measurement",
     "solver.timedomain.PeriodicOrbit",
     "solver.timedomain.Quantities",
+    "solver.timedomain.SampledMotion",
     "solver.timedomain.Sections",
+    "solver.timedomain.SlowRun",
     "solver.timedomain.Trajectory",
 }
 

@@ -19,7 +19,7 @@ from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.region_labels import placed_labels
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.division import stored_division
-from pipeline.plane.row_curves import _solved, curves_at
+from pipeline.plane.row_curves import curves_at, solved_curves
 from pipeline.plane.segments import labels_at
 from pipeline.plane.stored import read_stored
 from solver import Event, domain_code
@@ -186,7 +186,7 @@ def test_curves_are_those_of_the_values_asked_for(plane):
 
 def test_a_row_that_is_solved_is_the_stored_one(plane):
     """What is stored at 0.25 is what would be solved there, and its motions' stability that of its cells."""
-    stored, solved = curves_at(plane, 0.25), _solved(plane.plan, 0.25)
+    stored, solved = curves_at(plane, 0.25), solved_curves(plane.plan, 0.25)
     assert stored.points.keys() == solved.points.keys() and stored.ends == solved.ends
     for name, array in stored.points.items():
         np.testing.assert_allclose(solved.points[name], array, rtol=0.0, atol=1e-9, err_msg=name)
