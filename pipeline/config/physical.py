@@ -1,13 +1,14 @@
 """A gear in physical units: from its configuration to SI numbers; and values with units as dimensionless numbers."""
 
 import math
+import sys
 from dataclasses import asdict, fields
 
 from pipeline.config.mesh_cycle import read_mesh_cycle
 from pipeline.config.schema import PhysicalGear
 from pipeline.config.teeth import METHODS, DrawnMesh, drawn_mesh
 from pipeline.config.units import quantities, quantity, speed
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, shown
 from solver import Blank, GearPair, ParameterError, PitchCones, Scales
 
 __all__ = ["AXIS_KEYS", "MESH_DAMPING", "PATHS", "TEMPERATURE", "describe", "place_of", "value_of"]
@@ -43,8 +44,9 @@ def value_of(key: str, name: str, value, scales) -> float:
     """A number, or a text with a unit made dimensionless."""
     if isinstance(value, str):
         return place_of(key, name, value, scales)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number, or a text with a unit")
+    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > sys.float_info.max:
+        said = shown(repr(value))
+        raise ConfigurationError(f"{key} = {said} is not allowed: it must be a finite number, or a text with a unit")
     return float(value)
 
 

@@ -289,7 +289,7 @@ class Margins:
     point: Any = MISSING
     range: Any = MISSING
     tolerances: Any = MISSING
-    reach: float = MISSING
+    reach: float = allowed(1.1, 100.0)
 
 
 @dataclass
@@ -297,6 +297,29 @@ class Motion:
     """A point of the plane of which all motions are drawn; see `pipeline.plan.points`."""
 
     at: Any = MISSING
+
+
+@dataclass
+class Diagram:
+    """The row that is followed up and down; see `pipeline.analysis.diagram.options`."""
+
+    value: Any = MISSING
+    columns: int | None = allowed(2, 10**5)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+
+
+@dataclass
+class Spectrum:
+    """Spectra along a row; see `pipeline.analysis.diagram.options`."""
+
+    value: Any = MISSING
+    columns: int | None = allowed(2, 10**5)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+    direction: str = allowed(names=("up", "down"))
+    of: str = allowed(names=("displacement", "force"))
+    axis: str = allowed(names=("frequency", "order"))
+    orders: float = allowed(1.0, 60.0)
+    periods: int = allowed(1, 1000)
 
 
 @dataclass
@@ -320,6 +343,8 @@ class Configuration:
     store: Store = MISSING
     attractors: Attractors = MISSING
     motion: Motion = MISSING
+    diagram: Diagram = MISSING
+    spectrum: Spectrum = MISSING
     margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING

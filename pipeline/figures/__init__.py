@@ -1,17 +1,20 @@
 """Figures drawn from a stored plane; nothing is solved again but rows that it does not have."""
 
 import gc
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from pipeline.figures.options import check_options
 from pipeline.plane.stored import read_stored
 
-__all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_named"]
+__all__ = ["NAMES", "OF_ROWS", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra"]
 
 #: Figures of a plane, those that take longest first.
 NAMES = ("map", "curves", "map-window", "multipliers", "attractors", "verification", "basins", "backbone")
+
+#: Those that need the rows of the plane and nothing that later stages add.
+OF_ROWS = ("curves", "multipliers", "backbone")
 
 
 def draw(
@@ -90,15 +93,57 @@ def draw_design(
         As for `draw`.
     answer : pipeline.analysis.margins.Answer
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    with _without_collector():
-        from pipeline.figures.drawing import own_style
-        from pipeline.figures.margins import draw_margins
-        from pipeline.figures.output import write_figure
+    from pipeline.figures.margins import draw_margins
 
+    return _draw_one(store_path, folder, "margins", formats, dpi, units, lambda plane: draw_margins(plane, answer))
+
+
+def draw_followed(
+    store_path: Path, folder: Path, name: str, followed, formats: list[str], dpi: int, units: str = "dimensionless"
+) -> list[Path]:
+    """Draw a row that was followed up and down, over the branches of the map there, as `name` in all formats.
+
+    Parameters
+    ----------
+    store_path, folder, formats, dpi, units
+        As for `draw`.
+    name : str
+    followed : pipeline.analysis.diagram.following.Followed, pipeline.plane.row_curves.RowCurves
+        Both.
+    """
+    from pipeline.figures.diagram import draw_diagram
+
+    return _draw_one(store_path, folder, name, formats, dpi, units, lambda plane: draw_diagram(plane, *followed))
+
+
+def draw_spectra(
+    store_path: Path, folder: Path, name: str, spectra, formats: list[str], dpi: int, units: str = "dimensionless"
+) -> list[Path]:
+    """Draw spectra along a row as `name` in all formats.
+
+    Parameters
+    ----------
+    store_path, folder, formats, dpi, units
+        As for `draw`.
+    name : str
+    spectra : pipeline.analysis.diagram.spectra.Spectra
+    """
+    from pipeline.figures.spectrum import draw_spectrum
+
+    return _draw_one(store_path, folder, name, formats, dpi, units, lambda plane: draw_spectrum(plane, spectra))
+
+
+def _draw_one(
+    store_path: Path, folder: Path, name: str, formats: list[str], dpi: int, units: str, drawn: Callable
+) -> list[Path]:
+    """Write the one figure that `drawn` makes of the stored plane."""
+    from pipeline.figures.drawing import own_style
+    from pipeline.figures.output import write_figure
+
+    folder.mkdir(parents=True, exist_ok=True)
+    with _without_collector(), own_style():
         plane = read_stored(store_path, physical=units == "physical")
-        with own_style():
-            return write_figure(draw_margins(plane, answer), plane, folder, "margins", formats, dpi)
+        return write_figure(drawn(plane), plane, folder, name, formats, dpi)
 
 
 @contextmanager

@@ -1,7 +1,9 @@
 """The figures of an opened plane, as matplotlib figures for a notebook or a script."""
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
 
 from pipeline.analysis.attractors.options import check_box
@@ -171,6 +173,106 @@ class Plots:
         plane = self._read("static", units)
         with own_style():
             return draw_motions(plane, motions_at(self.plan, x, p, settings))
+
+    def diagram(
+        self, units: str = "dimensionless", columns: int | None = None, max_periods: int | None = None, **value: float
+    ):
+        """What one motion does along a row, up from rest and down from there, integrated anew.
+
+        Parameters
+        ----------
+        units : str
+            As for `map`.
+        columns : int, optional
+            Steps of each direction; the columns of the plane, at least 400, unless given.
+        max_periods : int, optional
+            Forcing periods of a step; as the configuration has it unless given.
+        **value : float
+            Of the row parameter, by its name, such as `f_e=0.3`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            If an option is not allowed for this plane, or it is a volume.
+        """
+        options = self._along("diagram", value, units, columns=columns, max_periods=max_periods)
+        from pipeline.analysis.diagram.following import follow
+        from pipeline.analysis.diagram.options import way_of
+        from pipeline.figures.diagram import draw_diagram
+        from pipeline.figures.drawing import own_style
+        from pipeline.plane.row_curves import curves_at
+
+        way, plane = way_of("diagram", options, self.plan), self._read("static", units)
+        with own_style():
+            return draw_diagram(plane, follow(self.plan, way), curves_at(plane, way.value))
+
+    def spectrum(
+        self,
+        direction: str = "up",
+        of: str = "displacement",
+        axis: str = "frequency",
+        orders: float = 10.0,
+        periods: int = 24,
+        units: str = "dimensionless",
+        columns: int | None = None,
+        max_periods: int | None = None,
+        **value: float,
+    ):
+        """Amplitudes over the swept parameter and over frequency or order, along such a row.
+
+        Parameters
+        ----------
+        direction : str
+            "up" or "down".
+        of : str
+            "displacement" of the mesh, or mesh "force".
+        axis : str
+            What is drawn upwards: "frequency" or "order".
+        orders : float
+            Highest order of the mesh frequency.
+        periods : int
+            Forcing periods of a record: orders are multiples of one over it.
+        units, columns, max_periods, **value
+            As for `diagram`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            As `diagram`.
+        """
+        own = {"direction": direction, "of": of, "axis": axis, "orders": orders, "periods": periods}
+        own |= {"columns": columns, "max_periods": max_periods}
+        options = self._along("spectrum", value, units, **own)
+        from pipeline.analysis.diagram.following import follow
+        from pipeline.analysis.diagram.options import spectrum_of
+        from pipeline.analysis.diagram.spectra import spectra_of
+        from pipeline.figures.drawing import own_style
+        from pipeline.figures.spectrum import draw_spectrum
+
+        asked, plane = spectrum_of(options, self.plan), self._read("static", units)
+        with own_style():
+            return draw_spectrum(plane, spectra_of(follow(self.plan, asked.way), asked))
+
+    def _along(self, key: str, value: dict, units: str, **own):
+        """Settings of a row that is followed, what is None as the configuration has it."""
+        name = self.plan.parameter.name
+        if self.plan.parameter2 is not None:
+            raise ConfigurationError(f"{key} is not allowed for a volume: plane.layer=VALUE takes out a plane")
+        if set(value) != {name}:
+            raise ConfigurationError(f"{key} = {value} is not allowed: rows of this plane are chosen by {name}")
+        self._check(None, None, "static", units)
+        typed = [f"{key}.{setting}={given}" for setting, given in own.items() if given is not None]
+        given = value[name]
+        given = float(given) if isinstance(given, Real) and not isinstance(given, int) else given
+        return dataclasses.replace(getattr(compose(typed).config, key), value=given)
 
     def _check(self, curves, window, stability: str, units: str) -> None:
         for name, value in (("stability", stability), ("units", units)):

@@ -6,6 +6,7 @@ between them, the part of the same region in the rows above or below does.
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from weakref import WeakKeyDictionary
@@ -129,6 +130,10 @@ class _StoredLabels:
 
     def __init__(self, plane: StoredPlane, crossings: RowCrossings):
         self.plane, self.crossings = plane, crossings
+
+    def expect(self, slabs: Sequence[Slab]) -> None:
+        if slabs:
+            self.crossings.look_up(self.plane.rows)
 
     def sequence(self, slab: Slab) -> list[int]:
         rows = np.flatnonzero((self.plane.rows > slab.low) & (self.plane.rows < slab.high) & self.plane.complete)

@@ -41,7 +41,16 @@ _ROWS = {
 }
 
 _ATTRACTORS = (
-    "solver.timedomain.cell_search",
+    "solver.timedomain.cell_search.seek",
+    "solver.timedomain.cell_search.recall",
+    "solver.timedomain.quantities.gauge_at",
+    "solver.timedomain.row_systems",
+)
+
+#: A row followed up and down.
+_RUNS = (
+    "solver.timedomain.cell_search.seek",
+    "solver.timedomain.cell_search.pursue",
     "solver.timedomain.quantities.gauge_at",
     "solver.timedomain.row_systems",
 )
@@ -73,6 +82,8 @@ NEEDED = {
     },
     "attractors": dict.fromkeys(_ROWS, _ATTRACTORS),
     "motion": {balance: (*rows, *_MOTION) for balance, rows in _ROWS.items()},
+    "diagram": {balance: (*_RUNS, *rows) for balance, rows in _ROWS.items()},
+    "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.zone_flows._tabulated")),
     "debug": _ROWS,
 }
 

@@ -163,7 +163,9 @@ def move_parameters(here, along, step, moved):
     moved[FRONT_GAP], moved[BACK_GAP] = here[FRONT_GAP], here[BACK_GAP]
 
 
-@kernel(types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _F, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True)
+@kernel(
+    types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _F, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True, shared=True
+)
 def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, closed, switches, by_angle, by_axis):
     """The test functions of a motion, and how they change.
 

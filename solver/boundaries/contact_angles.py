@@ -111,7 +111,7 @@ def _rows(values, constants, mean, fundamental, place, displacement):
     return force, row.real, -row.imag
 
 
-@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True, shared=True)
 def angle_rows(known, parameters, y, residual, jacobian):
     """Balance and angles: fill the first five rows of residual and jacobian (., 7) at y (7,).
 
@@ -208,7 +208,7 @@ def _contract(left, right):
     return total
 
 
-@kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+@kernel(types.float64(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True, shared=True)
 def determinant(known, parameters, y, gradient, square):
     """det dE/du, its derivatives by y, and dE/du itself.
 

@@ -338,9 +338,9 @@ class FirstOrderProblem:
         if not self.contact_free(kind, contact):
             yield Guess(contact, y, move * np.eye(y.size)[slot], 0.0)
 
-    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
+    def static_determinants(self, problem: Problem, points: np.ndarray) -> np.ndarray:
         """det dE/du."""
-        return float(problem.observed(y, TEST_COUNT)[1])
+        return problem.observed_all(points, TEST_COUNT)[:, 1]
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (3, 3), dE/dp (3,) and the derivatives of det dE/du by u (3,): the angles follow u and p."""

@@ -153,10 +153,9 @@ class HarmonicProblem:
                         return steepest(y if sum(contact) > sum(stretch.contact) else corner)
         return None
 
-    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
+    def static_determinants(self, problem: Problem, points: np.ndarray) -> np.ndarray:
         """Sign of det dE/du."""
-        square, _, _ = self.fold_rows(problem, y)
-        return float(np.linalg.slogdet(square)[0])
+        return np.linalg.slogdet([self.fold_rows(problem, y)[0] for y in points])[0]
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (n, n), dE/dp (n,) and the derivatives by u (n,) of the row behind the balance."""

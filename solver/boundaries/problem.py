@@ -264,8 +264,8 @@ class BoundaryProblem(Protocol):
     def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
         """How the boundary may go on beyond the last point of a stretch; nothing where it ends there."""
 
-    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
-        """A number of the sign of det dE/du."""
+    def static_determinants(self, problem: Problem, points: np.ndarray) -> np.ndarray:
+        """Numbers (k,) of the sign of det dE/du at points (k, n + 1) of y."""
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (n, n), dE/dp (n,) and the derivatives of det dE/du by u (n,) at a fold, each up to a positive factor.
@@ -285,7 +285,7 @@ def curve_tangent(problem: Problem, y: np.ndarray) -> np.ndarray:
     return tangent if tangent[-1] >= 0.0 else -tangent
 
 
-@kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True)
+@kernel(types.UniTuple(ARRAY, 3)(ARRAY, ARRAY, ARRAY), inner=True, shared=True)
 def parameters_at(parameters, parameter_slope, y):
     """The parameters at y = (..., x, p), and what either axis adds to them there.
 

@@ -72,7 +72,7 @@ def _crossing(u, level, low, high, value_low, value_high):
     return angle
 
 
-@kernel(_I(ARRAY, _F, _F, ARRAY, types.int64[::1]), inner=True)
+@kernel(_I(ARRAY, _F, _F, ARRAY, types.int64[::1]), inner=True, shared=True)
 def contact_arcs(u, front, back, angles, zones):
     """Cut the period at the angles where lambda crosses a flank.
 

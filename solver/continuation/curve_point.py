@@ -161,7 +161,7 @@ def correct_onto_curve(setup, point, normal):
     return iterations
 
 
-@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
+@kernel(_I(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True, shared=True)
 def state_at(setup, left, right, arc, x, point):
     """The point at fraction x of the way from `left` to `right`, guided by the cubic through both ends and tangents.
 

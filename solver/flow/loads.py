@@ -80,7 +80,7 @@ def _system_load(parameters, parameter_slope, p, load):
     eliminate_rows(left, load)
 
 
-@kernel(SWITCHED_SYSTEM(ARRAY, ARRAY, _F), inner=True)
+@kernel(SWITCHED_SYSTEM(ARRAY, ARRAY, _F), inner=True, shared=True)
 def loaded_system_at(parameters, parameter_slope, p):
     """The system with its load at one axis value.
 

@@ -105,7 +105,7 @@ def _supports(model, slope, p, groups):
     return count
 
 
-@kernel(_I(ARRAY, ARRAY, _F), inner=True)
+@kernel(_I(ARRAY, ARRAY, _F), inner=True, shared=True)
 def count_degrees(parameters, parameter_slope, p):
     """Number n of coordinates of a system that the contact reaches, from vectors of `solver.model.packing.packed`."""
     if parameters[KIND] != GEAR:
@@ -114,7 +114,7 @@ def count_degrees(parameters, parameter_slope, p):
     return 1 + _supports(gear, slope, p, np.empty((4, 6)))
 
 
-@kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
+@kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True, shared=True)
 def system_at(parameters, parameter_slope, p, system):
     """Fill a system of `new_system` at one axis value.
 

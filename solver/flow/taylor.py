@@ -313,7 +313,7 @@ def set_identity(states):
         states[i // 4, i, i % 4] = 1.0
 
 
-@kernel(_B(SWITCHED_SYSTEM, _I, _F, _F, BLOCKS, BLOCK_SERIES), inner=True)
+@kernel(_B(SWITCHED_SYSTEM, _I, _F, _F, BLOCKS, BLOCK_SERIES), inner=True, shared=True)
 def carry_deviations(system, zone, begin, end, states, series):
     """Carry deviations through a zone from one time to another; False where they are not finite any more."""
     n, time, no_load = system.vectors.shape[1], begin, np.empty((0, 0))

@@ -372,7 +372,7 @@ def _fitted(flows, system, count):
     )
 
 
-@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _F, ZONE_FLOWS), inner=True)
+@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _F, ZONE_FLOWS), inner=True, shared=True)
 def zone_flows(system, tolerance, flows):
     """The flows of a system under its load.
 

@@ -43,7 +43,7 @@ CONDENSED = types.Tuple((VALUES, VALUES, CONSTANTS, CONSTANTS))
 _F = types.float64
 
 
-@kernel(CONDENSED(ARRAY, ARRAY, _F), inner=True)
+@kernel(CONDENSED(ARRAY, ARRAY, _F), inner=True, shared=True)
 def coefficients(parameters, parameter_slope, p):
     """The numbers that the balance of a gear pair depends on at one axis value, and their derivatives along the axis.
 

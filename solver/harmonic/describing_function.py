@@ -89,7 +89,7 @@ def _fill_rows(condensed, y, residual, jacobian):
     jacobian[2, 3] -= row.imag
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), shared=True)
 def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
     """Residual (3,) and Jacobian (3, 4) of a gear pair at y = (lambda_m, lambda_c, lambda_s, axis value); see the
     module.

@@ -37,7 +37,7 @@ _F = types.float64
 _COMPLEX = np.complex128
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), shared=True)
 def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
     """Residual (n,) and Jacobian (n, n + 1) at y = (unknowns, axis value), n = 2 H + 1; see the module.
 

@@ -1,12 +1,14 @@
 """What numba makes of kernels. Only this module and `lowering` import numba, when the first kernel is needed.
 
 Numba by itself optimises and compiles every function alone, and then again within each of its callers. Here a kernel is
-typed and lowered once (`_Lowered`); it is optimised and compiled only as part of what Python calls or hands on
-(`_Callable`), together with all that it calls.
+typed and lowered once (`_Lowered`); it is optimised and compiled only as part of a unit (`_Unit`), together with all
+that it calls. A unit is what Python calls or hands on, or a kernel that is shared: other units call the machine code of
+that one by its name.
 """
 
 import functools
 import hashlib
+import itertools
 import pickle
 import sys
 from pathlib import Path
@@ -41,20 +43,25 @@ class _Lowered(JITCodeLibrary):
 
     def finalize(self):
         for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalize_dynamic_globals()
         self._finalized = True
 
 
-class _Callable(JITCodeLibrary):
-    """A kernel's code and all that it calls, of which nothing else can be seen from outside."""
+class _Unit(JITCodeLibrary):
+    """A kernel's code and all that it calls, which cannot be seen from outside."""
 
     def _optimize_final_module(self):
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name == "linkonce_odr":
                 function.linkage = "internal"
         super()._optimize_final_module()
+
+    def finish(self, lowered: _Lowered) -> None:
+        """Compile a kernel that can be seen from outside."""
+        lowered._ensure_finalized()
+        self._final_module.link_in(lowered._final_module)
+        self.finalize()
 
 
 #: What numba does with a kernel: as much of its usual course as kernels need, which have no closures and no generators.
@@ -86,7 +93,9 @@ class _Compiler(compiler.CompilerBase):
         return [passes]
 
     def _compile_bytecode(self):
-        self.state.func_id.unique_name = f"{self.state.func_id.func_qualname}${self.content[:32]}"
+        identity = self.state.func_id
+        identity.unique_id = self.content[:32]
+        identity.unique_name = f"{identity.func_qualname}${identity.unique_id}"
         return super()._compile_bytecode()
 
 
@@ -111,22 +120,27 @@ class _KernelType(numba.types.Callable, numba.types.Opaque):
         return self, signature.args
 
     def lowered(self, signature) -> compiler.CompileResult:
-        """The kernel for one signature, without machine code."""
+        """The kernel for one signature, as other kernels call it: without machine code, or with it if it is shared."""
         if signature not in self._lowered:
-            flags, context = compiler.Flags(), cpu_target.target_context
-            options = {"forceinline": self._kernel.inline, "_nrt": owns_arrays(self._kernel)}
-            cpu_target.options.parse_as_flags(flags, {**_OPTIONS, **options})
-            flags.no_compile = True
-            library = _Lowered(context.codegen(), self._kernel.__qualname__)
-            made = _Compiler(
-                cpu_target.typing_context, context, library, signature.args, signature.return_type, flags, {}
-            )
-            made.content = self._kernel.content
-            result = made.compile_extra(self._kernel.__wrapped__)
-            implemented = call_of(result.fndesc, library)
+            result = _shared_unit(self._kernel, signature) if self._kernel.shared else _lower(self._kernel, signature)
+            libraries = [] if self._kernel.shared else [result.library]
+            implemented = call_of(result.fndesc, libraries)
+            context = cpu_target.target_context
             context.insert_func_defn([(implemented, self.get_impl_key(signature), signature.args)])
             self._lowered[signature] = result
         return self._lowered[signature]
+
+
+def _lower(kernel, signature) -> compiler.CompileResult:
+    """A kernel's code for one signature, before optimisation."""
+    flags, context = compiler.Flags(), cpu_target.target_context
+    options = {"forceinline": kernel.inline, "_nrt": owns_arrays(kernel)}
+    cpu_target.options.parse_as_flags(flags, {**_OPTIONS, **options})
+    flags.no_compile = True
+    library = _Lowered(context.codegen(), kernel.__qualname__)
+    made = _Compiler(cpu_target.typing_context, context, library, signature.args, signature.return_type, flags, {})
+    made.content = kernel.content
+    return made.compile_extra(kernel.__wrapped__)
 
 
 register_model(_KernelType)(models.OpaqueModel)
@@ -178,12 +192,8 @@ def callable_of(kernel, wait: bool):
         for argument in declared.numba.args:
             if isinstance(argument, numba.types.NamedTuple):
                 _declare(argument)
-        name = _entry_name(kernel, declared.numba)
-        if (result := _read(name)) is None:
-            with kernel_store().claimed(name, _PATIENCE if wait else 0.0) as mine:
-                if not (mine or wait):
-                    return None
-                result = _read(name) or _compiled(kernel, declared.numba, name)
+        if (result := _unit(kernel, declared.numba, False, _PATIENCE if wait else 0.0)) is None:
+            return None
         dispatcher.add_overload(result)
     dispatcher.disable_compile()
     return dispatcher
@@ -191,8 +201,11 @@ def callable_of(kernel, wait: bool):
 
 def is_kept(kernel) -> bool:
     """Whether the cache has what `callable_of` needs."""
+    needed = [(kernel, False), *((shared, True) for shared in _shared_by(kernel))]
     return numba.config.DISABLE_JIT or all(
-        kernel_store().has(_entry_name(kernel, declared.numba)) for declared in kernel.signatures
+        kernel_store().has(_entry_name(one, declared.numba, is_shared))
+        for one, is_shared in needed
+        for declared in one.signatures
     )
 
 
@@ -202,37 +215,100 @@ def address_of(kernel) -> int:
     return result.library.get_pointer_to_function(result.fndesc.llvm_cfunc_wrapper_name)
 
 
+def _unit(kernel, signature, is_shared: bool, patience: float) -> compiler.CompileResult | None:
+    """A unit, read from the cache or else made and kept there; None if another process takes longer to make it."""
+    name = _entry_name(kernel, signature, is_shared)
+    if (result := _read(name, kernel, is_shared)) is None:
+        with kernel_store().claimed(name, patience) as mine:
+            if not mine and not patience:
+                return None
+            if (result := _read(name, kernel, is_shared)) is None:
+                result = (_compiled_alone if is_shared else _compiled)(kernel, signature)
+                _keep(name, result)
+    return result
+
+
+@functools.cache
+def _shared_unit(kernel, signature) -> compiler.CompileResult:
+    """What other units call."""
+    return _unit(kernel, signature, True, _PATIENCE)
+
+
 @global_compiler_lock
-def _compiled(kernel, signature, name: str) -> compiler.CompileResult:
+def _compiled_alone(kernel, signature) -> compiler.CompileResult:
+    lowered = _lower(kernel, signature)
+    library = _new_unit(lowered)
+    library.finish(lowered.library)
+    return lowered._replace(library=library)
+
+
+@global_compiler_lock
+def _compiled(kernel, signature) -> compiler.CompileResult:
     # What numba can compile, which takes half a second to load and is not needed to read what is kept.
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
     lowered = _kernel_type(kernel).lowered(signature)
-    context = calling_kernels(lowered.target_context)
-    library = _Callable(context.codegen(), lowered.fndesc.qualname)
-    library.enable_object_caching()
-    library.add_linking_library(lowered.library)
+    context = calling_kernels(cpu_target.target_context.subtarget(enable_nrt=owns_arrays(kernel)))
+    library = _new_unit(lowered)
+    if not kernel.shared:
+        library.add_linking_library(lowered.library)
     wrapped = library, lowered.fndesc, lowered.environment, lowered.call_helper
     # So that other threads go on meanwhile: `pipeline.cli.process` ends a run whose kernel does not.
     context.create_cpython_wrapper(*wrapped, release_gil=True)
     context.create_cfunc_wrapper(*wrapped)
     entry_point = context.get_executable(library, lowered.fndesc, lowered.environment)
-    result = lowered._replace(library=library, entry_point=entry_point)
-    if kernel_store().folder is not None and not library.has_dynamic_globals:
-        # The last part would set the environments of all that it calls. Only what Python calls needs one, its own.
-        kernel_store().write(name, dumps((*result._reduce()[:-1], ())))
-    return result
+    return lowered._replace(library=library, entry_point=entry_point)
 
 
-def _read(name: str) -> compiler.CompileResult | None:
+def _new_unit(lowered: compiler.CompileResult) -> _Unit:
+    library = _Unit(cpu_target.target_context.codegen(), lowered.fndesc.qualname)
+    library.enable_object_caching()
+    return library
+
+
+def _keep(name: str, result: compiler.CompileResult) -> None:
+    if kernel_store().folder is not None and not result.library.has_dynamic_globals:
+        result.fndesc.typemap = result.fndesc.calltypes = None
+        parts = result.library.serialize_using_object_code(), result.fndesc, result.environment, result.signature
+        kernel_store().write(name, dumps(parts))
+
+
+def _read(name: str, kernel, is_shared: bool) -> compiler.CompileResult | None:
     content = kernel_store().read(name)
     if content is None:
         return None
+    # Machine code that this one calls is found by its name when this one is loaded.
+    for shared in _shared_within(kernel) if is_shared else _shared_by(kernel):
+        for declared in shared.signatures:
+            _shared_unit(shared, declared.numba)
+    context = cpu_target.target_context
     try:
-        return compiler.CompileResult._rebuild(cpu_target.target_context, *pickle.loads(content))
+        library, description, environment, signature = pickle.loads(content)
+        library = context.codegen().unserialize_library(library)
+        entry_point = None if is_shared else context.get_executable(library, description, environment)
     except Exception:  # whatever an entry of other software does: it is as good as none
         kernel_store().drop(name)
         return None
+    return compiler.compile_result(
+        library=library,
+        fndesc=description,
+        environment=environment,
+        signature=signature,
+        entry_point=entry_point,
+        objectmode=False,
+    )
+
+
+@functools.cache
+def _shared_within(kernel) -> list:
+    """Shared kernels that a kernel calls, directly or through others."""
+    inside = [[one] * one.shared + _shared_within(one) for one in kernel.calls]
+    return list(dict.fromkeys(itertools.chain.from_iterable(inside)))
+
+
+def _shared_by(kernel) -> list:
+    """What must be loaded before the unit of a kernel that Python calls."""
+    return [kernel] * kernel.shared + _shared_within(kernel)
 
 
 @functools.cache
@@ -244,6 +320,6 @@ def _surroundings() -> str:
     return repr((versions, cpu_target.target_context.codegen().magic_tuple(), settings, sources))
 
 
-def _entry_name(kernel, signature) -> str:
-    key = hashlib.sha256(repr((kernel.content, str(signature), _surroundings())).encode()).hexdigest()
+def _entry_name(kernel, signature, is_shared) -> str:
+    key = hashlib.sha256(repr((kernel.content, str(signature), is_shared, _surroundings())).encode()).hexdigest()
     return f"{kernel.__module__}.{kernel.__name__}-{key[:32]}.kernel"

@@ -42,13 +42,13 @@ class Kernel:
     ----------
     function : function
     signatures : tuple of solver.kernels.types.Declared
-    inline, inner : bool
+    inline, inner, shared : bool
         As for `kernel`.
     """
 
-    def __init__(self, function: Callable, signatures: tuple, inline: bool, inner: bool):
+    def __init__(self, function: Callable, signatures: tuple, inline: bool, inner: bool, shared: bool):
         functools.update_wrapper(self, function)
-        self.signatures, self.inline, self.inner = signatures, inline, inner
+        self.signatures, self.inline, self.inner, self.shared = signatures, inline, inner, shared
 
     def __repr__(self):
         return f"<kernel {self.__module__}.{self.__qualname__}>"
@@ -83,10 +83,18 @@ class Kernel:
         return "callable" in self.__dict__ or _backend().is_kept(self)
 
     @functools.cached_property
+    def calls(self) -> tuple:
+        """Kernels that the function finds outside."""
+        function = self.__wrapped__
+        outside = [function.__globals__.get(name) for name in function.__code__.co_names]
+        outside += [cell.cell_contents for cell in function.__closure__ or ()]
+        return tuple(dict.fromkeys(value for value in outside if isinstance(value, Kernel)))
+
+    @functools.cached_property
     def content(self) -> str:
         """Digest of everything that the compiled kernel depends on within this package."""
         text = described_code(self.__wrapped__, Kernel)
-        names = (self.__module__, self.__qualname__, repr(self.signatures), self.inline)
+        names = (self.__module__, self.__qualname__, repr(self.signatures), self.inline, self.shared)
         return hashlib.sha256(repr((names, text)).encode()).hexdigest()
 
     @functools.cached_property
@@ -106,7 +114,7 @@ def _backend():
     return backend
 
 
-def kernel(*signatures, inline: bool = False, inner: bool = False):
+def kernel(*signatures, inline: bool = False, inner: bool = False, shared: bool = False):
     """Compile a function for what is declared, without the interpreter, and cache the result on disk.
 
     Parameters
@@ -117,6 +125,9 @@ def kernel(*signatures, inline: bool = False, inner: bool = False):
         Let LLVM inline the function at every call (small functions of the inner loop). It is then an inner one.
     inner
         The function is called by other kernels: it is compiled with them and is part of what they keep on disk.
+    shared
+        Other kernels call the function, which is compiled once and kept on its own: for large ones that several kernels
+        need. Nothing of it is inlined.
 
     Returns
     -------
@@ -124,4 +135,4 @@ def kernel(*signatures, inline: bool = False, inner: bool = False):
         Decorator. Division by zero gives inf or nan as in NumPy; no fast-math, so results do not depend on how
         the compiler groups sums.
     """
-    return lambda function: Kernel(function, signatures, inline, inner or inline)
+    return lambda function: Kernel(function, signatures, inline, inner or inline, shared)

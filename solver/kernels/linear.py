@@ -27,7 +27,7 @@ def copy_into(target, source):
         target[i] = source[i]
 
 
-@kernel(types.float64(MATRIX, MATRIX), types.complex128(COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True)
+@kernel(types.float64(MATRIX, MATRIX), types.complex128(COMPLEX_MATRIX, COMPLEX_MATRIX), inner=True, shared=True)
 def eliminate_rows(matrix, rights):
     """Solve matrix @ x = right in place for several right-hand sides, by elimination with partial pivoting.
 

@@ -24,14 +24,10 @@ def owns_arrays(kernel) -> bool:
 
     All others count no references. Numba refuses to make an array in one of these.
     """
-    function = kernel.__wrapped__
-    names = set(function.__code__.co_names)
-    outside = [function.__globals__.get(name) for name in names]
-    outside += [cell.cell_contents for cell in function.__closure__ or ()]
-    used = [kernel, *(value for value in outside if isinstance(value, type(kernel)))]
-    returned = [declared.numba.return_type for each in used for declared in each.signatures]
+    returned = [declared.numba.return_type for each in (kernel, *kernel.calls) for declared in each.signatures]
     models_of = cpu_target.target_context.data_model_manager
-    return not _ALLOCATING.isdisjoint(names) or any(models_of[one].contains_nrt_meminfo() for one in returned)
+    makes = not _ALLOCATING.isdisjoint(kernel.__wrapped__.__code__.co_names)
+    return makes or any(models_of[one].contains_nrt_meminfo() for one in returned)
 
 
 class _Arguments:
@@ -123,17 +119,17 @@ class KernelLowering(typed_passes.NativeLowering):
         return _Lower
 
 
-def call_of(description, library):
+def call_of(description, libraries):
     """What writes the call of a kernel into the code of another.
 
     Parameters
     ----------
     description : numba.core.funcdesc.FunctionDescriptor
         Of the kernel that is called.
-    library : numba.core.codegen.CodeLibrary
-        That has its code.
+    libraries : list of numba.core.codegen.CodeLibrary
+        That have its code; none if it is shared.
     """
-    call = user_function(description, [library])
+    call = user_function(description, libraries)
 
     def written(context, builder, signature, arguments):
         return call(calling_kernels(context), builder, signature, arguments)

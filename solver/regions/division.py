@@ -168,6 +168,9 @@ class Division:
 class Labels(Protocol):
     """What is known of the slabs that curves divide a plane into."""
 
+    def expect(self, slabs: Sequence[Slab]) -> None:
+        """Look up together what `sequence` will need of slabs."""
+
     def sequence(self, slab: Slab) -> list[int] | float | BoundaryCurve:
         """The codes between every two neighbouring arcs of a slab; or what divides it further: a row along which a
         boundary runs, or a boundary."""
@@ -228,6 +231,7 @@ def _labelled(
     What is `known` of slabs that no further boundary has divided is kept.
     """
     codes: list[list[int]] = []
+    labels.expect([slab for slab in found if slab not in known])
     for slab in found:
         sequence = known.get(slab) or labels.sequence(slab)
         if not isinstance(sequence, list):

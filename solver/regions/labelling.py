@@ -4,6 +4,8 @@ What holds is one whole number: the code of the n/I label, and where dynamic sta
 dynamically stable motions alone, and whether static and dynamic stability contradict each other.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
@@ -69,6 +71,10 @@ class Labeller:
     ):
         self.plane, self.crossings, self.amplitude_max = plane, crossings, amplitude_max
         self._codes, self._rows, self._at, self._blur = row_codes if codes is None else codes, rows, at, blur
+
+    def expect(self, slabs: Sequence[Slab]) -> None:
+        """Look up together the rows at which slabs are asked first."""
+        self.crossings.look_up(np.concatenate([np.empty(0), *(slab.rows(self._rows[0]) for slab in slabs)]))
 
     def codes(self, slab: Slab, fractions, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there.

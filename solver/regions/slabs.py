@@ -100,6 +100,12 @@ class RowCrossings:
 
     def __init__(self, curves: Sequence[SlabCurve], x_range: tuple[float, float]):
         self.curves, self.x_range = tuple(curves), x_range
+        self._known: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+
+    def look_up(self, values: np.ndarray) -> None:
+        """Look rows up together that `matrix` will be asked for in parts: that takes a fraction of the time."""
+        values = np.unique(values)
+        self._known = dict(zip(values.tolist(), self.table(values), strict=True))
 
     def table(self, values: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Arcs (k, 2) and x (k,) of every row, the sides first, then by arc.
@@ -137,7 +143,8 @@ class RowCrossings:
         RegionError
             If the rows do not.
         """
-        return self.joined(self.table(values), values)
+        known = [self._known.get(value) for value in values.tolist()]
+        return self.joined(self.table(values) if None in known else known, values)
 
     @staticmethod
     def joined(rows, values) -> tuple[list[Arc], np.ndarray]:
@@ -225,16 +232,23 @@ def _intersections(crossings: RowCrossings, values: np.ndarray, table) -> np.nda
     """p at which any two arcs intersect, refined."""
     arcs, x = crossings.joined(table, values)
     floor = _SAME_X * (crossings.x_range[1] - crossings.x_range[0])
-    heights = []
-    for i, arc in enumerate(arcs):
-        for j in range(max(i + 1, 2), len(arcs)):
-            gap = x[:, i] - x[:, j]
+    first, second = np.triu_indices(len(arcs), 1)
+    # The sides of the plane do not intersect.
+    first, second = first[second > 1], second[second > 1]
+    gaps, heights = x[:, first] - x[:, second], []
+    for pair in np.flatnonzero(_may_vanish(values, gaps, floor)):
 
-            def distance(value, arc=arc, other=arcs[j]):
-                return crossings.x(arc, value) - crossings.x(other, value)
+        def distance(value, arc=arcs[first[pair]], other=arcs[second[pair]]):
+            return crossings.x(arc, value) - crossings.x(other, value)
 
-            heights.extend(_zeros(values, gap, distance, floor))
+        heights.extend(_zeros(values, gaps[:, pair], distance, floor))
     return np.array(heights)
+
+
+def _may_vanish(values: np.ndarray, gaps: np.ndarray, floor: float) -> np.ndarray:
+    """Which of some functions (v, k), known at samples, `_zeros` must look at, (k,) bool."""
+    unclear = np.any(np.abs(gaps) <= floor, axis=0) | np.any(gaps * gaps[:1] < 0.0, axis=0)
+    return unclear | np.any(_dips(values, gaps), axis=0)
 
 
 def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], float], floor: float) -> list[float]:
@@ -247,7 +261,7 @@ def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], floa
 
     at, size = values[kept], gap[kept]
     brackets = [(at[k], at[k + 1]) for k in np.flatnonzero(size[1:] * size[:-1] < 0.0)]
-    for k in _dips(at, size):
+    for k in np.flatnonzero(_dips(at, size[:, None])[:, 0]) + 1:
         sign = np.sign(size[k])
         low = minimize_scalar(lambda p, sign=sign: sign * distance(p), bounds=(at[k - 1], at[k + 1]), method="bounded")
         if low.fun < -floor:
@@ -256,15 +270,16 @@ def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], floa
 
 
 def _dips(at: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Samples between which a function may have two zeros: the parabola through three falls to half the middle one."""
+    """Between which samples functions (v, k) may have two zeros, (v - 2, k) bool: the parabola through three falls to
+    half the middle one."""
     left, middle, right = size[:-2], size[1:-1], size[2:]
     sign = np.sign(middle)
     lowest = (sign * left >= sign * middle) & (sign * right >= sign * middle)
-    before, after = np.diff(at)[:-1], np.diff(at)[1:]
+    before, after = (np.diff(at)[:-1, None], np.diff(at)[1:, None])
     fall, rise = sign * (middle - left) / before, sign * (right - middle) / after
     slope, bend = (fall * after + rise * before) / (before + after), (rise - fall) / (before + after)
     deep = slope**2 >= 2.0 * bend * sign * middle
-    return np.flatnonzero(lowest & deep & (bend > 0.0)) + 1
+    return lowest & deep & (bend > 0.0)
 
 
 def _ordered(crossings: RowCrossings, parts) -> tuple[tuple[Slab, ...], list[float]]:

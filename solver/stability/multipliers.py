@@ -118,7 +118,7 @@ def _francis_step(a, low, high, exceptional):
             z = a[k + 3, k] if k + 3 <= high else 0.0
 
 
-@kernel(_B(MATRIX, ARRAY, ARRAY), inner=True)
+@kernel(_B(MATRIX, ARRAY, ARRAY), inner=True, shared=True)
 def eigenvalues(matrix, real, imaginary):
     """Eigenvalues of a real matrix.
 

@@ -11,6 +11,7 @@ from solver.timedomain.orders import order_spectrum
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
 from solver.timedomain.quantities import Quantities, motion_quantities
 from solver.timedomain.shooting import PeriodicOrbit, ShootingStatus, orbit_state, shoot
+from solver.timedomain.slow_run import SlowRun, slow_run
 from solver.timedomain.trajectory import SampledMotion, trajectory
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "Quantities",
     "SampledMotion",
     "Sections",
+    "SlowRun",
     "SeenFrom",
     "ShootingStatus",
     "Status",
@@ -39,5 +41,6 @@ __all__ = [
     "order_spectrum",
     "settle",
     "shoot",
+    "slow_run",
     "trajectory",
 ]

@@ -144,21 +144,7 @@ class _RowSearch:
         self.see(i + way, ends, SeenFrom.NEIGHBOUR)
 
     def _brought(self, i: int, source: int, slots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self.kind[source, slots], self.adapted(i, self.state[source, slots])
-
-    def adapted(self, i: int, states: np.ndarray) -> np.ndarray:
-        """States (k, m) of other cells as states of this one.
-
-        Where the number of coordinates differs, lambda and its speed are brought and the others are at rest.
-        """
-        size = self.size(i)
-        if not (np.isnan(states[:, :size]).any() or np.isfinite(states[:, size:]).any()):
-            return states[:, :size]
-        own, n = np.tile(self.systems.rest[i, :size], (len(states), 1)), size // 2
-        for target, state in zip(own, states, strict=True):
-            given = np.count_nonzero(np.isfinite(state)) // 2
-            target[n - 1], target[2 * n - 1] = state[given - 1], state[2 * given - 1]
-        return own
+        return self.kind[source, slots], self.systems.adapted(i, self.state[source, slots])
 
     def spread(self, round: int) -> None:
         """Follow attractors along the row, both ways, until no cell gains one."""
@@ -412,7 +398,7 @@ def continue_attractors(
         raise ParameterError("states", states, f"{columns.size} states: y and y', then nan")
     for i in np.unique(columns).tolist():
         here = columns == i
-        _, slots, _ = found.seek(i, round, kinds=kinds[here], brought=found.adapted(i, states[here]))
+        _, slots, _ = found.seek(i, round, kinds=kinds[here], brought=found.systems.adapted(i, states[here]))
         found.see(i, slots, SeenFrom.NEIGHBOUR)
     found.spread(round)
     return found.result()

@@ -246,7 +246,7 @@ def _expand(flows, step, work):
             work.state[r, j] = total
 
 
-@kernel(types.void(ZONE_FLOWS, GAUGE, MATRIX, _I, QUANTITY_WORK, MAP_ROOM), inner=True)
+@kernel(types.void(ZONE_FLOWS, GAUGE, MATRIX, _I, QUANTITY_WORK, MAP_ROOM), inner=True, shared=True)
 def gather(flows, gauge, steps, count, work, room):
     """Add what a motion does over the steps of one period, tau counted from its start.
 

@@ -230,7 +230,7 @@ def _set_norms(system, known, slot, period):
                 norms[j, i, k] = value
 
 
-@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, _F, _F, ORBIT, MAP_ROOM), inner=True)
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, _I, _F, _F, ORBIT, MAP_ROOM), inner=True, shared=True)
 def try_orbit(flows, known, state, period, ceiling, apart, orbit, room):
     """Slot of the stable periodic orbit that Newton's method finds from a state, which becomes known if it was not.
 

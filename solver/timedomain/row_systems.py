@@ -98,6 +98,20 @@ class RowSystems:
         """Numbers m of the largest state."""
         return self.rest.shape[1]
 
+    def adapted(self, i: int, states: np.ndarray) -> np.ndarray:
+        """States (k, m) of other cells as states of cell i.
+
+        Where the number of coordinates differs, lambda and its speed are brought and the others are at rest.
+        """
+        size = 2 * int(self.degrees[i])
+        if not (np.isnan(states[:, :size]).any() or np.isfinite(states[:, size:]).any()):
+            return states[:, :size]
+        own, n = np.tile(self.rest[i, :size], (len(states), 1)), size // 2
+        for target, state in zip(own, states, strict=True):
+            given = np.count_nonzero(np.isfinite(state)) // 2
+            target[n - 1], target[2 * n - 1] = state[given - 1], state[2 * given - 1]
+        return own
+
 
 def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, omega: float | None) -> RowSystems:
     """The systems of a row; what is given has been checked.

@@ -175,7 +175,7 @@ def _change_zone(flows, row, after, at, tangents, room):
         _multiply(gamma, tangents[k], room.vector)
 
 
-@kernel(types.UniTuple(_I, 2)(ZONE_FLOWS, ARRAY, MATRIX, MATRIX, _F, MAP_ROOM), inner=True)
+@kernel(types.UniTuple(_I, 2)(ZONE_FLOWS, ARRAY, MATRIX, MATRIX, _F, MAP_ROOM), inner=True, shared=True)
 def carry_period(flows, state, tangents, steps, ceiling, room):
     """Carry a motion, and small deviations from it, from one section to the next.
 

@@ -54,6 +54,15 @@ def row():
     return {"f_e": argument(0.2, (*NUMBER, -0.1, 5.0), "place")}
 
 
+def followed(key):
+    """A row that is followed in few steps."""
+    return {
+        "columns": argument(3, ("foo", 2.5, [], {}, 0, 1, -1, 10**9)),
+        "max_periods": argument(800, ("foo", 2.5, [], {}, 0, 799, -1, 10**9)),
+        "f_e": argument(0.2, (*(v for v in NUMBER if v != [1.0]), -0.1, 5.0, [0.2]), f"{key}.value"),
+    }
+
+
 def window(plane):
     return {
         "label": argument("2/0-1", LABELS),
@@ -85,6 +94,21 @@ CALLS = {
         "self": plane.plot,
         "units": argument("dimensionless", WRONG_WORDS),
         "f_e": argument(0.2, (*(v for v in NUMBER if v is not None and v != [1.0]), -0.1, 5.0, []), "curves"),
+    },
+    "pipeline.figures.plots.Plots.diagram": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", (*WRONG_WORDS, "physical")),
+        **followed("diagram"),
+    },
+    "pipeline.figures.plots.Plots.spectrum": lambda plane: {
+        "self": plane.plot,
+        "direction": argument("down", optional(WRONG_WORDS)),
+        "of": argument("force", optional(WRONG_WORDS)),
+        "axis": argument("order", optional(WRONG_WORDS)),
+        "orders": argument(4.0, ("foo", [], {}, np.nan, np.inf, 0.5, 61.0)),
+        "periods": argument(4, ("foo", 2.5, [], {}, 0, -1, 10**9)),
+        "units": argument("dimensionless", (*WRONG_WORDS, "physical")),
+        **followed("spectrum"),
     },
     "pipeline.figures.plots.Plots.map": lambda plane: {
         "self": plane.plot,

@@ -33,6 +33,7 @@ RESULTS = {
     "solver.timedomain.Quantities",
     "solver.timedomain.SampledMotion",
     "solver.timedomain.Sections",
+    "solver.timedomain.SlowRun",
     "solver.timedomain.Trajectory",
 }
 

@@ -16,7 +16,6 @@ __all__ = ["Design", "design_of", "nominal_value", "replaced"]
 
 #: Every further tolerance doubles the number of planes that are traced.
 _MOST_FURTHER = 6
-_LEAST_REACH, _MOST_REACH = 1.1, 100.0
 
 
 @dataclass(frozen=True)
@@ -84,8 +83,6 @@ def design_of(options: Margins, plan: Plan) -> Design:
             )
     if len(read) > _MOST_FURTHER:
         raise _refused("tolerances", list(tolerances), f"of at most {_MOST_FURTHER} parameters that are no axis")
-    if not _LEAST_REACH <= options.reach <= _MOST_REACH:
-        raise _refused("reach", options.reach, f"from {_LEAST_REACH:g} to {_MOST_REACH:g}")
     return Design(x, p, min(low, x - spread), max(high, x + spread), tolerance, read, float(options.reach))
 
 

@@ -9,11 +9,11 @@ from pipeline.analysis.attractors.places import search_place
 from pipeline.analysis.attractors.wording import attractor_name, bound
 from pipeline.analysis.motion.curves import APERIODIC, Curves, harmonic_curves, integrated_curves
 from pipeline.config.schema import Attractors
-from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
+from pipeline.plan.numerics import point_of
 from pipeline.plan.plan import Plan
+from pipeline.plane.motions import SolvedMotions, motions_of_place
 from solver import Model, gear_system
 from solver.contact.quantities import Quantities
-from solver.harmonic.quantities import balance_quantities
 from solver.stability import Instability
 from solver.timedomain import AttractorKind, AttractorRow, motion_quantities
 
@@ -122,21 +122,6 @@ class Motions:
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class _OfMap:
-    """Solutions of the balance at a place, S of them with n unknowns, and what is not known of them."""
-
-    motions: np.ndarray
-    stable: np.ndarray
-    impact: np.ndarray
-    instability: np.ndarray
-    multiplier: np.ndarray
-    quantities: np.ndarray
-    period: int
-    fundamental: tuple[int, int]
-    notes: tuple[str, ...]
-
-
 def motions_at(plan: Plan, x: float, p: float, options: Attractors) -> Motions:
     """Every motion at a place of a plane, computed anew; the same for the same plan, place and settings.
 
@@ -155,14 +140,15 @@ def motions_at(plan: Plan, x: float, p: float, options: Attractors) -> Motions:
         If the balance leaves the mean open there.
     """
     model, omega = point_of(plan, p, x)
-    of_map = _of_map(plan, x, p, model, omega)
-    started = np.where((of_map.stable == 1)[:, None], of_map.motions, np.nan)[None]
-    row = search_place(model, omega, started, of_map.period, options)
+    of_map, period = motions_of_place(plan, x, p), int(plan.solver["period"])
+    started = np.where((of_map.stable == 1)[:, None], of_map.unknowns, np.nan)[None]
+    row = search_place(model, omega, started, period, options)
     settled = [slot for slot, kind in enumerate(row.kind[0].tolist()) if AttractorKind(kind).settled]
     order = sorted(settled, key=lambda slot: (-int(row.hits[0, slot]), slot))
     names = {slot: _letter(i) for i, slot in enumerate(order)}
-    partner = _partners(of_map, row, gear_system(model).motion_size, options.tolerance)
-    described = [_described(of_map, i, model, omega, names.get(int(row.motion[0, i]))) for i in range(len(partner))]
+    partner = _partners(of_map, period, row, gear_system(model).motion_size, options.tolerance)
+    leads = [names.get(slot) for slot in row.motion[0].tolist()]
+    described = [_described(of_map, i, period, model, omega, leads[i]) for i in range(len(partner))]
     taken = {slot: motion for slot, motion in zip(partner.tolist(), described, strict=True) if slot >= 0}
     attractors = tuple(_attractor(row, slot, names[slot], taken.get(slot), model, omega) for slot in order)
     ended = {kind: int(np.sum(row.hits[0, row.kind[0] == kind])) for kind in AttractorKind}
@@ -177,36 +163,11 @@ def motions_at(plan: Plan, x: float, p: float, options: Attractors) -> Motions:
         int(row.starts[0]),
         ended[AttractorKind.UNSETTLED],
         ended[AttractorKind.UNBOUNDED],
-        (*of_map.notes, *_search_notes(row), bound(int(row.starts[0]))),
+        (*of_map.doubts, *_search_notes(row), bound(int(row.starts[0]))),
     )
 
 
-def _of_map(plan: Plan, x: float, p: float, model: Model, omega: float) -> _OfMap:
-    """The solutions of the row through the place, at the place."""
-    settings, axis = plan.solver, plan.sweep
-    balance, columns = balance_of(settings), np.unique([axis.low, x, axis.high])
-    row = row_of(plan, p, balance, continuation_of(settings), seeds_of(settings), columns)
-    at = int(np.flatnonzero(columns == x)[0])
-    there, notes = row.stable[at] >= 0, []
-    if row.certified[at] == 0:
-        notes.append("The map's motions are not proven to be all: the place is next to a boundary.")
-    if row.open[at]:
-        notes.append("Above the amplitude ceiling of the map there may be further motions of it.")
-    motions = row.motions[at][there]
-    return _OfMap(
-        motions,
-        row.stable[at][there],
-        row.impact[at][there],
-        row.instability[at][there],
-        row.multiplier[at][there],
-        balance_quantities(balance, model, "omega", np.full(len(motions), omega), motions),
-        int(balance.period),
-        balance.fundamental,
-        tuple(notes),
-    )
-
-
-def _partners(of_map: _OfMap, row: AttractorRow, size: float, tolerance: float) -> np.ndarray:
+def _partners(of_map: SolvedMotions, period: int, row: AttractorRow, size: float, tolerance: float) -> np.ndarray:
     """Slot of the attractor that each motion of the map is, (S,); -1 where it is none."""
 
     def cell(array: np.ndarray) -> np.ndarray:
@@ -215,8 +176,8 @@ def _partners(of_map: _OfMap, row: AttractorRow, size: float, tolerance: float) 
     cells = Cells(
         label=cell(1),
         stable=cell(of_map.stable == 1),
-        mean=cell(of_map.motions[:, 0]),
-        amplitude=cell(np.hypot(*of_map.motions[:, list(of_map.fundamental)].T)),
+        mean=cell(of_map.unknowns[:, 0]),
+        amplitude=cell(of_map.amplitude),
         impact=cell(of_map.impact),
         leads=cell(row.motion[0]),
         kind=cell(row.kind[0]),
@@ -227,21 +188,21 @@ def _partners(of_map: _OfMap, row: AttractorRow, size: float, tolerance: float) 
         unresolved=cell(bool(row.failures[0])),
         overflow=cell(bool(row.overflow[0])),
         failed=cell(False),
-        period=of_map.period,
+        period=period,
     )
     return partners(cells, tolerance)[0, 0]
 
 
-def _described(of_map: _OfMap, i: int, model: Model, omega: float, leads: str | None) -> MapMotion:
+def _described(of_map: SolvedMotions, i: int, period: int, model: Model, omega: float, leads: str | None) -> MapMotion:
     return MapMotion(
         i + 1,
-        attractor_name(of_map.period, int(of_map.impact[i])),
+        attractor_name(period, int(of_map.impact[i])),
         bool(of_map.stable[i] == 1),
         Instability(int(of_map.instability[i])),
         float(of_map.multiplier[i]),
         leads,
         Quantities(*of_map.quantities[i].tolist()),
-        harmonic_curves(model, omega, of_map.motions[i], of_map.period),
+        harmonic_curves(model, omega, of_map.unknowns[i], period),
     )
 
 

@@ -66,7 +66,7 @@ def _lasting(motion: Motion) -> str:
     if motion.kind is AttractorKind.QUASI_PERIODIC:
         return "never repeats, neighbouring motions stay near"
     exponent = f"{number_text(motion.lyapunov, 2)} ± {number_text(motion.lyapunov_error, 1)}"
-    return f"never repeats, neighbouring motions part: Lyapunov exponent {exponent}"
+    return f"never repeats, Lyapunov exponent {exponent}"
 
 
 def _of_map_motion(motion: MapMotion) -> str:

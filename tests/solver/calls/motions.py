@@ -174,6 +174,12 @@ CALLS = {
         integration_tolerance=tolerances(1e-12),
         max_iterations=argument(20, (*COUNT, 0)),
     ),
+    "solver.timedomain.slow_run": lambda: places(
+        values=argument(
+            [0.9, 0.8], (None, 1, "ab", [], [np.nan], [-1.0], [0.9, 0.8, 0.85], ["a"], {}, object()), "omega"
+        ),
+        state=argument(None, optional(array(np.zeros(2), np.zeros(3), np.zeros((1, 2))))),
+    ),
     "solver.timedomain.trajectory": lambda: batch(
         periods=periods(), samples=argument(16, (*COUNT, 0)), tolerance=tolerances()
     ),
