@@ -10,6 +10,7 @@ __all__ = ["NEEDED", "kernels_for", "ready_for_attractors", "ready_for_rows"]
 _ROWS = {
     "describing_function": (
         "solver.enumeration.certificates.enumerate_points",
+        "solver.enumeration.coefficients.enclose_gear",
         "solver.stability.bifurcations._bifurcations",
         "solver.continuation.arclength.trace",
         "solver.stability.assessment._assess",
@@ -23,6 +24,7 @@ _ROWS = {
     ),
     "galerkin": (
         "solver.enumeration.certificates.enumerate_points",
+        "solver.enumeration.coefficients.enclose_gear",
         "solver.harmonic.galerkin.residual_and_jacobian",
         "solver.stability.bifurcations._bifurcations",
         "solver.continuation.arclength.trace",
