@@ -25,8 +25,8 @@ __all__ = ["STAGE", "compute"]
 
 #: Cells of first order that one core computes in about the time in which two workers start and do the same.
 _FEW_CELLS = 100_000
-#: What drawing takes longest to import.
-_FIGURES = tuple(f"pipeline.figures.{module}" for module in ("map", "curves", "backbone", "output"))
+#: What makes a process ready to draw, and to solve the rows of first order that figures need.
+_DRAWING, _ROWS = "pipeline.figures.ready", "pipeline.run.ready_rows"
 #: Failed rows, and rows with notes, that are listed in full.
 _LISTED = 10
 
@@ -84,7 +84,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 def _expect_figures(job: Job, workforce: Workforce) -> None:
     """What draws is loaded while boundaries are traced, and of a small plane while its rows are computed."""
     if job.asks("figures") and job.plan.parameter2 is None:
-        workforce.expect(_FIGURES)
+        first_order = job.plan.solver["balance"] == "describing_function"
+        workforce.expect([_DRAWING, _ROWS] if first_order else [_DRAWING])
 
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:

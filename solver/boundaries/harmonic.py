@@ -93,6 +93,10 @@ class HarmonicProblem:
         test_count = 2 if kind in (*GRAZINGS, *SPECTRAL) else 1
         return Problem(harmonic_rows, harmonic_rows, parameters, parameter_slope, scale, test_count)
 
+    def repeats(self, kind: Event) -> bool:
+        """No kind stands for another: motions need not be symmetric."""
+        return False
+
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
         """Low and high border of y: the plane, and for Neimark-Sackers the resonances kappa = -1 and 1."""
         size = len(self._scale) + (kind is Event.NEIMARK_SACKER)

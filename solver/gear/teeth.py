@@ -8,13 +8,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from solver.model.checks import ParameterError, finite_number
 
 __all__ = ["GearTeeth", "fillet", "involute", "involute_function", "junction"]
-
-_SAMPLES = 400
 
 
 @dataclass(frozen=True)
@@ -82,6 +79,8 @@ class GearTeeth:
         if bore >= 2.0 * self.root_radius:
             raise ParameterError("bore", bore, f"below the diameter of the root circle, {2.0 * self.root_radius:.6g} m")
         object.__setattr__(self, "bore", bore)
+        if self.tip_radius <= self.base_radius:
+            raise ParameterError("addendum", self.addendum, "so large that the tooth reaches beyond its base circle")
         if involute(self, self.tip_angle)[0] <= 0.0:
             raise ParameterError("addendum", self.addendum, "so small that the tooth does not end in a point")
         if self._edge_depth <= 0.0:
@@ -220,32 +219,36 @@ def junction(gear: GearTeeth) -> tuple[float, float]:
     """Where flank and fillet meet: psi of the flank and gamma of the fillet (rad).
 
     The rack's flank ends there, or, of a tooth that it undercuts, the fillet crosses the involute.
-
-    Raises
-    ------
-    ParameterError
-        If the fillet leaves nothing of the flank.
     """
     angle = math.radians(gear.pressure_angle)
     straight = gear._edge_depth + gear._edge * gear.module * math.sin(angle)
     roll = math.tan(angle) - straight / (gear.base_radius * math.sin(angle))
     if roll >= 0.0:
         return math.atan(roll), angle
-    # Undercut: from the rack's flank down to the root, the fillet is at first outside the involute, then inside it.
-    angles = np.linspace(angle, 0.5 * math.pi, _SAMPLES)
-    gaps = _gap(gear, angles)
-    inside = np.flatnonzero((gaps[:-1] >= 0.0) & (gaps[1:] < 0.0))
-    if inside.size == 0:
-        raise ParameterError("profile_shift", gear.profile_shift, "larger: the rack leaves nothing of the flank")
-    crossing = brentq(lambda one: _gap(gear, one), angles[inside[0]], angles[inside[0] + 1], xtol=1e-15)
-    x, y, _ = fillet(gear, crossing)
-    return math.acos(min(gear.base_radius / math.hypot(x, y), 1.0)), crossing
+    # scipy.optimize takes 0.3 s to import, which every worker would pay.
+    from scipy.optimize import brentq
+
+    # Undercut: where the rack's flank ends, the fillet is outside the involute; on the base circle, inside it. If there
+    # is so little that rounding hides it, as powers of the roll, they meet on the base circle.
+    if _radius(gear, angle) <= gear.base_radius or _gap(gear, angle) <= 0.0:
+        return 0.0, angle
+    lowest = brentq(lambda one: _radius(gear, one) - gear.base_radius, angle, 0.5 * math.pi, xtol=1e-15)
+    if _gap(gear, lowest) >= 0.0:
+        return 0.0, angle
+    crossing = brentq(lambda one: _gap(gear, one), angle, lowest, xtol=1e-15)
+    return math.acos(min(gear.base_radius / _radius(gear, crossing), 1.0)), crossing
+
+
+def _radius(gear: GearTeeth, angle):
+    """Distance of the fillet from the gear's centre (m)."""
+    x, y, _ = fillet(gear, angle)
+    return np.hypot(x, y)
 
 
 def _gap(gear: GearTeeth, angle):
     """By how much half the tooth's angle is larger at the fillet than at the involute (rad)."""
     x, y, _ = fillet(gear, angle)
-    flank = np.arccos(np.minimum(gear.base_radius / np.hypot(x, y), 1.0))
+    flank = np.arccos(np.minimum(gear.base_radius / _radius(gear, angle), 1.0))
     return np.arctan2(x, y) - gear.base_half_angle + involute_function(flank)
 
 

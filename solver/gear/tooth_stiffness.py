@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from solver.gear.pitch_cones import PitchCones
 from solver.gear.teeth import GearTeeth, fillet, involute, involute_function, junction
@@ -189,6 +188,9 @@ class ToothMesh:
         """alpha_w of the mesh (rad): inv alpha_w = inv alpha + 2 tan alpha (x_1 + x_2)/(z_1 + z_2)."""
         if sum(self._shifts) == 0.0:
             return math.radians(self.first.pressure_angle)
+        # As in `junction`, not to be paid by every worker.
+        from scipy.optimize import brentq
+
         return brentq(lambda angle: involute_function(angle) - self._involute_of_mesh, 0.0, 1.5, xtol=1e-15)
 
     @property

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from solver.contact.impact import impact_of_range
 from solver.contact.quantities import Slot
 from solver.model.checks import ParameterError, finite_array, frequency, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis
-from solver.timedomain.attractor import impact_of_range
 from solver.timedomain.attractor_row import AttractorRow, AttractorSearch, SeenFrom
 from solver.timedomain.cell_search import AMPLITUDE, CHAOTIC, NUMBERS, Cell, recall, seek
 from solver.timedomain.recognition import HIGHEST_PERIOD, Known, new_known

@@ -15,12 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solver.contact.impact import impact_of_range
 from solver.contact.quantities import Slot
 from solver.model.checks import ParameterError, finite_array, instance_of
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis
-from solver.timedomain.attractor import AttractorKind, impact_of_range
+from solver.timedomain.attractor import AttractorKind
 from solver.timedomain.attractor_row import AttractorSearch
 from solver.timedomain.cell_search import AMPLITUDE, NUMBERS, WINDOW, Cell, pursue, seek
 from solver.timedomain.recognition import HIGHEST_PERIOD, new_known

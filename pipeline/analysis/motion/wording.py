@@ -60,17 +60,17 @@ def _of_attractor(motion: Motion, found: Motions) -> str:
 
 def _lasting(motion: Motion) -> str:
     if motion.kind.periodic:
-        return f"stable, |μ| = {number_text(motion.multiplier)}"
+        return f"stable, |μ| = {number_text(motion.multiplier, 4)}"
     if motion.kind is AttractorKind.PERIOD_LONGER:
         return "repeats after more than eight periods"
     if motion.kind is AttractorKind.QUASI_PERIODIC:
         return "never repeats, neighbouring motions stay near"
     exponent = f"{number_text(motion.lyapunov, 2)} ± {number_text(motion.lyapunov_error, 1)}"
-    return f"never repeats, neighbouring motions part: Lyapunov exponent {exponent}"
+    return f"never repeats, Lyapunov exponent {exponent}"
 
 
 def _of_map_motion(motion: MapMotion) -> str:
-    size = "" if math.isnan(motion.multiplier) else f", |μ| = {number_text(motion.multiplier)}"
+    size = "" if math.isnan(motion.multiplier) else f", |μ| = {number_text(motion.multiplier, 4)}"
     kind = motion.instability
     if kind is Instability.CONTRADICTORY:
         parts = [

@@ -80,6 +80,11 @@ CALLS = {
         ),
         "inertial_load": argument(np.ones((2, 2)), array(np.ones((2, 2)), np.ones((2, 3)), 1j * np.ones((2, 2)))),
     },
+    "solver.ContactSystem.at": lambda: {
+        "self": stop(),
+        "axis": argument("damping", NAME),
+        "value": argument(0.5, NUMBER, "damping"),
+    },
     "solver.ContactSystem.contact_force": lambda: {
         "self": stop(),
         "displacement": argument(GRID, array(GRID, any_shape=True)),

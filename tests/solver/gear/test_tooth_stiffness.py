@@ -136,6 +136,21 @@ def test_profile_is_what_the_rack_leaves(gear):
     np.testing.assert_array_less(np.abs(np.arctan2(x, y) - cut_half_angles(gear, radii)), 3e-3 * gear.module / radii)
 
 
+@pytest.mark.parametrize("edge", [None, 0.0, 0.2])
+def test_undercut_begins_without_a_jump(edge):
+    """Around the profile shift at which the rack's flank ends on the base circle, at every distance from it."""
+    gear = teeth_of(20, 3e-3, pressure_angle=18.0, edge_radius=edge)
+    radius = gear._edge
+    sine = math.sin(math.radians(18.0))
+    limit = 1.25 - radius * (1.0 - sine) - 10.0 * sine**2
+    at = ToothMesh(*[dataclasses.replace(gear, profile_shift=limit)] * 2, 0.02).mean_stiffness
+    for distance in 10.0 ** np.arange(-16.0, -3.0):
+        for sign in (-1.0, 1.0):
+            near = dataclasses.replace(gear, profile_shift=limit + sign * distance)
+            assert junction(near)[0] < 20.0 * distance + 1e-6
+            assert ToothMesh(near, near, 0.02).mean_stiffness == pytest.approx(at, rel=10.0 * distance + 1e-6)
+
+
 def test_undercut_shortens_the_path():
     bare, shifted = teeth_of(12, 4e-3), teeth_of(12, 4e-3, profile_shift=0.3)
     assert junction(bare)[1] > math.radians(20.0) and junction(shifted)[1] == math.radians(20.0)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from solver import ImpactState, ParameterError, gear_system, sweep_row
+from solver.contact.impact import impact_of_range
 from solver.model.contact_system import ContactSystem
 from solver.timedomain import (
     AttractorKind,
@@ -18,7 +19,6 @@ from solver.timedomain import (
     settle,
     shoot,
 )
-from solver.timedomain.attractor import impact_of_range
 from solver.timedomain.quantities import motion_quantities
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import mathieu, oscillator
