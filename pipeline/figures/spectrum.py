@@ -166,17 +166,20 @@ def _draw_natural(axes: Axes, spectra: Spectra) -> None:
     """Linear natural frequencies, named by their share of mesh strain energy."""
     model, values = spectra.followed.model, spectra.values
     top = axes.get_ylim()[1]
-    for frequency, share in zip(model.mesh_modes(), mesh_shares(model), strict=True):
+    for mode, (frequency, share) in enumerate(zip(model.mesh_modes(), mesh_shares(model), strict=True)):
         y = np.full(values.size, frequency)
         if spectra.options.axis == "order":
             y = frequency / spectra.omega
         axes.plot(values, y, path_effects=_HALO, **_NATURAL)
-        at = int(np.argmax(y < 0.93 * top))
+        # Over orders the lower line is named at its left, where the upper one is not.
+        beside = mode == 0 and spectra.options.axis == "order" and spectra.followed.plan.sweep.name == "omega"
+        at = int(np.argmax(y < (0.3 if beside else 0.93) * top))
         axes.annotate(
             f"{100.0 * share:.0f} % mesh",
             (values[at], y[at]),
-            (4, 2),
+            (-4, -7) if beside else (4, 2),
             textcoords="offset points",
+            ha="right" if beside else "left",
             fontsize=7,
             color=_NATURAL["color"],
             path_effects=_HALO,
