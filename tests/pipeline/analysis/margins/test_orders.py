@@ -77,7 +77,7 @@ def test_distances(stores, name, x, p, further):
     ("name", "design"),
     [
         ("fe", Design(0.62, 0.2, 0.55, 0.68, 0.05, {"b": 0.2})),
-        ("spur", Design(0.5, 0.1, 0.44, 0.56, 0.02, {"alpha": 0.05})),
+        pytest.param("spur", Design(0.5, 0.1, 0.44, 0.56, 0.02, {"alpha": 0.05}), marks=pytest.mark.slow),
         ("spur", Design(0.45, 0.1, 0.45, 0.45, 0.05)),
     ],
 )
@@ -86,11 +86,11 @@ def test_labels_within_tolerances(stores, name, design):
     path, plan = stores[name]
     found = answer(path, plan, design)
     assert len(found.corners) == (3 if design.further else 1)
-    across = np.unique([plan.sweep.low, *np.linspace(design.low, design.high, 60), plan.sweep.high])
+    across = np.unique([plan.sweep.low, *np.linspace(design.low, design.high, 150), plan.sweep.high])
     inside = (across >= design.low) & (across <= design.high)
     for corner in found.corners:
         seen = set()
-        for row in np.linspace(design.p - design.tolerance, design.p + design.tolerance, 11):
+        for row in np.linspace(design.p - design.tolerance, design.p + design.tolerance, 21):
             changes = {plan.parameter.name: row, **corner.values}
             seen |= set(np.array(swept(plan, "omega", across, design.x, design.p, **changes))[inside])
         # Narrow strips between two rows are seen by neither.
