@@ -202,7 +202,7 @@ def _spread(codes: list[list[int]], ends: list[tuple[np.ndarray, np.ndarray]], l
 
 def _ends(division: Division) -> list[tuple[np.ndarray, np.ndarray]]:
     """x of the arcs of every slab in its lowest and in its highest row."""
-    rows = np.array([part.slab.inner(p) for part in division.slabs for p in part.slab.ends])
+    rows = np.array([p for part in division.slabs for p in part.slab.inner_ends])
     table, found = RowCrossings(division.curves, division.plane.x_range).table(rows), []
     for number, part in enumerate(division.slabs):
         both = []

@@ -177,7 +177,7 @@ def events_near(
         kind = Event(kind)
         here = list(boundary.components(kind))
         for contact, y in boundary.starts(kind, guess):
-            y = boundary.problem(kind, contact).corrected(y, corrector, max_iterations=4 * corrector.max_iterations)
+            y = boundary.problem(kind, contact).corrected(y, corrector, max_iterations=2 * corrector.max_iterations)
             if y is None:
                 continue
             point = y[here]

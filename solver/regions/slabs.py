@@ -5,6 +5,7 @@ with a row is a function x(p): an arc. Two arcs change places only where they in
 points, ends and intersections together are the critical values; between them the labels along a row cannot change.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -57,17 +58,13 @@ class Slab:
         return self.low + (self.high - self.low) * np.asarray(fractions, dtype=float)
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """The lowest and the highest p."""
-        return self.low, self.high
+    def inner_ends(self) -> tuple[float, float]:
+        """The lowest and the highest p, moved inside a little.
 
-    def inner(self, value: float) -> float:
-        """A value of p, moved inside where it lies outside or on the border.
-
-        There some boundary turns round, ends or meets another, and the order of the crossings is not defined.
+        On the border some boundary turns round, ends or meets another, and the order of the crossings is not defined.
         """
         margin = _INSIDE * (self.high - self.low)
-        return float(np.clip(value, self.low + margin, self.high - margin))
+        return self.low + margin, self.high - margin
 
 
 class SlabCurve(Protocol):
@@ -132,8 +129,8 @@ class RowCrossings:
             x.append(points[order, 3])
         row, arcs, x = np.concatenate(row), np.concatenate(arcs), np.concatenate(x)
         order = np.argsort(row, kind="stable")
-        ends = np.cumsum(np.bincount(row, minlength=values.size))[:-1]
-        return list(zip(np.split(arcs[order], ends), np.split(x[order], ends), strict=True))
+        arcs, x, ends = arcs[order], x[order], np.cumsum(np.bincount(row, minlength=values.size)).tolist()
+        return [(arcs[first:end], x[first:end]) for first, end in itertools.pairwise([0, *ends])]
 
     def matrix(self, values: np.ndarray) -> tuple[list[Arc], np.ndarray]:
         """The arcs of rows that all meet the same ones, and x (v, arcs).

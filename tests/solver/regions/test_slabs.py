@@ -59,3 +59,5 @@ def test_rows_that_were_looked_up_together_are_those_looked_up_alone():
         others, places = together.matrix(part)
         assert arcs == others
         np.testing.assert_array_equal(x, places)
+    together.look_up(np.empty(0))
+    assert together.table(np.empty(0)) == []
