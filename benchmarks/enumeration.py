@@ -8,21 +8,19 @@ import time
 import numpy as np
 
 from solver import Proof, all_solutions
-from solver.enumeration.certificates import enumerate_points
-from solver.model.packing import axis_vectors
+from solver.enumeration.solutions import enumerate_values
 from tests.conftest import MODELS
 
 POINTS = 400
 
 
 def kernel_times(model) -> np.ndarray:
-    """Seconds per point of the compiled kernel alone, the best of five runs each."""
-    theta, direction = axis_vectors(model, "omega")
+    """Seconds per point of the compiled kernels alone, the best of five runs each."""
     times = np.full(POINTS, np.inf)
     for i, omega in enumerate(np.linspace(0.05, 2.0, POINTS)):
         for _ in range(5):
             start = time.perf_counter()
-            enumerate_points(theta, direction, np.array([omega]), 100.0)
+            enumerate_values(model, "omega", np.array([omega]), None, 100.0)
             times[i] = min(times[i], time.perf_counter() - start)
     return times
 

@@ -14,9 +14,8 @@ from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_of
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from solver import first_order_problem
-from solver.enumeration.certificates import enumerate_points
+from solver.enumeration.solutions import enumerate_values
 from solver.harmonic.describing_function import linear_solution
-from solver.model.packing import axis_vectors
 
 __all__ = ["measure_numerics"]
 
@@ -66,9 +65,8 @@ def _kernel(planned: Plan, model, sizes: Sizes, baselines) -> Measurement:
 
 
 def _enumeration(model, grid: np.ndarray, sizes: Sizes, baselines) -> Measurement:
-    theta, direction = axis_vectors(model, "omega")
     values = timed(
-        lambda: enumerate_points(theta, direction, grid, 100.0), sizes.repeats, 1e6 / grid.size, time.process_time
+        lambda: enumerate_values(model, "omega", grid, None, 100.0), sizes.repeats, 1e6 / grid.size, time.process_time
     )
     return Measurement("enumeration", "every solution at a point, proven", "us", values, baselines)
 

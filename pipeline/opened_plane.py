@@ -12,21 +12,21 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.margins.distances import Margin
+from pipeline.config.quantities import READ
 from pipeline.errors import StoreError
 from pipeline.figures.plots import Plots
-from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
+from pipeline.plan.scales import scales_of
+from pipeline.plane.datasets import dataset_of_branches, dataset_of_motions
 from pipeline.plane.labels import TRAITS
+from pipeline.plane.motions import MOTION, is_enumerated, proven_label, solved_motions
+from pipeline.plane.row_curves import solved_curves, stored_row
 from pipeline.plane.stored import StoredPlane
-from solver import ParameterError, Row, all_solutions, domain_code, domain_label, impact_state
-from solver.enumeration.solutions import Proof
-from solver.model.checks import finite_number
+from solver import ParameterError, Scales, domain_label
+from solver.model.checks import finite_number, instance_of
 from solver.regions.regions import Occurrence
 
 __all__ = ["OpenPlane"]
-
-_MOTION = ("mean", "amplitude", "phase", "stable", "impact")
-_BRANCH = ("mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +69,8 @@ class OpenPlane:
     (('f_e', 'omega'), True)
     >>> plane.motions_at(omega=0.6, f_e=0.2).amplitude.values.round(8).tolist()
     [0.4004013, 1.29089291, 1.79064815]
+    >>> plane.motions_at(omega=0.6, f_e=0.2).dynamic_factor.values.round(4).tolist()
+    [1.9376, 3.0994, 2.6937]
     >>> curve = plane.curve_at(f_e=0.2)
     >>> curve.omega.values[curve.event.values == 1].round(6).tolist()
     [0.634641, 0.559374, 1.229708, 1.22381]
@@ -174,10 +176,12 @@ class OpenPlane:
         solver.ParameterError
             As `label_near`.
         """
-        found = self.motions_at(**place)
-        states = found.impact.values[found.stable.values == 1]
-        mask = np.bitwise_or.reduce(1 << states.astype(np.int64), initial=0)
-        return domain_label(int(domain_code(np.array(states.size), mask)))
+        if not is_enumerated(self.plan):
+            raise StoreError(
+                f"{self.path} is of order {self.plan.solver['order']}, of which solutions cannot be enumerated: "
+                "label_near reads the stored one"
+            )
+        return proven_label(self.plan, *self._place(place))
 
     def mask(self, what: str) -> xr.DataArray:
         """Where a label ("2/0-1") or a trait ("jump", "contact loss", "double-sided impact") occurs.
@@ -199,33 +203,37 @@ class OpenPlane:
         domain = self.tree["domain"]
         return domain.isin(codes).rename("mask").assign_attrs(long_name=what)
 
-    def curve_near(self, **value: float) -> xr.Dataset:
+    def curve_near(self, *, physical: bool = False, **value: float) -> xr.Dataset:
         """The branches of the nearest stored row.
+
+        Parameters
+        ----------
+        physical : bool
+            Whether everything that has a unit is in it (µm, m/s, N, rpm), instead of dimensionless.
+        **value : float
+            Of the row parameter, by its name; dimensionless.
 
         Returns
         -------
         Dataset
-            Along `point`: the swept parameter, `mean`, `cos`, `sin`, `amplitude`, `stable`, `impact`, `branch` (which
-            connected curve), `event`.
+            Along `point`: the swept parameter, every quantity of `motions_at`, `cos` and `sin` of the fundamental,
+            `stable`, `impact`, `branch` (which connected curve), `event`.
 
         Raises
         ------
         StoreError
             If that row has not been computed.
         solver.ParameterError
-            If the value is not given by the name of the row parameter, or lies outside of the plane.
+            If the value is not given by the name of the row parameter, or lies outside of the plane, or physical
+            values are asked for of a dimensionless gear.
         """
         row = _nearest(self.plan.parameter, self._value(self.plan.parameter, value))
         if not self.stored.complete[row]:
             raise StoreError(f"row {row} of {self.path} is not complete: stages=[sweep] computes it")
-        name = self.plan.parameter.name
-        # Of what it inherits only the rows' values: its points have other values of the swept parameter.
-        branches = self.tree["branches"].to_dataset(inherit=False).assign_coords({name: self.tree[name]})
-        here = branches.isel({name: row})
-        return here[list(_BRANCH)].isel(point=slice(int(here.n_points))).load()
+        return dataset_of_branches(stored_row(self.stored, row), self._scales(physical))
 
-    def curve_at(self, **value: float) -> xr.Dataset:
-        """The branches at one value of the row parameter, computed anew; as `curve_near` gives them.
+    def curve_at(self, *, physical: bool = False, **value: float) -> xr.Dataset:
+        """The branches at exactly one value of the row parameter, computed anew; as `curve_near` gives them.
 
         Raises
         ------
@@ -235,46 +243,55 @@ class OpenPlane:
             As `curve_near`.
         """
         p = self._value(self.plan.parameter, value)
-        settings = self.plan.solver
-        row = row_of(self.plan, p, balance_of(settings), continuation_of(settings), seeds_of(settings))
-        return _curves(row, self.plan.sweep.name).assign_coords({self.plan.parameter.name: p})
+        return dataset_of_branches(solved_curves(self.plan, p), self._scales(physical))
 
-    def motions_near(self, **place: float) -> xr.Dataset:
-        """The stored solutions of the nearest cell along `solution`, by ascending amplitude: `mean`, `amplitude`,
-        `phase`, `stable`, `impact`, `instability`, `multiplier`.
+    def motions_near(self, *, physical: bool = False, **place: float) -> xr.Dataset:
+        """The stored motions of the nearest cell; as `motions_at` gives them.
 
         Raises
         ------
         solver.ParameterError
-            As `label_near`.
+            As `motions_at`.
         """
         row, column = self._cell(place)
         cell = {self.plan.parameter.name: row, self.plan.sweep.name: column}
-        here = xr.Dataset({name: self.tree[name].isel(cell) for name in (*_MOTION, "instability", "multiplier")}).load()
-        return here.isel(solution=np.flatnonzero(here.stable.values >= 0))
+        here = {name: self.tree[name].isel(cell).values for name in (*MOTION, *(one.name for one in READ))}
+        there = here["stable"] >= 0
+        values = {name: array[there] for name, array in here.items()}
+        places = {axis.name: float(axis.values[cell[axis.name]]) for axis in (self.plan.sweep, self.plan.parameter)}
+        return dataset_of_motions(self.plan, values, places, self._scales(physical))
 
-    def motions_at(self, **place: float) -> xr.Dataset:
-        """Every solution at a point along `solution`, proven: `mean`, `amplitude`, `phase`, `stable`, `impact`.
+    def motions_at(self, *, physical: bool = False, **place: float) -> xr.Dataset:
+        """Every motion at a point, on or off the grid, computed anew: at first order enumerated with proof, at higher
+        orders those of the row through the point.
+
+        Parameters
+        ----------
+        physical : bool
+            Whether everything that has a unit is in it (µm, m/s, N, rpm), instead of dimensionless.
+        **place : float
+            Values of both axes, by their names; dimensionless.
+
+        Returns
+        -------
+        Dataset
+            Along `solution`, by ascending amplitude of the fundamental: `mean`, `amplitude`, `phase`; `lowest`,
+            `highest`, `rms`, `peak_to_peak` of the mesh displacement; the same of the dynamic transmission error,
+            `error_lowest`, ...; `dynamic_factor`, `contact_loss`, `impact_velocity`, `support_force`; `stable`,
+            `impact`, `instability`, `multiplier`. `attrs` of each has `long_name` and `units`.
 
         Raises
         ------
-        StoreError, ArithmeticError, solver.ParameterError
-            As `label_at`.
+        ArithmeticError
+            If at first order the solutions are not proven to be all, as on a boundary.
+        solver.RowError
+            If a branch of the row cannot be followed.
+        solver.ParameterError
+            As `label_near`, or if physical values are asked for of a dimensionless gear.
         """
-        if self.plan.solver["balance"] != "describing_function":
-            raise StoreError(
-                f"{self.path} is of order {self.plan.solver['order']}, of which solutions cannot be enumerated: "
-                "what ends in _near reads the stored ones"
-            )
         x, p = self._place(place)
-        model, omega = point_of(self.plan, p, x)
-        found = all_solutions(model, omega, amplitude_max=float(self.plan.solver["amplitude_max"]))
-        if found.proof is not Proof.PROVEN:
-            raise ArithmeticError(f"{found.proof.sentence} It is asked at {place}.")
-        impact = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, model.b)
-        values = (found.mean, found.amplitude, np.arctan2(-found.sin, found.cos), found.stable, impact)
-        coordinates = {self.plan.sweep.name: x, self.plan.parameter.name: p}
-        return xr.Dataset({name: ("solution", value) for name, value in zip(_MOTION, values, strict=True)}, coordinates)
+        places = {self.plan.sweep.name: x, self.plan.parameter.name: p}
+        return dataset_of_motions(self.plan, solved_motions(self.plan, x, p), places, self._scales(physical))
 
     def nearest_boundaries(self, **place: float) -> tuple[Margin, ...]:
         """Changes of label met from a point along either axis and in either direction, the nearest first.
@@ -292,19 +309,12 @@ class OpenPlane:
         solver.ParameterError
             As `label_near`.
         """
-        from pipeline.analysis.margins.answer import line_through
-        from pipeline.analysis.margins.curves import P, X, boundaries_of
-        from pipeline.analysis.margins.distances import margins_of_axis
-        from pipeline.analysis.margins.options import Design
+        from pipeline.analysis.margins.nearest import nearest_margins
 
         x, p = self._place(place)
         if self.stored.boundaries is None:
             raise StoreError(f"{self.path} has no boundaries: run stages=[boundaries] first")
-        arcs, design = boundaries_of(self.stored.boundaries.curves), Design(x, p, x, x)
-        row, column = (line_through(arcs, self.plan, design, axis) for axis in (P, X))
-        found = [margin for margin in margins_of_axis(row, column, self.plan, design) if margin.place is not None]
-        widths = {axis.name: axis.high - axis.low for axis in (self.plan.sweep, self.plan.parameter)}
-        return tuple(sorted(found, key=lambda margin: margin.distance / widths[margin.name]))
+        return nearest_margins(self.stored, x, p)
 
     def thresholds(self, label: str | None = None, window: tuple[float, float] | None = None) -> tuple[Occurrence, ...]:
         """Where labels appear and disappear in the row parameter; see `pipeline.thresholds`."""
@@ -349,6 +359,15 @@ class OpenPlane:
         queries = _queries()
         return queries.basin_share(queries.attractors_of(self.path), what)
 
+    def _scales(self, physical: bool) -> Scales | None:
+        """To show values in physical units; None unless they are asked for."""
+        if not instance_of("physical", physical, bool):
+            return None
+        scales = scales_of(self.plan)
+        if scales is None:
+            raise ParameterError("physical", physical, "false: the gear of this plane is dimensionless")
+        return scales
+
     def _cell(self, place: dict) -> tuple[int, int]:
         """Row and column of the nearest cell."""
         x, p = self._place(place)
@@ -383,26 +402,3 @@ def _nearest(axis, value: float) -> int:
 
 def _within(axis, value) -> float:
     return finite_number(axis.name, value, at_least=axis.low, at_most=axis.high)
-
-
-def _curves(row: Row, axis: str) -> xr.Dataset:
-    """The branches of a row one after the other, as stores keep them."""
-    parts = {name: [] for name in (axis, *_BRANCH)}
-    for number, curve in enumerate(row.curves):
-        mean, cos, sin = row.branch_motions(curve)
-        values = (
-            curve.points[:, -1],
-            mean,
-            cos,
-            sin,
-            np.hypot(cos, sin),
-            curve.stable,
-            row.branch_impact(curve),
-            np.full(len(mean), number),
-            curve.event,
-        )
-        for name, value in zip(parts, values, strict=True):
-            parts[name].append(value)
-    joined = {name: ("point", np.concatenate(values)) for name, values in parts.items()}
-    place = joined.pop(axis)
-    return xr.Dataset(joined, {axis: place})

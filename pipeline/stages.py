@@ -48,6 +48,21 @@ STAGES = (
         "pipeline.analysis.attractors.stage",
     ),
     Entry(
+        "motion",
+        "every motion at one point: time history, phase portrait, spectrum, mesh force",
+        "pipeline.figures.motion_stage",
+    ),
+    Entry(
+        "diagram",
+        "what one motion does along a row, up and down: Poincaré points, extremes, RMS, jumps",
+        "pipeline.figures.diagram_stage",
+    ),
+    Entry(
+        "spectrum",
+        "amplitudes over speed and over frequency or order along such a row, with Campbell's lines",
+        "pipeline.figures.spectrum_stage",
+    ),
+    Entry(
         "margins", "how far a design point is from anything that changes its label", "pipeline.figures.margins_stage"
     ),
     Entry("figures", "pictures of the stored plane; nothing is solved again", "pipeline.figures.stage"),

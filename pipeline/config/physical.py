@@ -1,13 +1,15 @@
 """A gear in physical units: from its configuration to SI numbers; and values with units as dimensionless numbers."""
 
 import math
-from dataclasses import asdict
+import sys
+from dataclasses import asdict, fields
 
 from pipeline.config.mesh_cycle import read_mesh_cycle
 from pipeline.config.schema import PhysicalGear
+from pipeline.config.teeth import METHODS, DrawnMesh, drawn_mesh
 from pipeline.config.units import quantities, quantity, speed
-from pipeline.errors import ConfigurationError
-from solver import Blank, GearPair, ParameterError, Scales
+from pipeline.errors import ConfigurationError, shown
+from solver import Blank, GearPair, ParameterError, PitchCones, Scales
 
 __all__ = ["AXIS_KEYS", "MESH_DAMPING", "PATHS", "TEMPERATURE", "describe", "place_of", "value_of"]
 
@@ -42,8 +44,9 @@ def value_of(key: str, name: str, value, scales) -> float:
     """A number, or a text with a unit made dimensionless."""
     if isinstance(value, str):
         return place_of(key, name, value, scales)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number, or a text with a unit")
+    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > sys.float_info.max:
+        said = shown(repr(value))
+        raise ConfigurationError(f"{key} = {said} is not allowed: it must be a finite number, or a text with a unit")
     return float(value)
 
 
@@ -53,24 +56,33 @@ def describe(config: PhysicalGear) -> dict:
     Returns
     -------
     dict
-        `gear`, the fields of `solver.GearPair`, and `mesh_cycle`, what was fitted to a mesh cycle, or None.
+        `gear`, the fields of `solver.GearPair`; `mesh_cycle`, what was fitted to a mesh cycle, or None; and `teeth`, a
+        `DrawnMesh` as plain data, only where the mesh stiffness comes from the teeth.
 
     Raises
     ------
     ConfigurationError
         One line that names the key.
     """
-    values, cycle = _values(config), None
-    if config.mesh_cycle is not None:
-        cycle = read_mesh_cycle(config.mesh_cycle, config.mesh_cycle_harmonics)
-        values |= _of_cycle(config, cycle)
-    if values["mesh_stiffness"] is None:
-        raise _without("mesh_stiffness")
+    values, cycle, drawn = _values(config), None, None
     try:
+        cones = PitchCones(**{field.name: values[field.name] for field in fields(PitchCones)})
+        if config.mesh_cycle is not None:
+            cycle = read_mesh_cycle(config.mesh_cycle, config.mesh_cycle_harmonics, cones, config.mesh_cycle_length)
+            values |= _of_cycle(config, cycle)
+        if config.mesh_stiffness in METHODS:
+            bores = None if config.blanks is None else [blank.bore for blank in _blanks(config)]
+            drawn = drawn_mesh(
+                config.mesh_stiffness, config.tooth, cones, values["pressure_angle"], bores, config.mesh_cycle_harmonics
+            )
+            values |= _of_teeth(config, drawn)
+        if values["mesh_stiffness"] is None:
+            raise _without("mesh_stiffness")
         pair = GearPair(**values)
     except ParameterError as error:
         raise ConfigurationError(f"{_PREFIX}{error}") from None
-    return {"gear": asdict(pair), "mesh_cycle": None if cycle is None else cycle.report()}
+    found = {"gear": asdict(pair), "mesh_cycle": None if cycle is None else cycle.report()}
+    return found if drawn is None else found | {"teeth": asdict(drawn)}
 
 
 def place_of(key: str, name: str, value: str, scales: Scales | None) -> float:
@@ -109,7 +121,7 @@ def _values(config: PhysicalGear) -> dict:
         "inertia": _of_gears(config, "inertia"),
         "support_stiffness": _several(config, "support_stiffness", "stiffness", 6),
         "support_damping": _several(config, "support_damping", "damping", 6),
-        "mesh_stiffness": _optional(config, "mesh_stiffness", "stiffness"),
+        "mesh_stiffness": _mesh_stiffness(config),
         "mesh_stiffness_harmonics": _harmonics(config, "mesh_stiffness_harmonics", "stiffness"),
         "mesh_damping_ratio": _given(config, "mesh_damping_ratio"),
         "half_backlash": _one(config, "half_backlash", "length"),
@@ -138,6 +150,19 @@ def _several(config, name: str, kind: str, count: int) -> list[float]:
 
 def _optional(config, name: str, kind: str) -> float | None:
     return None if getattr(config, name) is None else _one(config, name, kind)
+
+
+def _mesh_stiffness(config) -> float | None:
+    """None where a mesh cycle or the teeth give it."""
+    value = config.mesh_stiffness
+    if value in METHODS:
+        return None
+    if isinstance(value, str) and value.isidentifier():
+        raise ConfigurationError(
+            f"{_PREFIX}mesh_stiffness = {value!r} is not allowed: "
+            f"it must be a number with a unit of stiffness, such as '300 N/um', or one of {', '.join(METHODS)}"
+        )
+    return _optional(config, "mesh_stiffness", "stiffness")
 
 
 def _angle(config, name: str) -> float:
@@ -211,10 +236,22 @@ def _of_cycle(config, cycle) -> dict:
         found = {"mesh_stiffness": cycle.stiffness.mean, "mesh_stiffness_harmonics": cycle.stiffness.harmonics}
     if cycle.error is not None:
         found["error_harmonics"] = cycle.error.harmonics
-    for name in found:
+    _alone(config, found, "mesh_cycle")
+    return found
+
+
+def _of_teeth(config, drawn: DrawnMesh) -> dict:
+    """What the teeth give; harmonics may not be given as well, unless the method has none."""
+    if drawn.harmonics is None:
+        return {"mesh_stiffness": drawn.stiffness}
+    _alone(config, ("mesh_stiffness_harmonics",), f"mesh_stiffness {drawn.method}")
+    return {"mesh_stiffness": drawn.stiffness, "mesh_stiffness_harmonics": drawn.harmonics}
+
+
+def _alone(config, names, giver: str) -> None:
+    for name in names:
         if getattr(config, name) not in (None, []):
             raise ConfigurationError(
                 f"{_PREFIX}{name} = {getattr(config, name)!r} is not allowed: "
-                "it must be null or [], the mesh_cycle gives it"
+                f"it must be null or [], the {giver} gives it"
             )
-    return found

@@ -7,6 +7,7 @@ from typing import Any
 from omegaconf import MISSING
 
 from pipeline.config.allowed import allowed
+from pipeline.config.quantities import QUANTITIES
 
 __all__ = ["Configuration"]
 
@@ -69,6 +70,19 @@ class Thermal:
 
 
 @dataclass
+class Teeth:
+    """Teeth and bodies of both gears for `mesh_stiffness`; see `solver.GearTeeth`. One value, or one per gear."""
+
+    bore: Any = MISSING
+    profile_shift: Any = MISSING
+    addendum: Any = MISSING
+    dedendum: Any = MISSING
+    edge_radius: Any = MISSING
+    youngs_modulus: Any = MISSING
+    poisson: Any = MISSING
+
+
+@dataclass
 class PhysicalGear:
     """Gear pair in physical units; see `solver.GearPair`. Texts are numbers with units, some keys take lists."""
 
@@ -86,9 +100,11 @@ class PhysicalGear:
     support_damping: Any = MISSING
     mesh_stiffness: Any = MISSING
     mesh_stiffness_harmonics: Any = MISSING
+    tooth: Teeth = MISSING
     mesh_damping_ratio: float | None = MISSING
     mesh_cycle: str | None = MISSING
     mesh_cycle_harmonics: int = MISSING
+    mesh_cycle_length: Any = MISSING
     half_backlash: Any = MISSING
     error_harmonics: Any = MISSING
     torque: Any = MISSING
@@ -233,6 +249,8 @@ class Figures:
     stability: str = allowed(names=("static", "dynamic"))
     window: list[float] | None = MISSING
     units: str = allowed(names=("dimensionless", "physical"))
+    quantity: str | None = allowed(names=tuple(QUANTITIES))
+    of: str = allowed(names=("worst", "mildest"))
 
 
 @dataclass
@@ -274,7 +292,37 @@ class Margins:
     point: Any = MISSING
     range: Any = MISSING
     tolerances: Any = MISSING
-    reach: float = MISSING
+    reach: float = allowed(1.1, 100.0)
+
+
+@dataclass
+class Motion:
+    """A point of the plane of which all motions are drawn; see `pipeline.plan.points`."""
+
+    at: Any = MISSING
+
+
+@dataclass
+class Diagram:
+    """The row that is followed up and down; see `pipeline.analysis.diagram.options`."""
+
+    value: Any = MISSING
+    columns: int | None = allowed(2, 10**5)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+
+
+@dataclass
+class Spectrum:
+    """Spectra along a row; see `pipeline.analysis.diagram.options`."""
+
+    value: Any = MISSING
+    columns: int | None = allowed(2, 10**5)
+    max_periods: int = allowed(FEWEST_PERIODS, 10**7)
+    direction: str = allowed(names=("up", "down"))
+    of: str = allowed(names=("displacement", "force"))
+    axis: str = allowed(names=("frequency", "order"))
+    orders: float = allowed(1.0, 60.0)
+    periods: int = allowed(1, 1000)
 
 
 @dataclass
@@ -297,6 +345,9 @@ class Configuration:
     output: Output = MISSING
     store: Store = MISSING
     attractors: Attractors = MISSING
+    motion: Motion = MISSING
+    diagram: Diagram = MISSING
+    spectrum: Spectrum = MISSING
     margins: Margins = MISSING
     figures: Figures = MISSING
     check: Check = MISSING

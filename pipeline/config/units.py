@@ -16,10 +16,13 @@ __all__ = ["KINDS", "celsius", "quantities", "quantity", "speed", "unit_size"]
 KINDS = {
     "length": ("12 um", "m"),
     "angle": ("20 deg", "rad"),
+    "time": ("1.2 ms", "s"),
     "mass": ("0.7 kg", "kg"),
     "inertia": ("4.5e-4 kg*m^2", "kg*m^2"),
     "density": ("7850 kg/m^3", "kg/m^3"),
     "stiffness": ("300 N/um", "N/m"),
+    "stiffness over face width": ("14 N/mm/um", "N/m^2"),
+    "Young's modulus": ("206 GPa", "Pa"),
     "damping": ("900 N*s/m", "N*s/m"),
     "torque": ("45 N*m", "N*m"),
     "diametral pitch": ("8 1/inch", "1/m"),

@@ -1,6 +1,7 @@
 """The head of a figure: which gear, which balance, which grid, and what is held fixed."""
 
 from matplotlib.figure import Figure
+from matplotlib.textpath import TextPath
 
 from pipeline.figures.layout import RIGHT
 from pipeline.figures.naming import fixed_parameters, gear_text, symbol
@@ -12,7 +13,9 @@ __all__ = ["HEAD", "balance_text", "write_heading"]
 
 #: Inches.
 HEAD = 0.3
-_LEFT, _TOP, _LINE = 0.08, 0.05, 0.145
+_LEFT, _TOP, _LINE, _BETWEEN = 0.08, 0.05, 0.145, 0.4
+#: Points of its letters, where there is room.
+_SIZE = 8.0
 
 
 def write_heading(figure: Figure, plane: StoredPlane) -> None:
@@ -23,9 +26,15 @@ def write_heading(figure: Figure, plane: StoredPlane) -> None:
     about = f"{plane.path.stem}:  {balance_text(plan)},  {sizes}"
     fixed = fixed_parameters(plan, plane.scales)
     for line, (left, right) in enumerate(((about, fixed), (gear_text(plan), _unfelt(plan)))):
-        y = 1.0 - (_TOP + line * _LINE) / height
-        figure.text(_LEFT / width, y, left, ha="left", va="top", fontsize=8)
-        figure.text(1.0 - RIGHT / width, y, right, ha="right", va="top", fontsize=8)
+        y, size = 1.0 - (_TOP + line * _LINE) / height, _fitting(left, right, width)
+        figure.text(_LEFT / width, y, left, ha="left", va="top", fontsize=size)
+        figure.text(1.0 - RIGHT / width, y, right, ha="right", va="top", fontsize=size)
+
+
+def _fitting(left: str, right: str, width: float) -> float:
+    """The size of letters at which both ends of a line have room, at most the usual one."""
+    inches = sum(TextPath((0.0, 0.0), text, size=_SIZE).get_extents().x1 / 72.0 for text in (left, right) if text)
+    return min(_SIZE, _SIZE * (width - _LEFT - RIGHT - _BETWEEN) / inches) if inches else _SIZE
 
 
 def balance_text(plan: Plan) -> str:

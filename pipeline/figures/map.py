@@ -215,7 +215,10 @@ def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequ
 
 
 def _image(code: np.ndarray, labels: dict[int, str]) -> np.ndarray:
-    """Colours of the cells, (P, X, 3) uint8, each cell a block of whole pixels."""
+    """Colours of the cells, (P, X, 4) uint8, each cell a block of whole pixels.
+
+    Matplotlib turns what has no opacity into numbers of eight times the size to add one.
+    """
     present, place = np.unique(code, return_inverse=True)
-    colours = np.array([label_colour(labels[int(value)]) for value in present], dtype=np.uint8)
+    colours = np.array([(*label_colour(labels[int(value)]), 255) for value in present], dtype=np.uint8)
     return enlarged(colours[place.reshape(code.shape)])

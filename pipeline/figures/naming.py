@@ -1,13 +1,24 @@
 """How parameters are written in figures."""
 
 from pipeline.config.physical import TEMPERATURE
+from pipeline.config.quantities import Quantity
 from pipeline.plan.numerics import frame_of, model_at
 from pipeline.plan.plan import Plan
 from pipeline.plane.resonances import mesh_shares
 from pipeline.plane.stored import StoredPlane
+from pipeline.run.sheets import number_text
 from solver import ImpactState, Scales
 
-__all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "gear_text", "mesh_energies", "symbol", "value_text"]
+__all__ = [
+    "STATE_NAMES",
+    "axis_label",
+    "fixed_parameters",
+    "gear_text",
+    "mesh_energies",
+    "quantity_text",
+    "symbol",
+    "value_text",
+]
 
 _SYMBOLS = {
     "omega": r"\Omega",
@@ -49,6 +60,11 @@ def symbol(name: str) -> str:
     return f"${_SYMBOLS[name]}$"
 
 
+def quantity_text(quantity: Quantity) -> str:
+    """A quantity of motions with its symbol."""
+    return f"{quantity.label} ${quantity.symbol}$"
+
+
 def axis_label(name: str, attributes: dict) -> str:
     """Name, symbol and unit, from the attributes that the store gives its axes."""
     return f"{attributes['long_name']} {symbol(name)}{_UNITS[attributes['units']]}"
@@ -57,10 +73,10 @@ def axis_label(name: str, attributes: dict) -> str:
 def value_text(name: str, value: float, scales: Scales | None = None) -> str:
     """A parameter with its value, "$f_e$ = 0.126", and the physical one where there are scales, "(6.3 µm)"."""
     unit = " K" if name == TEMPERATURE else ""
-    text = f"{symbol(name)} = {value:.4g}{unit}".replace("-", "\N{MINUS SIGN}")
+    text = f"{symbol(name)} = {number_text(value, 4)}{unit}"
     if scales is None or name not in scales:
         return text
-    return f"{text} ({value * scales[name].shown:.3g} {scales[name].unit})"
+    return f"{text} ({number_text(value * scales[name].shown)} {scales[name].unit})"
 
 
 def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:

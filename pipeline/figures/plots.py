@@ -1,15 +1,21 @@
 """The figures of an opened plane, as matplotlib figures for a notebook or a script."""
 
-from collections.abc import Sequence
+import dataclasses
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
 
+from pipeline.analysis.attractors.options import check_box
 from pipeline.config.allowed import sentence_of
-from pipeline.config.schema import Figures
+from pipeline.config.compose import compose
+from pipeline.config.quantities import AMPLITUDE
+from pipeline.config.schema import Attractors, Figures
 from pipeline.errors import ConfigurationError
 from pipeline.figures.options import check_options
 from pipeline.plan.plan import Plan
-from solver.model.checks import finite_array
+from solver import ParameterError
+from solver.model.checks import finite_array, finite_number
 
 __all__ = ["Plots"]
 
@@ -29,8 +35,15 @@ class Plots:
     path: Path
     plan: Plan
 
-    def map(self, window: Sequence[float] | None = None, stability: str = "static", units: str = "dimensionless"):
-        """The n/I map, or a part of it alone.
+    def map(
+        self,
+        window: Sequence[float] | None = None,
+        stability: str = "static",
+        units: str = "dimensionless",
+        quantity: str | None = None,
+        of: str = "worst",
+    ):
+        """The n/I map, or a part of it alone; or a quantity of the motions over the plane.
 
         Parameters
         ----------
@@ -40,6 +53,12 @@ class Plots:
             Which motions labels count: "static" or "dynamic".
         units : str
             Of the axes: "dimensionless" or "physical".
+        quantity : str, optional
+            What is drawn instead of labels, such as "dynamic_factor", "rms" or "support_force": any quantity that
+            `plane.motions_at` tells, by its name.
+        of : str
+            Where several motions coexist that the label counts: "worst", the largest value, or "mildest", the
+            smallest.
 
         Returns
         -------
@@ -53,21 +72,28 @@ class Plots:
             If the window is no four numbers.
         """
         window = None if window is None else finite_array("window", window, (4,)).tolist()
-        self._check(None, window, stability, units)
+        self._check(None, window, stability, units, quantity, of)
+        if quantity is not None and window is not None:
+            raise ConfigurationError(f"window = {window} is not allowed: quantities are drawn over the whole plane")
         from pipeline.figures.drawing import own_style
         from pipeline.figures.map import draw_map, draw_window
+        from pipeline.figures.quantity_map import draw_quantity_map
 
         plane = self._read(stability, units)
         with own_style():
+            if quantity is not None:
+                return draw_quantity_map(plane, quantity, of)
             return draw_map(plane) if window is None else draw_window(plane, window)
 
-    def curves(self, units: str = "dimensionless", **values: float | Sequence[float]):
-        """Amplitude and mean over the sweep axis at some values of the row parameter.
+    def curves(self, units: str = "dimensionless", quantity: str | None = None, **values: float | Sequence[float]):
+        """A quantity and the mean over the sweep axis at some values of the row parameter.
 
         Parameters
         ----------
         units : str
             As for `map`.
+        quantity : str, optional
+            As for `map`; the amplitude of the fundamental unless given.
         **values : float or sequence of float
             Of the row parameter, by its name, such as `f_e=0.2` or `f_e=[0.1, 0.2]`, solved where no row has them; a
             quarter, half and three quarters of the way unless given.
@@ -89,13 +115,13 @@ class Plots:
         chosen = values.get(name)
         if chosen is not None:
             chosen = finite_array(name, chosen, None).ravel().tolist()
-        self._check(chosen, None, "static", units)
+        self._check(chosen, None, "static", units, quantity)
         from pipeline.figures.curves import draw_curves
         from pipeline.figures.drawing import own_style
 
         plane = self._read("static", units)
         with own_style():
-            return draw_curves(plane, chosen)
+            return draw_curves(plane, chosen, quantity or AMPLITUDE.name)
 
     def backbone(self, units: str = "dimensionless"):
         """Backbones of the free vibration, and the largest stable amplitude near each resonance over the rows.
@@ -126,15 +152,170 @@ class Plots:
         with own_style():
             return draw_backbone(plane)
 
-    def _check(self, curves, window, stability: str, units: str) -> None:
-        for name, value in (("stability", stability), ("units", units)):
-            if not isinstance(value, str):
+    def motion(self, units: str = "dimensionless", attractors: Mapping[str, object] | None = None, **place: float):
+        """Every motion at a point, computed anew: time history, mesh force, phase portrait and spectrum of each.
+
+        Parameters
+        ----------
+        units : str
+            As for `map`.
+        attractors : mapping, optional
+            Settings of the search for attractors by name, such as `{"starts": 100}`: the keys of `attractors` in the
+            configuration. Others are as they are there.
+        **place : float
+            By the axes' own names, such as `omega=0.64, f_e=0.3`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            With a card for each motion.
+
+        Raises
+        ------
+        ConfigurationError
+            If an option is not allowed for this plane, or it is a volume.
+        solver.ParameterError
+            If the place is not given by the names of both axes, or lies outside of the plane.
+        solver.RowError
+            If the balance leaves the mean open there.
+        """
+        axes = (self.plan.sweep, self.plan.parameter)
+        if self.plan.parameter2 is not None:
+            raise ConfigurationError("motion is not allowed for a volume: plane.layer=VALUE takes out a plane")
+        if set(place) != {axis.name for axis in axes}:
+            raise ParameterError("place", place, f"given by {axes[0].name} and {axes[1].name}, each with a value")
+        x, p = (finite_number(a.name, place[a.name], at_least=a.low, at_most=a.high) for a in axes)
+        self._check(None, None, "static", units)
+        settings = _search_settings(attractors)
+        from pipeline.analysis.motion.motions import motions_at
+        from pipeline.figures.drawing import own_style
+        from pipeline.figures.motion import draw_motions
+
+        plane = self._read("static", units)
+        with own_style():
+            return draw_motions(plane, motions_at(self.plan, x, p, settings))
+
+    def diagram(
+        self, units: str = "dimensionless", columns: int | None = None, max_periods: int | None = None, **value: float
+    ):
+        """What one motion does along a row, up from rest and down from there, integrated anew.
+
+        Parameters
+        ----------
+        units : str
+            As for `map`.
+        columns : int, optional
+            Steps of each direction; the columns of the plane, at least 400, unless given.
+        max_periods : int, optional
+            Forcing periods of a step; as the configuration has it unless given.
+        **value : float
+            Of the row parameter, by its name, such as `f_e=0.3`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            If an option is not allowed for this plane, or it is a volume.
+        """
+        options = self._along("diagram", value, units, columns=columns, max_periods=max_periods)
+        from pipeline.analysis.diagram.following import follow
+        from pipeline.analysis.diagram.options import way_of
+        from pipeline.figures.diagram import draw_diagram
+        from pipeline.figures.drawing import own_style
+        from pipeline.plane.row_curves import curves_at
+
+        way, plane = way_of("diagram", options, self.plan), self._read("static", units)
+        with own_style():
+            return draw_diagram(plane, follow(self.plan, way), curves_at(plane, way.value))
+
+    def spectrum(
+        self,
+        direction: str = "up",
+        of: str = "displacement",
+        axis: str = "frequency",
+        orders: float = 10.0,
+        periods: int = 24,
+        units: str = "dimensionless",
+        columns: int | None = None,
+        max_periods: int | None = None,
+        **value: float,
+    ):
+        """Amplitudes over the swept parameter and over frequency or order, along such a row.
+
+        Parameters
+        ----------
+        direction : str
+            "up" or "down".
+        of : str
+            "displacement" of the mesh, or mesh "force".
+        axis : str
+            What is drawn upwards: "frequency" or "order".
+        orders : float
+            Highest order of the mesh frequency.
+        periods : int
+            Forcing periods of a record: orders are multiples of one over it.
+        units, columns, max_periods, **value
+            As for `diagram`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            As `diagram`.
+        """
+        own = {"direction": direction, "of": of, "axis": axis, "orders": orders, "periods": periods}
+        own |= {"columns": columns, "max_periods": max_periods}
+        options = self._along("spectrum", value, units, **own)
+        from pipeline.analysis.diagram.following import follow
+        from pipeline.analysis.diagram.options import spectrum_of
+        from pipeline.analysis.diagram.spectra import spectra_of
+        from pipeline.figures.drawing import own_style
+        from pipeline.figures.spectrum import draw_spectrum
+
+        asked, plane = spectrum_of(options, self.plan), self._read("static", units)
+        with own_style():
+            return draw_spectrum(plane, spectra_of(follow(self.plan, asked.way), asked))
+
+    def _along(self, key: str, value: dict, units: str, **own):
+        """Settings of a row that is followed, what is None as the configuration has it."""
+        name = self.plan.parameter.name
+        if self.plan.parameter2 is not None:
+            raise ConfigurationError(f"{key} is not allowed for a volume: plane.layer=VALUE takes out a plane")
+        if set(value) != {name}:
+            raise ConfigurationError(f"{key} = {value} is not allowed: rows of this plane are chosen by {name}")
+        self._check(None, None, "static", units)
+        typed = [f"{key}.{setting}={given}" for setting, given in own.items() if given is not None]
+        given = value[name]
+        given = float(given) if isinstance(given, Real) and not isinstance(given, int) else given
+        return dataclasses.replace(getattr(compose(typed).config, key), value=given)
+
+    def _check(self, curves, window, stability: str, units: str, quantity: str | None = None, of: str = "worst"):
+        words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
+        for name, value in words.items():
+            if not isinstance(value, str) and (name, value) != ("quantity", None):
                 raise ConfigurationError(
                     f"figures.{name} = {value!r} is not allowed: it must be {sentence_of(Figures, name)}"
                 )
-        check_options(self.plan, curves, ["png"], 100, window, stability, units)
+        check_options(self.plan, curves, ["png"], 100, window, stability, units, None, quantity, of)
 
     def _read(self, stability: str, units: str):
         from pipeline.plane.stored import read_stored
 
         return read_stored(self.path, stability == "dynamic", units == "physical")
+
+
+def _search_settings(given: Mapping[str, object] | None) -> Attractors:
+    """Settings of the search for attractors, those that are not given as the configuration has them."""
+    given = {} if given is None else given
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        raise ParameterError("attractors", given, "settings by name, such as {'starts': 100}")
+    values = [f"attractors.{key}={'null' if value is None else value}" for key, value in given.items()]
+    settings = compose(values).config.attractors
+    check_box(settings.box)
+    return settings

@@ -1,5 +1,6 @@
 """The stage figures: pictures of the stored plane; nothing is solved again."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from time import perf_counter
 
@@ -17,7 +18,7 @@ def _options(job: Job) -> dict:
     options = job.settings.config.figures
     return {
         name: getattr(options, name)
-        for name in ("curves", "formats", "dpi", "window", "stability", "units", "multipliers")
+        for name in ("curves", "formats", "dpi", "window", "stability", "units", "multipliers", "quantity", "of")
     }
 
 
@@ -27,15 +28,31 @@ def _check_options(job: Job) -> None:
     figures.check_options(job.plan, **_options(job))
 
 
-def _draw(job: Job, workforce: Workforce, folder: Path) -> list[Path]:
+def _folder(job: Job) -> Path:
+    return job.settings.output_root / "figures" / job.settings.store_name
+
+
+def _tasks(job: Job, names: Iterable[str]) -> list[tuple]:
+    """Arguments of `pipeline.figures.draw_named` for some figures."""
+    return [(job.store_path, _folder(job), _options(job), name) for name in names]
+
+
+def _begin(job: Job, workforce: Workforce) -> None:
+    """Draw what needs rows alone while boundaries are traced."""
+    from pipeline import figures
+
+    if job.plan.parameter2 is None:
+        workforce.begin_beside(figures.draw_named, _tasks(job, figures.OF_ROWS))
+
+
+def _draw(job: Job, workforce: Workforce) -> list[Path]:
     """Draw all figures: side by side where workers of this machine run already, otherwise here."""
     from pipeline import figures
 
-    options = _options(job)
     if not workforce.has_local_workers or job.plan.parameter2 is not None:
-        return figures.draw(job.store_path, folder, **options)
-    tasks, drawn = [(job.store_path, folder, options, name) for name in figures.NAMES], {}
-    for task, result in workforce.run_beside(figures.draw_named, tasks):
+        return figures.draw(job.store_path, _folder(job), **_options(job))
+    drawn = {}
+    for task, result in workforce.run_beside(figures.draw_named, _tasks(job, figures.NAMES)):
         if isinstance(result, Exception):
             raise result
         drawn[task[-1]] = result
@@ -43,13 +60,12 @@ def _draw(job: Job, workforce: Workforce, folder: Path) -> list[Path]:
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
-
     note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
-    folder = job.settings.output_root / "figures" / job.settings.store_name
+    folder = _folder(job)
     record, origin = folder / ".figures.json", made_from(job.store_path, _options(job))
     if (paths := still_made(record, origin)) is None:
-        paths = _draw(job, workforce, folder)
+        paths = _draw(job, workforce)
         write_record(record, origin, paths)
         took = f"{perf_counter() - begin:.2f} s"
     else:
@@ -59,4 +75,4 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 0
 
 
-STAGE = Stage("figures", _run, _check_options, of_volumes=True, tells_map=True)
+STAGE = Stage("figures", _run, _check_options, of_volumes=True, tells_map=True, begin=_begin)

@@ -35,6 +35,8 @@ def by_key(numbers: Mapping) -> dict[str, object]:
         elif name == "physical":
             found |= _flat((value or {}).get("gear", {}), "gear.physical")
             found |= _flat((value or {}).get("mesh_cycle") or {}, "gear.physical.mesh_cycle")
+            # The numbers that they give are among the gear's.
+            found |= {"gear.physical.tooth": teeth["method"]} if (teeth := (value or {}).get("teeth")) else {}
         elif name == "thermal":
             found |= _flat(value or {}, "gear.thermal")
         elif name == "omega":

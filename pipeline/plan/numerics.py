@@ -109,13 +109,15 @@ def point_of(plan: Plan, row: float, column: float) -> tuple[Model, float]:
     return model_at(plan, row, column), axes.get("omega", plan.omega)
 
 
-def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds) -> Row:
-    """One row of the plane, with whatever balance; raises as `solver.sweep_row` does."""
+def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuation, seeds: Seeds, columns=None) -> Row:
+    """One row of the plane, with whatever balance; raises as `solver.sweep_row` does.
+
+    `columns` (X,) are values of the sweep axis from its first to its last, the plane's own unless given.
+    """
     # Most of the solver, which a plan can do without.
     from solver import sweep_row
 
     omega = value if plan.parameter.name == "omega" else plan.omega
     model = model_at(plan, value, plan.sweep.low)
-    return sweep_row(
-        model, plan.sweep.name, plan.sweep.values, omega=omega, continuation=continuation, seeds=seeds, balance=balance
-    )
+    grid = plan.sweep.values if columns is None else columns
+    return sweep_row(model, plan.sweep.name, grid, omega=omega, continuation=continuation, seeds=seeds, balance=balance)

@@ -12,7 +12,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import ROLES, axes_of
 from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_axis, seeds_of
 from pipeline.plan.plan import Plan
-from pipeline.plan.scales import cycle_note
+from pipeline.plan.scales import cycle_note, teeth_note
 from pipeline.plan.thermal import thermal_numbers
 from pipeline.plan.unfelt import unfelt_harmonics
 from solver import SCALAR_PARAMETERS, GearPair, ParameterError, Scales
@@ -241,7 +241,7 @@ def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
             f"one mesh force would make them equal{hint}"
         )
     if plan.physical is not None:
-        lines += cycle_note(plan)
+        lines += [*cycle_note(plan), *teeth_note(plan)]
     if plan.parameter2 is not None:
         lines.append(
             "a volume has no boundaries of its own: plane.layer=VALUE takes out the plane of one layer, which has"

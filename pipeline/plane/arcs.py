@@ -6,6 +6,7 @@ magnification and nothing has to be solved again.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -60,13 +61,7 @@ class Arcs:
 
     def crossings(self, axis: int, values: np.ndarray) -> "Crossings":
         """Where the arcs meet lines on which component `axis` (3: x, 4: p) has one of the ascending values."""
-        p, q = self.start[:, axis], self.end[:, axis]
-        # Cut where the component turns round: between cuts it is monotonic.
-        cuts = np.concatenate([np.zeros((p.size, 1)), self.turns(axis), np.ones((p.size, 1))], axis=1)
-        number = np.repeat(np.arange(p.size), 3)
-        low, high = cuts[:, :-1].ravel(), cuts[:, 1:].ravel()
-        number, low, high = (part[high > low] for part in (number, low, high))
-        first, last = (self._place(number, t, axis, p, q) for t in (low, high))
+        number, low, high, first, last = self._monotonic[axis - 3]
         rises = last > first
         # Each value belongs to one of two arcs that meet there: what starts at it does not cross it.
         lower, upper = np.minimum(first, last), np.maximum(first, last)
@@ -92,6 +87,20 @@ class Arcs:
         points = self.at(number, t)
         points[:, axis] = level
         return Crossings(line, number, points, np.where(rises, 1, -1))
+
+    @cached_property
+    def _monotonic(self) -> list[tuple[np.ndarray, ...]]:
+        """For x and for p, the arcs cut where the component turns round: number of the arc, t and the component at
+        both ends."""
+        found = []
+        for axis in (3, 4):
+            p, q = self.start[:, axis], self.end[:, axis]
+            cuts = np.concatenate([np.zeros((p.size, 1)), self.turns(axis), np.ones((p.size, 1))], axis=1)
+            number = np.repeat(np.arange(p.size), 3)
+            low, high = cuts[:, :-1].ravel(), cuts[:, 1:].ravel()
+            number, low, high = (part[high > low] for part in (number, low, high))
+            found.append((number, low, high, *(self._place(number, t, axis, p, q) for t in (low, high))))
+        return found
 
     def _place(self, number, t, axis, p, q) -> np.ndarray:
         """One component; at the ends exactly the stored value, so that neighbouring arcs agree."""

@@ -6,6 +6,7 @@ between them, the part of the same region in the rows above or below does.
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from weakref import WeakKeyDictionary
@@ -130,6 +131,10 @@ class _StoredLabels:
     def __init__(self, plane: StoredPlane, crossings: RowCrossings):
         self.plane, self.crossings = plane, crossings
 
+    def expect(self, slabs: Sequence[Slab]) -> None:
+        if slabs:
+            self.crossings.look_up(self.plane.rows)
+
     def sequence(self, slab: Slab) -> list[int]:
         rows = np.flatnonzero((self.plane.rows > slab.low) & (self.plane.rows < slab.high) & self.plane.complete)
         if rows.size == 0:
@@ -197,7 +202,7 @@ def _spread(codes: list[list[int]], ends: list[tuple[np.ndarray, np.ndarray]], l
 
 def _ends(division: Division) -> list[tuple[np.ndarray, np.ndarray]]:
     """x of the arcs of every slab in its lowest and in its highest row."""
-    rows = np.array([part.slab.inner(p) for part in division.slabs for p in part.slab.ends])
+    rows = np.array([p for part in division.slabs for p in part.slab.inner_ends])
     table, found = RowCrossings(division.curves, division.plane.x_range).table(rows), []
     for number, part in enumerate(division.slabs):
         both = []

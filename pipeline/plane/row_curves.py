@@ -5,16 +5,18 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.config.quantities import QUANTITIES
 from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_of, seeds_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.segments import Piece, pieces_of_row
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED
 from solver import EndReason, Model, RowError
+from solver.harmonic.quantities import balance_quantities
 from solver.stability import assess, multipliers
 from solver.stability.instability import LEFT_TO_FOLDS
 
-__all__ = ["RowCurves", "curves_at"]
+__all__ = ["RowCurves", "curves_at", "solved_curves", "stored_row"]
 
 # A value this close to a stored row's, as a share of the axis, is that row's.
 _SAME = 1e-12
@@ -61,6 +63,19 @@ class RowCurves:
         return pieces_of_row(self.points, b)
 
     @cached_property
+    def _quantities(self) -> np.ndarray:
+        """What is read of the motions at the points, (point, 13)."""
+        place = self.points["position"], self.points["motion"]
+        return balance_quantities(
+            balance_of(self.plan.solver), self.model, self.plan.sweep.name, *place, omega=self._omega
+        )
+
+    def values(self, name: str) -> np.ndarray:
+        """One of `pipeline.config.quantities.QUANTITIES` at the points, (point,)."""
+        slot = QUANTITIES[name].slot
+        return self.points[name] if name in self.points else self._quantities[:, slot]
+
+    @cached_property
     def multipliers(self) -> np.ndarray:
         """Floquet multipliers at the points, (point, m) complex."""
         place = self.points["position"], self.points["motion"]
@@ -100,15 +115,20 @@ class RowCurves:
 
 
 def curves_at(plane: StoredPlane, value: float) -> RowCurves:
-    """The branches at a value of the row parameter."""
+    """The branches at a value of the row parameter: stored where a row has it, else solved; FAILED where they cannot
+    be."""
     axis = plane.plan.parameter
     row = int(np.argmin(np.abs(plane.rows - value)))
     if abs(plane.rows[row] - value) <= _SAME * (axis.high - axis.low):
-        return _stored(plane, row)
-    return _solved(plane.plan, value)
+        return stored_row(plane, row)
+    try:
+        return solved_curves(plane.plan, value)
+    except (RowError, ArithmeticError):
+        return RowCurves(plane.plan, value, FAILED, _no_points(plane.plan), ())
 
 
-def _stored(plane: StoredPlane, row: int) -> RowCurves:
+def stored_row(plane: StoredPlane, row: int) -> RowCurves:
+    """The branches of a stored row, by number."""
     count = int(plane.n_points[row])
     points = plane.row_points(row)
     points |= {name: plane.array(f"branches/{name}")[row, :count] for name in ("cos", "sin")}
@@ -121,22 +141,28 @@ def _stored(plane: StoredPlane, row: int) -> RowCurves:
     return RowCurves(plane.plan, float(plane.rows[row]), int(plane.status[row]), points, ends)
 
 
-def _solved(plan: Plan, value: float) -> RowCurves:
-    balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
-    names = ("position", "mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
-    nothing = {**{name: np.empty(0) for name in names}, "motion": np.empty((0, balance.unknowns))}
-    try:
-        row = row_of(plan, value, balance, continuation, seeds_of(plan.solver))
-    except (RowError, ArithmeticError):
-        return RowCurves(plan, value, FAILED, nothing, ())
-    parts: dict[str, list[np.ndarray]] = {name: [empty] for name, empty in nothing.items()}
+def solved_curves(plan: Plan, value: float) -> RowCurves:
+    """The branches at a value of the row parameter, computed anew.
+
+    Raises
+    ------
+    RowError, ArithmeticError
+        If a branch cannot be followed.
+    """
+    row = row_of(plan, value, balance_of(plan.solver), continuation_of(plan.solver), seeds_of(plan.solver))
+    parts: dict[str, list[np.ndarray]] = {name: [empty] for name, empty in _no_points(plan).items()}
     ends = []
     for number, curve in enumerate(row.curves):
         mean, cos, sin = row.branch_motions(curve)
         found = (curve.points[:, -1], mean, cos, sin, np.hypot(cos, sin), curve.stable, row.branch_impact(curve))
-        found = (*found, np.full(len(curve.points), number), curve.event)
-        for name, array in zip((*names, "motion"), (*found, curve.points[:, :-1]), strict=True):
+        found = (*found, np.full(len(curve.points), number), curve.event, curve.points[:, :-1])
+        for name, array in zip(parts, found, strict=True):
             parts[name].append(array)
         ends += [(number, 0, curve.ends[0]), (number, -1, curve.ends[1])]
     points = {name: np.concatenate(arrays) for name, arrays in parts.items()}
     return RowCurves(plan, value, COMPLETE, points, tuple(ends))
+
+
+def _no_points(plan: Plan) -> dict[str, np.ndarray]:
+    names = ("position", "mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
+    return {**{name: np.empty(0) for name in names}, "motion": np.empty((0, balance_of(plan.solver).unknowns))}

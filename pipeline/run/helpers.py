@@ -1,16 +1,18 @@
-"""Two processes that are started early and load what is needed later, while this one computes.
+"""Two processes that draw beside this one, loaded while this one computes.
 
-For what takes less time than dask's workers take to start. They hold nothing that could be lost: a task whose helper
+For what takes less time than dask's workers take to start. They are forked from one process that has loaded what they
+need, or load it themselves where the system does not fork. They hold nothing that could be lost: a task whose helper
 was ended is done here.
 """
 
 import contextlib
 import importlib
 import multiprocessing
+import multiprocessing.forkserver
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 
 from pipeline.run.libraries import load_zarr
@@ -20,67 +22,82 @@ __all__ = ["COUNT", "Helpers", "load"]
 
 COUNT = 2
 
-
-#: In a helper, what those have in common that are started together.
-_TURN = []
+_FORKS = "forkserver" in multiprocessing.get_all_start_methods()
 
 
 def load(modules: Iterable[str]) -> None:
     """In a helper or on a worker: import modules, zarr with its own defaults."""
-    # One helper after the other: where there are two cores, one is ready early instead of two late.
-    with contextlib.ExitStack() as held:
-        for turn in _TURN:
-            held.enter_context(turn)
-        load_zarr()
-        for module in modules:
-            importlib.import_module(module)
+    load_zarr()
+    for module in modules:
+        importlib.import_module(module)
 
 
-def _begin(turn) -> None:
-    """In a helper: end with the process that started it, which may be killed and ends nobody then."""
-    _TURN.append(turn)
+def _begin(modules: Iterable[str]) -> None:
+    """In a helper: end with the process that started it, which may be killed and ends nobody then; load modules."""
 
     def wait() -> None:
         multiprocessing.parent_process().join()
         os._exit(0)
 
     threading.Thread(target=wait, daemon=True).start()
+    load(modules)
 
 
 class Helpers:
-    """Processes that have loaded modules, or are at it.
+    """Processes that load modules and then take tasks.
 
     Parameters
     ----------
     modules : sequence of str
+        They are imported in a process that has no other threads, and forked: importing them must start none.
     """
 
     def __init__(self, modules: Iterable[str]):
-        before = set(multiprocessing.active_children())
-        spawn = multiprocessing.get_context("spawn")
-        self._pool = ProcessPoolExecutor(COUNT, mp_context=spawn, initializer=_begin, initargs=(spawn.Lock(),))
-        with deaf_to_interrupts(), main_module_hidden():
-            # Each of the first tasks starts a process.
-            for _ in range(COUNT):
-                self._pool.submit(load, tuple(modules))
-        self._processes = set(multiprocessing.active_children()) - before
+        modules, context = tuple(modules), multiprocessing.get_context("forkserver" if _FORKS else "spawn")
+        self._pool = ProcessPoolExecutor(COUNT, mp_context=context, initializer=_begin, initargs=(modules,))
+        self._processes, self._ahead = set(), []
+        if _FORKS:
+            context.set_forkserver_preload(["pipeline.run.helpers", *modules])
+            with deaf_to_interrupts(), main_module_hidden():
+                # It loads; to fork a helper is waited for, so that helpers are forked when there are tasks.
+                multiprocessing.forkserver.ensure_running()
+        else:
+            self._submit(load, [((),)] * COUNT)
+
+    def begin(self, function: Callable, tasks: Iterable[tuple]) -> None:
+        """Begin with tasks that `run` will be asked for, unless that has been done."""
+        known = [(one, task) for one, task, _ in self._ahead]
+        fresh = [task for task in tasks if (function, task) not in known]
+        self._ahead += [(function, *begun) for begun in self._submit(function, fresh)]
 
     def run(self, function: Callable, tasks: Iterable[tuple]) -> Iterator[tuple[tuple, object]]:
         """Call `function(*task)` for every task; yields (task, result) in any order, or (task, exception)."""
         waiting = list(tasks)
-        with contextlib.suppress(BrokenProcessPool):
-            futures = {self._pool.submit(function, *task): task for task in waiting}
-            for future in as_completed(futures):
-                error = future.exception()
-                if isinstance(error, BrokenProcessPool):
-                    break
-                waiting.remove(futures[future])
-                yield futures[future], future.result() if error is None else error
+        begun = [(task, future) for one, task, future in self._ahead if one == function and task in waiting]
+        known = [task for task, _ in begun]
+        begun += self._submit(function, [task for task in waiting if task not in known])
+        futures = {future: task for task, future in begun}
+        for future in as_completed(futures):
+            error = future.exception()
+            if isinstance(error, BrokenProcessPool):
+                continue
+            waiting.remove(futures[future])
+            yield futures[future], future.result() if error is None else error
         for task in waiting:
             try:
                 yield task, function(*task)
             except Exception as error:  # as one that comes from a helper
                 yield task, error
+
+    def _submit(self, function: Callable, tasks: Iterable[tuple]) -> list[tuple[tuple, Future]]:
+        """Tasks with what will come of them, as far as helpers can be started."""
+        before, begun = set(multiprocessing.active_children()), []
+        # What forks them may have been ended, too.
+        with contextlib.suppress(BrokenProcessPool, OSError, EOFError), deaf_to_interrupts(), main_module_hidden():
+            for task in tasks:
+                begun.append((task, self._pool.submit(function, *task)))
+        self._processes |= set(multiprocessing.active_children()) - before
+        return begun
 
     def close(self) -> None:
         """End them, whatever they are at."""

@@ -10,10 +10,12 @@ __all__ = ["NEEDED", "kernels_for", "ready_for_attractors", "ready_for_rows"]
 _ROWS = {
     "describing_function": (
         "solver.enumeration.certificates.enumerate_points",
+        "solver.enumeration.coefficients.enclose_gear",
         "solver.stability.bifurcations._bifurcations",
         "solver.continuation.arclength.trace",
         "solver.stability.assessment._assess",
         "solver.continuation.on_curve._crossings",
+        "solver.harmonic.quantities.fill_quantities",
         "solver.harmonic.describing_function.residual_and_jacobian",
         "solver.harmonic.describing_function.test_functions",
         "solver.continuation.setup.no_contacts",
@@ -22,11 +24,13 @@ _ROWS = {
     ),
     "galerkin": (
         "solver.enumeration.certificates.enumerate_points",
+        "solver.enumeration.coefficients.enclose_gear",
         "solver.harmonic.galerkin.residual_and_jacobian",
         "solver.stability.bifurcations._bifurcations",
         "solver.continuation.arclength.trace",
         "solver.stability.assessment._assess",
         "solver.continuation.on_curve._crossings",
+        "solver.harmonic.quantities.fill_quantities",
         "solver.harmonic.galerkin._linear_degree",
         "solver.harmonic.galerkin.test_functions",
         "solver.harmonic.galerkin._extremes",
@@ -37,9 +41,31 @@ _ROWS = {
 }
 
 _ATTRACTORS = (
-    "solver.timedomain.cell_search",
+    "solver.timedomain.cell_search.seek",
+    "solver.timedomain.cell_search.recall",
     "solver.timedomain.quantities.gauge_at",
     "solver.timedomain.row_systems",
+)
+
+#: A row followed up and down.
+_RUNS = (
+    "solver.timedomain.cell_search.seek",
+    "solver.timedomain.cell_search.pursue",
+    "solver.timedomain.quantities.gauge_at",
+    "solver.timedomain.row_systems",
+)
+
+#: A single place: what motions and quantities are read with. Of first order its solutions are enumerated, of higher
+#: orders its row is solved; shooting tells apart supports of gears that differ.
+_MOTION = (
+    *_ATTRACTORS,
+    "solver.timedomain.quantities._quantities",
+    "solver.timedomain.trajectory",
+    "solver.timedomain.poincare._advance",
+    "solver.timedomain.poincare._measure",
+    "solver.timedomain.shooting",
+    "solver.harmonic.quantities",
+    "solver.flow.zone_flows._tabulated",
 )
 
 #: By stage and balance, those that take longest first.
@@ -56,6 +82,17 @@ NEEDED = {
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
     "attractors": dict.fromkeys(_ROWS, _ATTRACTORS),
+    "motion": {
+        "describing_function": (
+            "solver.enumeration.certificates.enumerate_point",
+            "solver.enumeration.certificates.workspace",
+            "solver.stability.assessment._assess",
+            *_MOTION,
+        ),
+        "galerkin": (*_ROWS["galerkin"], *_MOTION),
+    },
+    "diagram": {balance: (*_RUNS, *rows) for balance, rows in _ROWS.items()},
+    "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.zone_flows._tabulated")),
     "debug": _ROWS,
 }
 

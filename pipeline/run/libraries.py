@@ -5,15 +5,13 @@ A store is read and written in the same way whatever they say. Zarr waits for ev
 
 import contextlib
 import functools
-import importlib
 import os
 import sys
-import threading
 from collections.abc import Iterator
 
 from pipeline.errors import ConfigurationError
 
-__all__ = ["check_zarr", "drawing_into_files", "load_beside", "load_dask", "load_zarr", "unusable", "with_own_dask"]
+__all__ = ["check_zarr", "drawing_into_files", "load_dask", "load_zarr", "unusable", "with_own_dask"]
 
 
 @functools.cache
@@ -52,21 +50,6 @@ def check_zarr() -> None:
             f"async.concurrency = {concurrency!r} of zarr's configuration (ZARR_ASYNC__CONCURRENCY) is not allowed: "
             "it must be a whole number from 1 on"
         )
-
-
-def load_beside(*modules: str) -> None:
-    """Import modules in a thread of their own, of which nobody waits for the end.
-
-    Rows are computed by compiled code that needs no interpreter, so that on a second core it costs them nothing. What
-    goes wrong is for those to say who need the modules.
-    """
-
-    def load() -> None:
-        with contextlib.suppress(Exception):
-            for module in modules:
-                importlib.import_module(module)
-
-    threading.Thread(target=load, name="imports", daemon=True).start()
 
 
 def load_dask() -> None:

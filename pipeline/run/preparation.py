@@ -206,5 +206,9 @@ def run_shared_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int
 
 
 def _run(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Reporter) -> int:
-    reporter.log = None
-    return max((stage.run(job, workforce, reporter) for stage in stages), default=0)
+    reporter.log, stages, status = None, list(stages), 0
+    for number, stage in enumerate(stages, start=1):
+        status = max(status, stage.run(job, workforce, reporter))
+        for later in stages[number:]:
+            later.begin(job, workforce)
+    return status

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-__all__ = ["csv_text", "escaped", "pipes", "write_files"]
+__all__ = ["csv_text", "escaped", "number_text", "pipes", "write_files"]
 
 _MARKUP = re.compile(r"[\\|*`]|<(?=[A-Za-z/!?])")
 
@@ -50,6 +50,20 @@ def csv_text(header: Sequence, lines: Iterable[Sequence]) -> str:
     writer.writerow(header)
     writer.writerows(lines)
     return stream.getvalue()
+
+
+def number_text(value: float, digits: int = 3) -> str:
+    """A number to so many digits, as people write it.
+
+    Examples
+    --------
+    >>> number_text(14400.0), number_text(-0.0312), number_text(2.5e7), number_text(1.25e-6)
+    ('14400', '−0.0312', '2.5e+07', '1.25e−06')
+    """
+    text = f"{value:.{digits}g}"
+    if "e+" in text and abs(value) < 1e6:
+        text = f"{float(text):.0f}"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def escaped(text: str) -> str:

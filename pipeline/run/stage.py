@@ -18,6 +18,10 @@ def _never(job: Job) -> bool:
     return False
 
 
+def _waits(job: Job, workforce: Workforce) -> None:
+    """Nothing to begin with."""
+
+
 @dataclass(frozen=True)
 class Stage:
     """One thing to do.
@@ -42,6 +46,9 @@ class Stage:
         Whether it works on a volume, and not on a plane alone.
     tells_map : bool
         Whether it is about the map, so that a run ends with what that tells.
+    begin : callable
+        begin(job, workforce), called after every stage before this one, has helpers begin with what needs the plane's
+        rows and nothing else.
     """
 
     name: str
@@ -53,3 +60,4 @@ class Stage:
     needs_plan: bool = True
     of_volumes: bool = False
     tells_map: bool = False
+    begin: Callable[[Job, Workforce], None] = _waits

@@ -11,7 +11,6 @@ from pipeline.plan.axes import ROLES
 from pipeline.plan.plan import Block
 from pipeline.plan.planning import warnings
 from pipeline.run.job import Job, open_log
-from pipeline.run.libraries import load_beside
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.stage import Stage
 from pipeline.run.warmup import warm_up_for
@@ -26,8 +25,8 @@ __all__ = ["STAGE", "compute"]
 
 #: Cells of first order that one core computes in about the time in which two workers start and do the same.
 _FEW_CELLS = 100_000
-#: What drawing takes longest to import.
-_FIGURES = tuple(f"pipeline.figures.{module}" for module in ("map", "curves", "backbone", "output"))
+#: What makes a process ready to draw, and to solve the rows of first order that figures need.
+_DRAWING, _ROWS = "pipeline.figures.ready", "pipeline.run.ready_rows"
 #: Failed rows, and rows with notes, that are listed in full.
 _LISTED = 10
 
@@ -73,9 +72,6 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     else:
         remove_known(path, STORE_FILE)
         store.create(path, job.plan, settings.store_name, settings.yaml())
-    if job.asks("boundaries"):
-        # Boundaries are stored with xarray, which looks for dask's arrays.
-        load_beside("xarray", "dask.array")
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
     reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")
@@ -88,7 +84,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 def _expect_figures(job: Job, workforce: Workforce) -> None:
     """What draws is loaded while boundaries are traced, and of a small plane while its rows are computed."""
     if job.asks("figures") and job.plan.parameter2 is None:
-        workforce.expect(_FIGURES)
+        first_order = job.plan.solver["balance"] == "describing_function"
+        workforce.expect([_DRAWING, _ROWS] if first_order else [_DRAWING])
 
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:

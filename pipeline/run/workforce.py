@@ -275,6 +275,11 @@ class Workforce:
         with contextlib.suppress(OSError):
             self._helpers = self._open.enter_context(contextlib.closing(Helpers(modules)))
 
+    def begin_beside(self, function: Callable, tasks: Iterable[tuple]) -> None:
+        """Have helpers, where there are any, begin with tasks that `run_beside` will be asked for."""
+        if self._helpers is not None:
+            self._helpers.begin(function, tasks)
+
     def run_beside(self, function: Callable, tasks: Iterable[tuple]) -> Iterator[tuple[tuple, object]]:
         """`run` on processes of this machine that have been started for something else, if `has_local_workers`."""
         beside = self if self._connection is not None else self._helpers

@@ -2,6 +2,7 @@
 
 from functools import cache
 
+from pipeline.config.quantities import AMPLITUDE, READ
 from pipeline.plan.axes import Axis
 from pipeline.plan.plan import Plan
 from pipeline.store.array_layout import ArrayLayout
@@ -49,8 +50,8 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
             None,
             **_domain_flags(plan.max_solutions),
         ),
-        "mean": spec(solution, "float64", nan, "mean of the mesh displacement"),
-        "amplitude": spec(solution, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
+        **{one.name: spec(solution, "float64", nan, one.title, one.unit) for one in READ},
+        "amplitude": spec(solution, "float64", nan, AMPLITUDE.title, AMPLITUDE.unit),
         "phase": spec(solution, "float64", nan, "phase of the fundamental of the mesh displacement", "rad"),
         "stable": spec(
             solution,
@@ -88,7 +89,7 @@ def arrays_of(plan: Plan) -> dict[str, dict]:
         "branches/mean": spec(point, "float64", nan, "mean of the mesh displacement"),
         "branches/cos": spec(point, "float64", nan, "cosine amplitude of the mesh displacement"),
         "branches/sin": spec(point, "float64", nan, "sine amplitude of the mesh displacement"),
-        "branches/amplitude": spec(point, "float64", nan, "amplitude of the fundamental of the mesh displacement"),
+        "branches/amplitude": spec(point, "float64", nan, AMPLITUDE.title, AMPLITUDE.unit),
         "branches/arclength": spec(point, "float64", nan, "arc length along the branch, in scaled unknowns"),
         "branches/stable": spec(
             point,
@@ -177,8 +178,6 @@ def _order_h_arrays(spec, solution: tuple[str, ...], point: tuple[str, ...]) -> 
     nan = float("nan")
     harmonics = "mean of the mesh displacement, then cosine and sine amplitude of each harmonic of the base frequency"
     return {
-        "lowest": spec(solution, "float64", nan, "lowest mesh displacement over the period"),
-        "highest": spec(solution, "float64", nan, "highest mesh displacement over the period"),
         "motion": spec((*solution, "component"), "float64", nan, harmonics),
         "branches/motion": spec((*point, "component"), "float64", nan, harmonics),
     }

@@ -6,17 +6,17 @@ A block is written from what was computed or from what was read here: nothing th
 from pathlib import Path
 
 import numpy as np
-import zarr
 
+from pipeline.config.quantities import READ
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import MOST_TEXT
 from pipeline.store.arrays import arrays_of, row_layouts
 from pipeline.store.block_states import is_stored, read_states, write_states
-from pipeline.store.chunk_files import read_chunk
-from pipeline.store.codecs import every_chunk
-from pipeline.store.durable import settle
-from pipeline.store.removal import remove_file
+from pipeline.store.chunk_files import encoded, read_chunk
+from pipeline.store.documents import document
+from pipeline.store.durable import write_all
+from pipeline.store.names import METADATA
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
 
@@ -119,23 +119,18 @@ def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> 
     rows : list of RowValues
         One per row of the block.
     """
-    root = zarr.open_group(path, mode="r+")
-    if root.attrs["configuration_hash"] != plan.digest:
+    told = document(path / METADATA)
+    if told is None or told.get("attributes", {}).get("configuration_hash") != plan.digest:
         # A task of a run that is no more, on a scheduler that goes on.
         raise StoreError(f"{path} is no longer the store that these rows are of")
-    layouts, place = row_layouts(plan), plan.place(block)
-    files = {name: next(layout.files(*place)) for name, layout in layouts.items() if name != "status"}
+    place, contents = plan.place(block), {}
+    for name, layout in row_layouts(plan).items():
+        if name != "status":
+            (file,) = layout.files(*place)
+            contents[path / file] = encoded(np.stack([row[name] for row in rows]).ravel(), layout)
     # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
     write_states(path, plan, block, PENDING)
-    for name, file in files.items():
-        if block.stop - block.start < plan.rows_per_block:
-            # It ends before its chunk does: zarr would read the rest of what is there.
-            remove_file(path / file)
-        with every_chunk():
-            # What an array writes is settled when it is opened.
-            array = root[name]
-        array[place] = np.stack([row[name] for row in rows])
-    settle([path / file for file in files.values()])
+    write_all(contents)
     write_states(path, plan, block, np.array([row["status"] for row in rows]))
 
 
@@ -144,11 +139,12 @@ def _fill_raster(values: RowValues, row: Row) -> None:
     for name in ("n_solutions", "n_stable", "domain", "open", "certified"):
         if name in values:
             values[name][...] = getattr(row, name)
-    for name in ("mean", "amplitude", "phase", "stable", "impact", "instability", "multiplier"):
+    for one in READ:
+        values[one.name][:, found] = row.quantities[..., one.slot]
+    for name in ("amplitude", "phase", "stable", "impact", "instability", "multiplier"):
         values[name][:, found] = getattr(row, name)
     if "motion" in values:
         values["motion"][:, found] = row.motions
-        values["lowest"][:, found], values["highest"][:, found] = row.extremes
 
 
 def _fill_branches(values: RowValues, row: Row, axis: str) -> None:

@@ -4,8 +4,10 @@ A group is written beside the store and moved into it whole, and counts only onc
 a run killed at any moment leaves either the group or nothing. A sweep that computes rows takes all of them away first.
 """
 
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import zarr
@@ -23,20 +25,52 @@ if TYPE_CHECKING:
     # It takes a third of a second to load, which who only reads need not wait for.
     import xarray
 
-__all__ = ["open_group", "remove_added", "remove_group", "take_away", "unfinished", "write_group"]
+__all__ = ["Arrays", "Variable", "open_group", "remove_added", "remove_group", "take_away", "unfinished", "write_group"]
 
 #: Arrays of two and more dimensions are cut into chunks of at most this many entries along each.
 _CHUNK = 1024
 
 
-def write_group(path: Path, name: str, dataset: "xarray.Dataset") -> None:
+class Variable(NamedTuple):
+    """An array with the names of its dimensions."""
+
+    dims: tuple[str, ...]
+    values: np.ndarray
+    attrs: dict
+
+
+@dataclass(frozen=True)
+class Arrays:
+    """What is written of an xarray.Dataset, for a stage that would load xarray for nothing else: it takes most of a
+    second.
+
+    Parameters
+    ----------
+    variables : mapping of str to Variable
+    coords : collection of str
+        Those of them that are coordinates.
+    attrs : dict
+        Of the group.
+    """
+
+    variables: Mapping[str, Variable]
+    coords: Collection[str] = ()
+    attrs: dict = field(default_factory=dict)
+
+    @property
+    def dims(self) -> set[str]:
+        """Names of all dimensions."""
+        return {dim for variable in self.variables.values() for dim in variable.dims}
+
+
+def write_group(path: Path, name: str, dataset: "Arrays | xarray.Dataset") -> None:
     """Put a group into the store at `path`, in place of what was there.
 
     Parameters
     ----------
     path : Path
     name : str
-    dataset : xarray.Dataset
+    dataset : Arrays or xarray.Dataset
         Texts are objects. Its coordinates are named in the attribute `coordinates` of the group, as CF has it.
 
     Raises

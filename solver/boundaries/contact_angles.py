@@ -12,6 +12,9 @@ sections 4 and 5):
     f_0 = lambda_m + [(b - lambda_m) phi_f + lambda_a cos phi_f - (-b - lambda_m) phi_b - lambda_a cos phi_b]/pi
     N_a = 1 - [phi_f + sin phi_f cos phi_f - phi_b - sin phi_b cos phi_b]/pi
 
+Of unequal gaps the front one stands in phi_f and the back one in phi_b. Without a back flank its terms are left out and
+lambda_m - b has the factor 1/2: f_0 = (lambda_m - b)/2 + [(b - lambda_m) phi_f + lambda_a cos phi_f]/pi.
+
 A flank is grazed where its angle is +-pi/2. Beyond, where the motion does not cross the flank, f_0 and N_a hold with
 the angle clamped there, and the unknown measures the distance instead, with the size s of lambda:
 +-b - lambda_m = +-[lambda_a + s (|phi| - pi/2)]. Each of the nine combinations (below, crossed, above for each flank)
@@ -26,7 +29,7 @@ import math
 import numpy as np
 
 from solver.boundaries.problem import parameters_at
-from solver.harmonic.describing_function import coefficients
+from solver.harmonic.condensed import CONSTANTS, VALUES, coefficients, system_coefficients
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.parameters import BACK_CONTACT, FRONT_CONTACT, LENGTH_SCALE, gear_numbers
@@ -42,6 +45,7 @@ __all__ = [
     "angle_rows",
     "determinant",
     "plane_coefficients",
+    "system_plane_coefficients",
 ]
 
 # Slots of y.
@@ -51,15 +55,15 @@ UNKNOWNS = 6
 #: Test functions of a boundary: the amplitude, and on grazing curves det dE/du.
 TEST_COUNT = 2
 
-_C, _F = types.UniTuple(types.complex128, 6), types.UniTuple(types.float64, 3)
+_THREE = types.UniTuple(types.float64, 3)
 #: Coefficients of the balance, their derivatives by x and by p; then the same for its constants.
-COEFFICIENTS = types.Tuple((types.UniTuple(_C, 3), types.UniTuple(_F, 3)))
+COEFFICIENTS = types.Tuple((types.UniTuple(VALUES, 3), types.UniTuple(CONSTANTS, 3)))
 _RIGHT = 0.5 * math.pi
 
 
 @kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
 def plane_coefficients(parameters, parameter_slope, y):
-    """What `solver.harmonic.describing_function.coefficients` gives at (x, p), with the derivatives by both.
+    """What `solver.harmonic.condensed.coefficients` gives of a gear pair at (x, p), with the derivatives by both.
 
     Parameters
     ----------
@@ -75,6 +79,21 @@ def plane_coefficients(parameters, parameter_slope, y):
     return (values, by_x, by_p), (constants, constants_x, constants_p)
 
 
+@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
+def system_plane_coefficients(parameters, parameter_slope, y):
+    """`plane_coefficients` of a `ContactSystem`.
+
+    Parameters
+    ----------
+    parameters, parameter_slope, y : arrays
+        As there.
+    """
+    here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
+    values, by_x, constants, constants_x = system_coefficients(here, along_x, 0.0)
+    _, by_p, _, constants_p = system_coefficients(here, along_p, 0.0)
+    return (values, by_x, by_p), (constants, constants_x, constants_p)
+
+
 @kernel(types.UniTuple(types.float64, 4)(types.float64, types.float64), inline=True)
 def _clamped(zone, angle):
     """Angle, sine and cosine that the force feels, and 1 where it feels the angle at all."""
@@ -83,12 +102,13 @@ def _clamped(zone, angle):
     return zone * _RIGHT, zone, 0.0, 0.0
 
 
-@kernel(_F(_C, _F, types.float64, types.complex128, types.complex128), inline=True)
-def _rows(values, constants, mean, fundamental, displacement):
-    """The part of (E_0, Re E_1, -Im E_1) that is linear in f_0, f_1 and Lambda_1."""
+@kernel(_THREE(VALUES, CONSTANTS, types.float64, types.complex128, types.float64, types.complex128), inline=True)
+def _rows(values, constants, mean, fundamental, place, displacement):
+    """The part of (E_0, Re E_1, -Im E_1) that is linear in f_0, f_1, lambda_m and Lambda_1."""
     D, A, P_1, P_2, _, e = values
     row = D * displacement + A * fundamental + P_1 * mean + P_2 * fundamental.conjugate()
-    return constants[0] * mean + (e * fundamental.conjugate()).real, row.real, -row.imag
+    force = constants[0] * mean + (e * fundamental.conjugate()).real + constants[4] * place
+    return force, row.real, -row.imag
 
 
 @kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True, shared=True)
@@ -103,26 +123,27 @@ def angle_rows(known, parameters, y, residual, jacobian):
     y, residual, jacobian : arrays
     """
     (values, by_x, by_p), (constants, constants_x, constants_p) = known
-    b, b_x, b_p = constants[2], constants_x[2], constants_p[2]
+    _, _, front_gap, back_gap, _, far = constants
     mean, displacement = y[0], complex(y[1], -y[2])
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     unit = displacement / amplitude
     front, front_sin, front_cos, front_on = _clamped(parameters[FRONT_CONTACT], y[FRONT])
     back, back_sin, back_cos, back_on = _clamped(parameters[BACK_CONTACT], y[BACK])
-    ahead, behind = b - mean, -b - mean
+    ahead, behind, share = front_gap - mean, -back_gap - mean, 0.5 * (1.0 + far)
 
-    f_0 = mean + (ahead * front + amplitude * front_cos - behind * back - amplitude * back_cos) / math.pi
-    gain = 1.0 - (front + front_sin * front_cos - back - back_sin * back_cos) / math.pi
+    f_0 = share * mean - 0.5 * (front_gap - far * back_gap)
+    f_0 += (ahead * front + amplitude * front_cos - far * behind * back - far * amplitude * back_cos) / math.pi
+    gain = share - (front + front_sin * front_cos - far * back - far * back_sin * back_cos) / math.pi
     f_1 = gain * displacement
-    force = _rows(values, constants, f_0, f_1, displacement)
+    force = _rows(values, constants, f_0, f_1, mean, displacement)
     residual[0] = force[0] - constants[1]
     residual[1], residual[2] = force[1] - values[4].real, force[2] + values[4].imag
 
-    f_0_a, f_0_b = (front_cos - back_cos) / math.pi, (front + back) / math.pi
+    f_0_a = (front_cos - far * back_cos) / math.pi
     for column in range(7):
-        d_f_0, d_f_1, d_displacement = 0.0, 0j, 0j
+        d_f_0, d_f_1, d_place, d_displacement = 0.0, 0j, 0.0, 0j
         if column == 0:
-            d_f_0 = 1.0 - (front - back) / math.pi
+            d_f_0, d_place = share - (front - far * back) / math.pi, 1.0
         elif column == 1:
             d_f_0, d_f_1, d_displacement = f_0_a * unit.real, gain + 0j, 1.0 + 0j
         elif column == 2:
@@ -131,41 +152,48 @@ def angle_rows(known, parameters, y, residual, jacobian):
             d_f_0 = front_on * (ahead - amplitude * front_sin) / math.pi
             d_f_1 = -2.0 / math.pi * front_cos * front_cos * displacement
         elif column == BACK:
-            d_f_0 = back_on * (amplitude * back_sin - behind) / math.pi
-            d_f_1 = 2.0 / math.pi * back_cos * back_cos * displacement
+            d_f_0 = far * back_on * (amplitude * back_sin - behind) / math.pi
+            d_f_1 = far * 2.0 / math.pi * back_cos * back_cos * displacement
         else:
-            d_f_0 = f_0_b * (b_x if column == X else b_p)
-        change = _rows(values, constants, d_f_0, d_f_1, d_displacement)
+            constant = constants_x if column == X else constants_p
+            d_f_0 = (front * constant[2] + far * back * constant[3]) / math.pi
+            d_f_0 -= 0.5 * (constant[2] - far * constant[3])
+        change = _rows(values, constants, d_f_0, d_f_1, d_place, d_displacement)
         for i in range(3):
             jacobian[i, column] = change[i]
     for column in range(X, P + 1):
         slope, constant = (by_x, constants_x) if column == X else (by_p, constants_p)
-        change = _rows(slope, constant, f_0, f_1, displacement)
+        change = _rows(slope, constant, f_0, f_1, mean, displacement)
         jacobian[0, column] += change[0] - constant[1]
         jacobian[1, column] += change[1] - slope[4].real
         jacobian[2, column] += change[2] + slope[4].imag
 
     for row in range(3, 5):
-        flank = 1.0 if row == FRONT else -1.0
+        flank, gap = (1.0, 2) if row == FRONT else (-1.0, 3)
         sine, cosine = (front_sin, front_cos) if row == FRONT else (back_sin, back_cos)
         zone, reach = parameters[FRONT_CONTACT if row == FRONT else BACK_CONTACT], amplitude * sine
         slope = amplitude * cosine
         if zone != 0.0:
             slope = parameters[LENGTH_SCALE]
             reach += slope * (y[row] - zone * _RIGHT)
-        residual[row] = reach - flank * b + mean
+        residual[row] = reach - flank * constants[gap] + mean
         for column in range(7):
             jacobian[row, column] = 0.0
         jacobian[row, 0] = 1.0
         jacobian[row, 1], jacobian[row, 2] = sine * unit.real, -sine * unit.imag
         jacobian[row, row] = slope
-        jacobian[row, X], jacobian[row, P] = -flank * b_x, -flank * b_p
+        jacobian[row, X], jacobian[row, P] = -flank * constants_x[gap], -flank * constants_p[gap]
 
 
-@kernel(types.void(_C, _F, types.float64, types.complex128, types.complex128, MATRIX, types.int64), inline=True)
-def _put(values, constants, mean, fundamental, displacement, matrix, column):
+@kernel(
+    types.void(
+        VALUES, CONSTANTS, types.float64, types.complex128, types.float64, types.complex128, MATRIX, types.int64
+    ),
+    inline=True,
+)
+def _put(values, constants, mean, fundamental, place, displacement, matrix, column):
     """Write one column of dE/du or of its derivative."""
-    change = _rows(values, constants, mean, fundamental, displacement)
+    change = _rows(values, constants, mean, fundamental, place, displacement)
     for i in range(3):
         matrix[i, column] = change[i]
 
@@ -210,16 +238,18 @@ def determinant(known, parameters, y, gradient, square):
     unit = displacement / amplitude
     front, front_sin, front_cos, front_on = _clamped(parameters[FRONT_CONTACT], y[FRONT])
     back, back_sin, back_cos, back_on = _clamped(parameters[BACK_CONTACT], y[BACK])
-    n_0, g_0 = 1.0 - (front - back) / math.pi, (front_cos - back_cos) / math.pi
-    q_m, q_a = 2.0 * g_0, 2.0 / math.pi * (front_sin * front_cos - back_sin * back_cos)
-    gain = 1.0 - (front + front_sin * front_cos - back - back_sin * back_cos) / math.pi
+    far = constants[5]
+    share = 0.5 * (1.0 + far)
+    n_0, g_0 = share - (front - far * back) / math.pi, (front_cos - far * back_cos) / math.pi
+    q_m, q_a = 2.0 * g_0, 2.0 / math.pi * (front_sin * front_cos - far * back_sin * back_cos)
+    gain = share - (front + front_sin * front_cos - far * back - far * back_sin * back_cos) / math.pi
 
     # d f_0 and d f_1 along lambda_m, lambda_c and lambda_s; Lambda_1 itself moves by 0, 1 and -i.
     d_f_0 = (n_0, g_0 * unit.real, -g_0 * unit.imag)
     d_f_1 = (q_m * unit, gain + q_a * unit.real * unit, -1j * gain - q_a * unit.imag * unit)
-    moves = (0j, 1.0 + 0j, -1j)
+    places, moves = (1.0, 0.0, 0.0), (0j, 1.0 + 0j, -1j)
     for column in range(3):
-        _put(values, constants, d_f_0[column], d_f_1[column], moves[column], square, column)
+        _put(values, constants, d_f_0[column], d_f_1[column], places[column], moves[column], square, column)
 
     cofactor, change = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
@@ -236,21 +266,21 @@ def determinant(known, parameters, y, gradient, square):
             along, along_turn = (unit.conjugate() * moves[column]).real, (turn.conjugate() * moves[column]).real
             v_m = 1.0 if column == 0 else 0.0
             d_d_f_1 = turn * (q_m * v_m + q_a * along) + unit * q_a * along_turn
-            _put(values, constants, g_0 * along_turn, d_d_f_1, 0j, change, column)
+            _put(values, constants, g_0 * along_turn, d_d_f_1, 0.0, 0j, change, column)
         gradient[slot] = _contract(cofactor, change)
     for slot in range(FRONT, BACK + 1):
-        sign, sine, cosine = (front_on, front_sin, front_cos) if slot == FRONT else (-back_on, back_sin, back_cos)
+        sign, sine, cosine = (front_on, front_sin, front_cos) if slot == FRONT else (-far * back_on, back_sin, back_cos)
         d_n_0, d_g_0, d_gain = -sign / math.pi, -sign * sine / math.pi, -sign * 2.0 / math.pi * cosine * cosine
         d_q_m, d_q_a = 2.0 * d_g_0, sign * 2.0 / math.pi * (cosine * cosine - sine * sine)
         for column in range(3):
             along = (unit.conjugate() * moves[column]).real
             v_m = 1.0 if column == 0 else 0.0
             d_d_f_1 = d_gain * moves[column] + unit * (d_q_m * v_m + d_q_a * along)
-            _put(values, constants, d_n_0 * v_m + d_g_0 * along, d_d_f_1, 0j, change, column)
+            _put(values, constants, d_n_0 * v_m + d_g_0 * along, d_d_f_1, 0.0, 0j, change, column)
         gradient[slot] = _contract(cofactor, change)
     for slot in range(X, P + 1):
         slope, constant = (by_x, constants_x) if slot == X else (by_p, constants_p)
         for column in range(3):
-            _put(slope, constant, d_f_0[column], d_f_1[column], moves[column], change, column)
+            _put(slope, constant, d_f_0[column], d_f_1[column], places[column], moves[column], change, column)
         gradient[slot] = _contract(cofactor, change)
     return square[0, 0] * cofactor[0, 0] + square[0, 1] * cofactor[0, 1] + square[0, 2] * cofactor[0, 2]

@@ -231,10 +231,8 @@ def assembled(boundary: BoundaryProblem, kind: Event, chain: Chain) -> BoundaryC
         lengths.append(travelled + curve.arclength)
         travelled = lengths[-1][-1]
         special.append(codes)
-        signs = [0.0 if kind is Event.FOLD else boundary.static_determinant(kind, problem, y) for y in curve.points]
-        stable.append(
-            (np.array(signs) > 0.0) & ~np.isin(codes, (SpecialPoint.FOLD_GRAZING, SpecialPoint.FOLD_CROSSING))
-        )
+        signs = 0.0 if kind is Event.FOLD else boundary.static_determinants(problem, curve.points)
+        stable.append((signs > 0.0) & ~np.isin(codes, (SpecialPoint.FOLD_GRAZING, SpecialPoint.FOLD_CROSSING)))
     # The last stretch of a closed curve is followed by its first one.
     for number in range(0 if chain.closed and len(stretches) > 1 else 1, len(stretches)):
         special[number - 1][-1], special[number][0] = joint(kind, stretches[number - 1], stretches[number])

@@ -15,15 +15,28 @@ import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
-from solver.boundaries.contact_angles import BACK, FRONT, TEST_COUNT, P, X, angle_rows, determinant, plane_coefficients
+from solver.boundaries.contact_angles import (
+    BACK,
+    COEFFICIENTS,
+    FRONT,
+    TEST_COUNT,
+    P,
+    X,
+    angle_rows,
+    determinant,
+    plane_coefficients,
+    system_plane_coefficients,
+)
 from solver.boundaries.problem import SPECTRAL, Contact, Guess, Plane, Stretch, parameters_at, plane_parameters
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.model.gear_model import Model
 from solver.model.parameters import BACK_CONTACT, EVENT, FLANK, FRONT_CONTACT, LENGTH_SCALE, LEVEL
 
 __all__ = ["FirstOrderProblem"]
@@ -48,18 +61,17 @@ _TURN = 2.0 * math.pi
 _SLOT, _BY_CONTACT, _SWITCHES = range(2, 5)
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _fold_balance(parameters, parameter_slope, y, residual, jacobian):
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _fold_rows(known, parameters, y, residual, jacobian):
     """Balance, angles and det dE/du: (6,) and (6, 7)."""
-    known = plane_coefficients(parameters, parameter_slope, y)
     angle_rows(known, parameters, y, residual, jacobian)
     residual[5] = determinant(known, parameters, y, jacobian[5], np.empty((3, 3)))
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _grazing_balance(parameters, parameter_slope, y, residual, jacobian):
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _grazing_rows(known, parameters, y, residual, jacobian):
     """Balance, angles and the grazed flank's angle: (6,) and (6, 7)."""
-    angle_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+    angle_rows(known, parameters, y, residual, jacobian)
     slot = int(parameters[FLANK])
     residual[5] = y[slot] - parameters[LEVEL]
     jacobian[5, :] = 0.0
@@ -91,15 +103,15 @@ def _switches(parameters, y):
     return psi, front <= 0.0 or back > 0.0, switches[:count]
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian):
     """Balance, angles and test functions: (6,) and (6, 7) for a real multiplier, (7,) and (7, 8) for a
     Neimark-Sacker."""
     here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
     event, last = int(parameters[EVENT]), y.shape[0] - 1
     real = 0.0 if event == _NEIMARK_SACKER else -1.0 if event == _DOUBLING else 1.0
     part = np.empty((5, 7))
-    angle_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, part)
+    angle_rows(known, parameters, y, residual, part)
     for i in range(5):
         jacobian[i, 5] = 0.0
         for j in range(5):
@@ -122,22 +134,88 @@ def _bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
             jacobian[5 + row, int(switches[c, _SLOT])] += by_angle[row, c] * switches[c, _BY_CONTACT]
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _test_functions(parameters, parameter_slope, y, values, gradient):
-    """Amplitude, and det dE/du where there is room for it."""
+@kernel(types.void(ARRAY, ARRAY, MATRIX), inner=True)
+def _amplitude_test(y, values, gradient):
+    """The first test function, the amplitude."""
     amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
     values[0] = amplitude
     gradient[0, :] = 0.0
     if amplitude > 0.0:
         gradient[0, 1], gradient[0, 2] = y[1] / amplitude, y[2] / amplitude
+
+
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _determinant_test(known, parameters, y, values, gradient):
+    """The second one, det dE/du."""
+    slopes, last = np.empty(7), y.shape[0] - 1
+    values[1] = determinant(known, parameters, y, slopes, np.empty((3, 3)))
+    # Of a Neimark-Sacker kappa stands before the axes.
+    gradient[1, :] = 0.0
+    for j in range(5):
+        gradient[1, j] = slopes[j]
+    gradient[1, last - 1], gradient[1, last] = slopes[X], slopes[P]
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _fold_balance(parameters, parameter_slope, y, residual, jacobian):
+    _fold_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _grazing_balance(parameters, parameter_slope, y, residual, jacobian):
+    _grazing_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
+    known = plane_coefficients(parameters, parameter_slope, y)
+    _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _test_functions(parameters, parameter_slope, y, values, gradient):
+    _amplitude_test(y, values, gradient)
     if values.shape[0] > 1:
-        known, slopes, last = plane_coefficients(parameters, parameter_slope, y), np.empty(7), y.shape[0] - 1
-        values[1] = determinant(known, parameters, y, slopes, np.empty((3, 3)))
-        # Of a Neimark-Sacker kappa stands before the axes.
-        gradient[1, :] = 0.0
-        for j in range(5):
-            gradient[1, j] = slopes[j]
-        gradient[1, last - 1], gradient[1, last] = slopes[X], slopes[P]
+        _determinant_test(plane_coefficients(parameters, parameter_slope, y), parameters, y, values, gradient)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _system_fold_balance(parameters, parameter_slope, y, residual, jacobian):
+    _fold_rows(system_plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _system_grazing_balance(parameters, parameter_slope, y, residual, jacobian):
+    _grazing_rows(system_plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _system_bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
+    known = system_plane_coefficients(parameters, parameter_slope, y)
+    _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
+def _system_test_functions(parameters, parameter_slope, y, values, gradient):
+    _amplitude_test(y, values, gradient)
+    if values.shape[0] > 1:
+        _determinant_test(system_plane_coefficients(parameters, parameter_slope, y), parameters, y, values, gradient)
+
+
+class _Kernels(NamedTuple):
+    """The rows of folds, grazings and bifurcations, and the test functions, of one kind of system."""
+
+    fold: object
+    grazing: object
+    bifurcation: object
+    tests: object
+
+
+# A gear's own: what is compiled for it has nothing of other systems.
+_OF_GEARS = _Kernels(_fold_balance, _grazing_balance, _bifurcation_balance, _test_functions)
+_OF_SYSTEMS = _Kernels(
+    _system_fold_balance, _system_grazing_balance, _system_bifurcation_balance, _system_test_functions
+)
 
 
 @dataclass(frozen=True)
@@ -147,7 +225,6 @@ class FirstOrderProblem:
     Parameters
     ----------
     plane : Plane
-        Of a gear.
 
     Raises
     ------
@@ -161,6 +238,13 @@ class FirstOrderProblem:
         plane, size = self.plane, self.plane.motion_size
         parameters, parameter_slope = plane_parameters(plane, 1, 1)
         parameters[LENGTH_SCALE] = size
+        gear = isinstance(plane.system, Model)
+        object.__setattr__(self, "_two_sided", gear or plane.system.two_sided)
+        object.__setattr__(self, "_held", not gear and plane.system.held)
+        # Without mean load, springs that hold lambda make its mean 0: motions graze both flanks of equal gaps at once.
+        alike = not gear and ("gap" in (plane.x_axis, plane.p_axis) or plane.system.front_gap == plane.system.back_gap)
+        mirrored = self._held and alike and self._two_sided and not np.any(plane.system.load[0])
+        object.__setattr__(self, "_mirrored", mirrored)
         scale = np.array([size, size, size, 1.0, 1.0, *plane.scale])
         for name, value in (("parameters", parameters), ("parameter_slope", parameter_slope), ("scale", scale)):
             value.setflags(write=False)
@@ -185,17 +269,22 @@ class FirstOrderProblem:
         parameters, parameter_slope, scale = self._parameters.copy(), self._parameter_slope.copy(), self._scale.copy()
         parameters[[FRONT_CONTACT, BACK_CONTACT]] = contact
         parameters[EVENT] = kind
+        kernels = _OF_GEARS if isinstance(self.plane.system, Model) else _OF_SYSTEMS
         if kind is Event.FOLD:
-            return Problem(_fold_balance, _test_functions, parameters, parameter_slope, scale, test_count=1)
+            return Problem(kernels.fold, kernels.tests, parameters, parameter_slope, scale, test_count=1)
         if kind in SPECTRAL:
             scale = np.insert(scale, X, 1.0) if kind is Event.NEIMARK_SACKER else scale
-            return Problem(_bifurcation_balance, _test_functions, parameters, parameter_slope, scale, TEST_COUNT)
+            return Problem(kernels.bifurcation, kernels.tests, parameters, parameter_slope, scale, TEST_COUNT)
         parameters[[FLANK, LEVEL]] = _GRAZED[kind]
-        return Problem(_grazing_balance, _test_functions, parameters, parameter_slope, scale, TEST_COUNT)
+        return Problem(kernels.grazing, kernels.tests, parameters, parameter_slope, scale, TEST_COUNT)
 
     def confined(self, kind: Event, contact: Contact) -> Problem:
         """The same: the walls of the zones are sides of the box."""
         return self.problem(kind, contact)
+
+    def repeats(self, kind: Event) -> bool:
+        """Grazings of the back flank where motions are symmetric: these graze the front one at the same time."""
+        return self._mirrored and kind in (Event.MIN_AT_BACK, Event.MAX_AT_BACK)
 
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
         """Low and high border of y, infinite where it is free: the plane, the walls of a pair of zones, and for
@@ -207,6 +296,9 @@ class FirstOrderProblem:
             if slot != grazed:
                 low[slot] = (-np.inf, -0.5 * math.pi, 0.5 * math.pi)[zone + 1]
                 high[slot] = (-0.5 * math.pi, 0.5 * math.pi, np.inf)[zone + 1]
+        if not self._two_sided or (self._mirrored and grazed == FRONT):
+            # Where there is no back flank nothing happens at it, nor where its grazing is that of the front one.
+            low[BACK], high[BACK] = -np.inf, np.inf
         if kind is Event.NEIMARK_SACKER:
             low[X], high[X] = -1.0, 1.0
         (low[-2], high[-2]), (low[-1], high[-1]) = self.plane.x_range, self.plane.p_range
@@ -246,9 +338,9 @@ class FirstOrderProblem:
         if not self.contact_free(kind, contact):
             yield Guess(contact, y, move * np.eye(y.size)[slot], 0.0)
 
-    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
+    def static_determinants(self, problem: Problem, points: np.ndarray) -> np.ndarray:
         """det dE/du."""
-        return float(problem.observed(y, TEST_COUNT)[1])
+        return problem.observed_all(points, TEST_COUNT)[:, 1]
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (3, 3), dE/dp (3,) and the derivatives of det dE/du by u (3,): the angles follow u and p."""
@@ -262,10 +354,10 @@ class FirstOrderProblem:
 
         The grazed flank counts as crossed.
         """
-        b, amplitude = self.plane.half_backlash(point[3], point[4]), math.hypot(point[1], point[2])
+        (low, high), amplitude = self.plane.dead_zone(point[3], point[4]), math.hypot(point[1], point[2])
         grazed, _ = _GRAZED.get(kind, _NOTHING_GRAZED)
         choices = []
-        for slot, distance in ((FRONT, b - point[0]), (BACK, -b - point[0])):
+        for slot, distance in ((FRONT, high - point[0]), (BACK, low - point[0])):
             margin, outer = abs(distance) - amplitude, -1 if distance < 0.0 else 1
             if slot == grazed:
                 choices.append([0])
@@ -276,7 +368,9 @@ class FirstOrderProblem:
         return list(itertools.product(*choices))
 
     def contact_free(self, kind: Event, contact: Contact) -> bool:
-        """Whether the teeth never touch in these zones: f vanishes there, and the balance leaves the mean open."""
+        """Whether nothing touches in these zones, so that f vanishes, and the balance leaves the mean open."""
+        if self._held:
+            return False
         grazed, angle = _GRAZED.get(kind, _NOTHING_GRAZED)
         front = contact[0] == 1 or (grazed == FRONT and angle > 0.0)
         back = contact[1] == -1 or (grazed == BACK and angle < 0.0)
@@ -284,9 +378,11 @@ class FirstOrderProblem:
 
     def lift(self, kind: Event, contact: Contact, point: np.ndarray) -> np.ndarray:
         """y (7,) of (lambda_m, lambda_c, lambda_s, x, p): the angles of contact put in."""
-        b, amplitude = self.plane.half_backlash(point[3], point[4]), math.hypot(point[1], point[2])
+        (low, high), amplitude = self.plane.dead_zone(point[3], point[4]), math.hypot(point[1], point[2])
+        # A back flank that is not there lies below the motion, at no distance that matters.
+        low = low if np.isfinite(low) else 0.0
         angles = []
-        for zone, distance in zip(contact, (b - point[0], -b - point[0]), strict=True):
+        for zone, distance in zip(contact, (high - point[0], low - point[0]), strict=True):
             if zone == 0:
                 angles.append(math.asin(min(max(distance / amplitude, -1.0), 1.0)) if amplitude > 0.0 else 0.0)
             else:

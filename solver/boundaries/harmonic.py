@@ -93,6 +93,10 @@ class HarmonicProblem:
         test_count = 2 if kind in (*GRAZINGS, *SPECTRAL) else 1
         return Problem(harmonic_rows, harmonic_rows, parameters, parameter_slope, scale, test_count)
 
+    def repeats(self, kind: Event) -> bool:
+        """No kind stands for another: motions need not be symmetric."""
+        return False
+
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
         """Low and high border of y: the plane, and for Neimark-Sackers the resonances kappa = -1 and 1."""
         size = len(self._scale) + (kind is Event.NEIMARK_SACKER)
@@ -149,10 +153,9 @@ class HarmonicProblem:
                         return steepest(y if sum(contact) > sum(stretch.contact) else corner)
         return None
 
-    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
+    def static_determinants(self, problem: Problem, points: np.ndarray) -> np.ndarray:
         """Sign of det dE/du."""
-        square, _, _ = self.fold_rows(problem, y)
-        return float(np.linalg.slogdet(square)[0])
+        return np.linalg.slogdet([self.fold_rows(problem, y)[0] for y in points])[0]
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (n, n), dE/dp (n,) and the derivatives by u (n,) of the row behind the balance."""

@@ -28,9 +28,9 @@ from solver.model.checks import (
     list_length,
     value_range,
 )
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import SYSTEM_AXES, ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import AXES, SYSTEM_AXES, packed
+from solver.model.packing import AXES, check_values, dead_zone_ends, packed
 from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
 from solver.model.parameters import P_STEP, PLANE_HEADER, X_STEP
 
@@ -109,31 +109,24 @@ class Plane:
                 not isinstance(axis, str) or axis not in allowed
             ):
                 raise ParameterError(name, axis, f"one of {', '.join(allowed)}")
-        if self.x_axis == self.p_axis:
+        if self.x_axis == self.p_axis or {self.x_axis, self.p_axis} == {"gap", "gap_scale"}:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
             object.__setattr__(self, name, value_range(name, getattr(self, name)))
         if "omega" not in (self.x_axis, self.p_axis) or self.omega is not None:
             frequency(self.omega)
         for axis, ends in ((self.x_axis, self.x_range), (self.p_axis, self.p_range)):
-            if axis == "omega":
-                frequency(ends[0])
-            elif isinstance(axis, str) and isinstance(self.system, Model):
-                for end in ends:
-                    self.system.replace(**{axis: end})
+            if isinstance(axis, str):
+                check_values(self.system, axis, np.array(ends), 1.0)
 
     def system_at(self, p: float) -> Model | ContactSystem:
         """The system of the row p, in the middle of the range of x."""
-        if not isinstance(self.system, Model):
-            return self.system
         return place_on(self.p_axis, p, place_on(self.x_axis, 0.5 * sum(self.x_range), self.system)[0])[0]
 
-    def half_backlash(self, x, p: float):
-        """b of a gear at places x, a number or an array, of the row p."""
-        if self.x_axis == "b":
-            return x
-        moves = self.p_axis == "b" or isinstance(self.p_axis, ParameterPath)
-        return np.broadcast_to(place_on(self.p_axis, p, self.system)[0].b if moves else self.system.b, np.shape(x))
+    def dead_zone(self, x, p: float) -> tuple[np.ndarray, np.ndarray]:
+        """Ends of the dead zone, low and high, at places x, a number or an array, of the row p."""
+        system = place_on(self.p_axis, p, self.system)[0]
+        return dead_zone_ends(system, self.x_axis, np.asarray(x, dtype=float))
 
     @property
     def motion_size(self) -> float:
@@ -182,7 +175,9 @@ def plane_parameters(plane: Plane, order: int, period: int) -> tuple[np.ndarray,
     """
 
     def vectors(axis: str, p: float):
-        return packed(plane.system_at(p), axis, plane.omega or 0.0, order, period)
+        # A factor that is an axis multiplies what the system has itself.
+        system = plane.system_at(p) if isinstance(plane.system, Model) else plane.system
+        return packed(system, axis, plane.omega or 0.0, order, period)
 
     read = plane_vectors(vectors, plane.x_axis, plane.p_axis, plane.p_range)
     header = np.zeros(PLANE_HEADER)
@@ -257,6 +252,9 @@ class BoundaryProblem(Protocol):
     def confined(self, kind: Event, contact: Contact) -> Problem:
         """The equations as they are followed: not numbers where the contact is another one."""
 
+    def repeats(self, kind: Event) -> bool:
+        """Whether every boundary of a kind is one of another kind as well, which stands for both."""
+
     def box(self, kind: Event, contact: Contact) -> tuple[np.ndarray, np.ndarray]:
         """Low and high border of y, infinite where it is free: the plane, and what else ends a stretch."""
 
@@ -266,8 +264,8 @@ class BoundaryProblem(Protocol):
     def guesses_beyond(self, kind: Event, stretch: Stretch) -> Iterable[Guess]:
         """How the boundary may go on beyond the last point of a stretch; nothing where it ends there."""
 
-    def static_determinant(self, kind: Event, problem: Problem, y: np.ndarray) -> float:
-        """A number of the sign of det dE/du."""
+    def static_determinants(self, problem: Problem, points: np.ndarray) -> np.ndarray:
+        """Numbers (k,) of the sign of det dE/du at points (k, n + 1) of y."""
 
     def fold_rows(self, problem: Problem, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """dE/du (n, n), dE/dp (n,) and the derivatives of det dE/du by u (n,) at a fold, each up to a positive factor.

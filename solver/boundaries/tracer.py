@@ -129,6 +129,8 @@ def boundary_curves(
     curves: list[BoundaryCurve] = []
     boundary = _boundary_problem(plane, balance)
     for kind in np.unique(kinds):
+        if boundary.repeats(Event(kind)):
+            continue
         curves += _curves(Tracer(boundary, Event(kind), continuation), points[kinds == kind])
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
 
@@ -175,7 +177,7 @@ def events_near(
         kind = Event(kind)
         here = list(boundary.components(kind))
         for contact, y in boundary.starts(kind, guess):
-            y = boundary.problem(kind, contact).corrected(y, corrector, max_iterations=4 * corrector.max_iterations)
+            y = boundary.problem(kind, contact).corrected(y, corrector, max_iterations=2 * corrector.max_iterations)
             if y is None:
                 continue
             point = y[here]

@@ -12,7 +12,7 @@ import numpy as np
 from solver.kernels import types
 from solver.kernels.compile import kernel
 
-__all__ = ["dead_zone", "describing_functions", "force_and_gain"]
+__all__ = ["contact_functions", "dead_zone", "describing_functions", "force_and_gain"]
 
 _F = types.float64
 
@@ -91,14 +91,22 @@ def _flank(distance, amplitude):
     return distance * angle + amplitude * root, angle + mu * root, angle, root
 
 
-@kernel(types.UniTuple(_F, 8)(_F, _F, _F), inline=True)
-def describing_functions(mean, amplitude, b):
-    """Mean force and fundamental gain of the dead zone, with bounded derivatives.
+@kernel(types.UniTuple(_F, 8)(_F, _F, _F, _F, _F, _F, _F), inline=True)
+def contact_functions(mean, amplitude, front, back, far, d_front, d_back):
+    """Mean force and fundamental gain of a contact with two flanks or one, with bounded derivatives.
+
+    f = max(lambda - front, 0) - far max(-lambda - back, 0), each half of it written as (x + |x|)/2.
 
     Parameters
     ----------
-    mean, amplitude, b : float
-        lambda_m, lambda_a >= 0 and half backlash b >= 0.
+    mean, amplitude : float
+        lambda_m and lambda_a >= 0.
+    front, back : float
+        Gaps, both finite; where far is 0 the back one does not matter.
+    far : float
+        Stiffness of the back flank over that of the front one: 0 where there is none.
+    d_front, d_back : float
+        How the gaps move.
 
     Returns
     -------
@@ -106,23 +114,30 @@ def describing_functions(mean, amplitude, b):
         f_0, the mean of f (finite at mean = 0, unlike N_m lambda_m written as a product).
     gain : float
         N_a: the fundamental of f is gain * amplitude.
-    force_mean, force_amplitude, force_b : float
-        Partial derivatives of f_0.
-    gain_mean, gain_amplitude, gain_b : float
-        *Amplitude times* the partial derivatives of N_a, which stays bounded as amplitude -> 0.
+    force_mean, force_amplitude, force_along : float
+        Derivatives of f_0 by both, and with the gaps.
+    gain_mean, gain_amplitude, gain_along : float
+        *Amplitude times* the derivatives of N_a, which stays bounded as amplitude -> 0.
     """
-    ahead, ahead_h, ahead_g, ahead_w = _flank(b - mean, amplitude)
-    behind, behind_h, behind_g, behind_w = _flank(-b - mean, amplitude)
-    gain_amplitude = 0.0
+    ahead, ahead_h, ahead_g, ahead_w = _flank(front - mean, amplitude)
+    behind, behind_h, behind_g, behind_w = _flank(-back - mean, amplitude)
+    behind, behind_h, behind_g, behind_w = far * behind, far * behind_h, far * behind_g, far * behind_w
+    share, gain_amplitude = 0.5 * (1.0 + far), 0.0
     if amplitude > 0.0:
-        gain_amplitude = (ahead_w * (b - mean) + behind_w * (b + mean)) / amplitude
+        gain_amplitude = (ahead_w * (front - mean) + behind_w * (back + mean)) / amplitude
     return (
-        mean + 0.5 * (ahead - behind),
-        1.0 - 0.5 * (ahead_h - behind_h),
-        1.0 - 0.5 * (ahead_g - behind_g),
+        share * mean - 0.5 * (front - far * back) + 0.5 * (ahead - behind),
+        share - 0.5 * (ahead_h - behind_h),
+        share - 0.5 * (ahead_g - behind_g),
         0.5 * (ahead_w - behind_w),
-        0.5 * (ahead_g + behind_g),
+        0.5 * (ahead_g * d_front + behind_g * d_back) - 0.5 * (d_front - far * d_back),
         ahead_w - behind_w,
         gain_amplitude,
-        -(ahead_w + behind_w),
+        -(ahead_w * d_front + behind_w * d_back),
     )
+
+
+@kernel(types.UniTuple(_F, 8)(_F, _F, _F), inline=True)
+def describing_functions(mean, amplitude, b):
+    """`contact_functions` of the dead zone of half width b, with the derivatives by b last of either three."""
+    return contact_functions(mean, amplitude, b, b, 1.0, 1.0, 1.0)

@@ -7,7 +7,16 @@ import numpy as np
 from solver.explained import Explained
 from solver.model.checks import ParameterError, number_array, whole_number
 
-__all__ = ["ImpactState", "domain_code", "domain_label", "domain_labels", "domain_parts", "impact_state", "label_parts"]
+__all__ = [
+    "ImpactState",
+    "domain_code",
+    "domain_label",
+    "domain_labels",
+    "domain_parts",
+    "impact_of_range",
+    "impact_state",
+    "label_parts",
+]
 
 
 class ImpactState(Explained):
@@ -76,6 +85,26 @@ def impact_state(lowest, highest, b) -> np.ndarray:
         ImpactState.MIRRORED_SINGLE_SIDED,
     ]
     return np.select(conditions, [int(c) for c in codes], default=int(ImpactState.MIRRORED_PERMANENT)).astype(np.int8)
+
+
+def impact_of_range(lowest: np.ndarray, highest: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Impact states (int8) of ranges of lambda between the ends of the dead zone; -1 where a range is nan.
+
+    Parameters
+    ----------
+    lowest, highest : arrays
+        Extremes of lambda.
+    low, high : arrays
+        Ends of the dead zone; low is -inf of a one-sided contact.
+    """
+    one_sided = np.where(lowest > high, ImpactState.PERMANENT, ImpactState.SINGLE_SIDED)
+    one_sided = np.where(highest > high, one_sided, ImpactState.FREE)
+    # Seen from the middle of the dead zone both gaps are alike.
+    finite = np.where(np.isfinite(low), low, -high)
+    middle, half = 0.5 * (high + finite), np.maximum(0.5 * (high - finite), 0.0)
+    two_sided = impact_state(lowest - middle, highest - middle, half)
+    states = np.where(np.isfinite(low), two_sided, one_sided)
+    return np.where(np.isnan(lowest) | np.isnan(highest), -1, states).astype(np.int8)
 
 
 _STATES = len(ImpactState)

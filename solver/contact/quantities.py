@@ -45,8 +45,8 @@ class Quantities:
     impact_velocity : float
         Largest |lambda'| at which teeth meet again, in units of b_c Omega_n; 0 where they never part.
     support_force : float
-        Largest |k_j x_j + 2 xi_j x_j'| of the six supports, in units of m_g b_c Omega_n^2 with the mass of its gear;
-        0 where the contact reaches no support.
+        Largest |k_j x_j + 2 xi_j x_j'|/kappa_g of the six supports, in units of k_m b_c as the mesh force is, whatever
+        the masses of the gears; 0 where the contact reaches no support.
     """
 
     lowest: float

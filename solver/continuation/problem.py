@@ -109,11 +109,25 @@ class Problem:
         ParameterError
             If y is no vector of n + 1 numbers, or the count is no whole number from 1 to 10000.
         """
-        count, y = whole_number("count", count, 1, 10_000), self._checked(y)
+        return self.observed_all(self._checked(y)[None], count)[0]
+
+    def observed_all(self, points, count: int) -> np.ndarray:
+        """The first test functions (k, count) at points (k, n + 1); see `observed`.
+
+        Raises
+        ------
+        ParameterError
+            If the points are no rows of n + 1 numbers, or the count is no whole number from 1 to 10000.
+        """
+        count, points = whole_number("count", count, 1, 10_000), number_array("points", points).astype(float)
+        if points.ndim != 2 or points.shape[1] != self.unknowns + 1:
+            raise ParameterError("points", f"array of shape {points.shape}", f"of shape (k, {self.unknowns + 1})")
         # The kernel fills all of its values, however few are wanted.
-        values = np.full(max(count, self.test_count), np.nan)
-        self.test_functions(self.parameters, self.parameter_slope, y, values, np.empty((values.size, y.size)))
-        return values[:count]
+        size, observe = max(count, self.test_count), self.test_functions
+        values, gradient = np.full((len(points), size), np.nan), np.empty((size, self.unknowns + 1))
+        for place, found in zip(points, values, strict=True):
+            observe(self.parameters, self.parameter_slope, place, found, gradient)
+        return values[:, :count]
 
     def _checked(self, y) -> np.ndarray:
         """A copy of y = (u, p); raises ParameterError if it is no vector of n + 1 numbers."""

@@ -4,8 +4,11 @@ import math
 
 import numpy as np
 
+from solver.enumeration.contact_law import LAW, gain_over
+from solver.enumeration.enclosed import SHIFT, interval_of, law_of
 from solver.enumeration.gain_equation import motion_over
-from solver.enumeration.reduction import GAP, ROWS, determinant_over, reduce_balance
+from solver.enumeration.interval import add
+from solver.enumeration.reduction import CONTACT, GAP, ROWS, determinant_over, is_modulated, reduce_balance
 from solver.enumeration.search import CONTRADICTION, FREE_MOTION, narrow, search
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
@@ -58,8 +61,8 @@ def _describe(reduced, left, right, near, box):
     box[STABLE] = 0.0
 
 
-@kernel(types.boolean(ARRAY, _F), inner=True)
-def _alone(box, b):
+@kernel(types.boolean(ARRAY, _F, LAW), inner=True)
+def _alone(box, b, law):
     """Do all motions within the bounds of the unknowns have gains within those of the gain? Then one is a solution.
 
     N is 1 where |lambda_m| - b >= lambda_a. Elsewhere its derivatives by lambda_m and lambda_a are at most
@@ -67,7 +70,16 @@ def _alone(box, b):
     """
     least = max(max(box[MEAN], -box[MEAN + 1]), 0.0)
     largest = max(abs(box[_COS]), abs(box[_COS + 1])) + max(abs(box[_SIN]), abs(box[_SIN + 1]))
-    if box[GAIN_BOUNDS + 1] == 1.0 and (b == 0.0 or least - b > largest * (1.0 + 1e-12)):
+    if law[2] == 0.0:
+        # Only ahead of the flank is there contact.
+        least = box[MEAN]
+        if box[GAIN_BOUNDS] == 0.0 and -box[MEAN + 1] > largest * (1.0 + 1e-12):
+            return True
+    elif law[0] > 0.0 and box[GAIN_BOUNDS] == 0.0:
+        furthest = max(box[MEAN + 1], -box[MEAN])
+        if (furthest + largest) * (1.0 + 1e-12) < b:
+            return True
+    if box[GAIN_BOUNDS + 1] == 1.0 and ((b == 0.0 and law[2] != 0.0) or least - b > largest * (1.0 + 1e-12)):
         return True
     spread = box[MEAN + 1] - box[MEAN] + box[_COS + 1] - box[_COS] + box[_SIN + 1] - box[_SIN]
     smallest = box[AMPLITUDE] - spread
@@ -88,15 +100,39 @@ def _settle(solutions, last):
         last -= 1
 
 
-@kernel(types.UniTuple(_I, 5)(ARRAY, ARRAY, _F, _F, MATRIX, MATRIX, MATRIX), inner=True)
-def enumerate_point(parameters, parameter_slope, p, ceiling, solutions, undecided, work):
-    """All solutions at one axis value.
+@kernel(types.void(MATRIX, _I, types.UniTuple(_F, 2)), inner=True)
+def _move(boxes, count, shift):
+    """Count lambda_m of so many boxes from 0, and not from the middle of the gap."""
+    if shift[0] == 0.0 and shift[1] == 0.0:
+        return
+    for i in range(count):
+        boxes[i, MEAN], boxes[i, MEAN + 1] = add((boxes[i, MEAN], boxes[i, MEAN + 1]), shift)
+
+
+@kernel(types.boolean(MATRIX, _I), inner=True)
+def _adds_up(reduced, degree):
+    """Whether the signs of det J of all solutions add up to that of q where motions of infinite amplitude would be.
+
+    With two flanks these feel a closed contact. With one they are half free, as (phi, beta) = (0, 0) tells, unless the
+    stiffness varies in the mean row: then nothing is known.
+    """
+    law, gain = law_of(reduced, CONTACT), (1.0, 1.0)
+    if law[2] == 0.0:
+        if is_modulated(reduced):
+            return True
+        gain = gain_over((0.0, 0.0), (0.0, 0.0), law, math.nan, 0.0)[0]
+    q = determinant_over(reduced, gain[0], gain[1])
+    return not ((q[0] > 0.0 and degree != 1) or (q[1] < 0.0 and degree != -1))
+
+
+@kernel(types.UniTuple(_I, 5)(MATRIX, _F, MATRIX, MATRIX, MATRIX), inner=True)
+def enumerate_point(enclosed, ceiling, solutions, undecided, work):
+    """All solutions at one point.
 
     Parameters
     ----------
-    parameters, parameter_slope : (34,) arrays
-    p : float
-        Axis value.
+    enclosed : (SLOTS, 2) array
+        The condensed balance there, of `solver.enumeration.enclosed`.
     ceiling : float
         Amplitude ceiling.
     solutions, undecided, work : arrays
@@ -109,13 +145,13 @@ def enumerate_point(parameters, parameter_slope, p, ceiling, solutions, undecide
     """
     reduced = work[:ROWS]
     roots, boxes, stack = work[ROWS : ROWS + MOST], work[ROWS + MOST : ROWS + MOST + _UNDECIDED], work[-_STACK:]
-    if not reduce_balance(parameters, parameter_slope, p, reduced):
+    if not reduce_balance(enclosed, reduced):
         for j in range(_COLUMNS):
             undecided[0, j] = math.nan
         undecided[0, ROOT], undecided[0, ROOT + 1] = 0.0, 1.0
         return 0, 1, _NOT_DECIDED, _OPEN, 0
     n_roots, n_boxes, flags, visits = search(reduced, roots, boxes, stack)
-    count, n_open, above, degree = 0, 0, _EMPTY, 0
+    count, n_open, above, degree, law = 0, 0, _EMPTY, 0, law_of(reduced, CONTACT)
     for i in range(n_roots):
         roots[i, 0], roots[i, 1], roots[i, 3] = narrow(reduced, roots[i, 0], roots[i, 1], roots[i, 2])
     for i in range(n_roots):
@@ -131,7 +167,7 @@ def enumerate_point(parameters, parameter_slope, p, ceiling, solutions, undecide
             elif j != i:
                 solutions[count, GAIN_BOUNDS + 1] = min(solutions[count, GAIN_BOUNDS + 1], low)
         q = determinant_over(reduced, left, right)
-        if not (q[0] > 0.0 or q[1] < 0.0) or not _alone(solutions[count], reduced[GAP, 0]):
+        if not (q[0] > 0.0 or q[1] < 0.0) or not _alone(solutions[count], reduced[GAP, 1], law):
             # A root whose motion may be infinite, or whose box is so coarse that it may reach to another solution.
             if solutions[count, AMPLITUDE] > ceiling:
                 above = _OPEN
@@ -162,27 +198,27 @@ def enumerate_point(parameters, parameter_slope, p, ceiling, solutions, undecide
         proof = _CONTINUUM
     if n_open > 0:
         proof = _NOT_DECIDED
-    # The signs of det J over all solutions add up to that of the linear system.
-    q = determinant_over(reduced, 1.0, 1.0)
-    if decided and proof == _PROVEN and ((q[0] > 0.0 and degree != 1) or (q[1] < 0.0 and degree != -1)):
+    if decided and proof == _PROVEN and not _adds_up(reduced, degree):
         proof = _CONTRADICTORY
     if flags & CONTRADICTION:
         proof = _CONTRADICTORY
+    shift = interval_of(enclosed, SHIFT)
+    _move(solutions, count, shift)
+    _move(undecided, n_open, shift)
     return count, n_open, proof, above, visits
 
 
 _CUBE, _CODES, _COUNTS = types.float64[:, :, ::1], types.int8[:, ::1], types.int64[::1]
 
 
-@kernel(types.Tuple((_CUBE, MATRIX, _CODES, _COUNTS, FLAGS, FLAGS))(ARRAY, ARRAY, ARRAY, _F))
-def enumerate_points(parameters, parameter_slope, grid, ceiling):
-    """All solutions at many axis values, S at most at one.
+@kernel(types.Tuple((_CUBE, MATRIX, _CODES, _COUNTS, FLAGS, FLAGS))(_CUBE, _F))
+def enumerate_points(enclosed, ceiling):
+    """All solutions at X points, S at most at one.
 
     Parameters
     ----------
-    parameters, parameter_slope : (34,) arrays
-    grid : (X,) array
-        Axis values.
+    enclosed : (X, SLOTS, 2) array
+        The condensed balance at each, of `solver.enumeration.enclosed`.
     ceiling : float
         Amplitude ceiling.
 
@@ -198,7 +234,7 @@ def enumerate_points(parameters, parameter_slope, grid, ceiling):
     proof, above : (X,) int8 arrays
         `Proof` and `Above`.
     """
-    size, most = grid.shape[0], 1
+    size, most = enclosed.shape[0], 1
     solutions, undecided, work = workspace()
     # All solutions one after the other; there is mostly one at a value.
     boxes = np.empty((2 * size + MOST, _COLUMNS))
@@ -206,7 +242,7 @@ def enumerate_points(parameters, parameter_slope, grid, ceiling):
     total = 0
     for i in range(size):
         counts[i], _open, proof[i], above[i], _visits = enumerate_point(
-            parameters, parameter_slope, grid[i], ceiling, solutions, undecided, work
+            enclosed[i], ceiling, solutions, undecided, work
         )
         if total + counts[i] > boxes.shape[0]:
             longer = np.empty((2 * boxes.shape[0] + MOST, _COLUMNS))

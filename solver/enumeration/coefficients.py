@@ -1,6 +1,6 @@
-"""The coefficients of the first-order balance as intervals: a proof then holds for the model, not for its rounding.
+"""The condensed balance of a gear pair as intervals: a proof then holds for the model, not for its rounding.
 
-The same formulas as `solver.harmonic.describing_function.coefficients` (docs/physics.md, sections 3 and 4), in interval
+The same formulas as `solver.harmonic.condensed.coefficients` (docs/physics.md, sections 3 and 4), in interval
 arithmetic and without derivatives. The numbers parameters + p * parameter_slope are taken as the exact floats they are.
 """
 
@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from solver.enumeration.enclosed import FACTORED, HALF_GAP, LAW_ROW, MEAN_GAIN, MEAN_LOAD, SHIFT, put, put_complex
 from solver.enumeration.interval import (
     COMPLEX,
     INTERVAL,
@@ -34,6 +35,7 @@ from solver.model.parameters import (
     CONE,
     F_E,
     F_E_PHASE,
+    F_PM,
     F_PV,
     K_SUPPORT,
     KAPPA,
@@ -47,9 +49,10 @@ from solver.model.parameters import (
     XI_MESH,
     XI_SUPPORT,
     XI_TRANSLATION,
+    B,
 )
 
-__all__ = ["enclosed_coefficients"]
+__all__ = ["enclose_gear", "enclosed_coefficients"]
 
 _F = types.float64
 _RADIANS = (math.pi / 180.0 * (1.0 - 4.5e-16), math.pi / 180.0 * (1.0 + 4.5e-16))
@@ -98,7 +101,7 @@ def enclosed_coefficients(parameters, parameter_slope, p):
     Returns
     -------
     values : 6 complex intervals
-        D, c - T, P_1, P_2, F_1 and e, as `solver.harmonic.describing_function.coefficients`; nan where a support
+        D, c - T, P_1, P_2, F_1 and e, as `solver.harmonic.condensed.coefficients`; nan where a support
         without damping is in resonance.
     c : interval
     """
@@ -133,3 +136,59 @@ def enclosed_coefficients(parameters, parameter_slope, p):
         ),
         c,
     )
+
+
+@kernel(types.boolean(ARRAY, ARRAY, _F, types.int64, types.int64), inline=True)
+def _are_zero(parameters, parameter_slope, p, first, stop):
+    """Whether parameters first ... stop - 1 are exactly 0 at an axis value."""
+    for slot in range(first, stop):  # noqa: SIM110 (kernels have no generators)
+        if parameters[slot] + p * parameter_slope[slot] != 0.0:
+            return False
+    return True
+
+
+@kernel(types.boolean(ARRAY, ARRAY, _F), inner=True)
+def _has_common_factor(parameters, parameter_slope, p):
+    """Whether D and A' are real and Q and e are 0 for certain: nothing is damped, and what could make Q and e is 0."""
+    uncoupled = _are_zero(parameters, parameter_slope, p, SIGMA, SIGMA + 1)
+    undamped = _are_zero(parameters, parameter_slope, p, XI_MESH, XI_MESH + 1) and (
+        uncoupled
+        or (
+            _are_zero(parameters, parameter_slope, p, XI_TRANSLATION, XI_TRANSLATION + 2)
+            and _are_zero(parameters, parameter_slope, p, XI_SUPPORT, XI_SUPPORT + 6)
+        )
+    )
+    first_fixed = _are_zero(parameters, parameter_slope, p, ALPHA, ALPHA + 1)
+    second_fixed = _are_zero(parameters, parameter_slope, p, ALPHA_2, ALPHA_2 + 1)
+    rotation_fixed = _are_zero(parameters, parameter_slope, p, VARIATION_R, VARIATION_R + 1)
+    all_fixed = rotation_fixed and (
+        uncoupled or _are_zero(parameters, parameter_slope, p, VARIATION_T, VARIATION_T + 1)
+    )
+    return undamped and (first_fixed or rotation_fixed) and (second_fixed or all_fixed)
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, types.float64[:, :, ::1]))
+def enclose_gear(parameters, parameter_slope, grid, enclosed):
+    """Fill `enclosed` (X, SLOTS, 2), of `solver.enumeration.enclosed`, at many axis values of a gear pair.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : (34,) arrays
+    grid : (X,) array
+        Axis values.
+    enclosed : (X, SLOTS, 2) array
+        Filled.
+    """
+    for i in range(grid.shape[0]):
+        p, here = grid[i], enclosed[i]
+        values, c = enclosed_coefficients(parameters, parameter_slope, p)
+        for k in range(6):
+            put_complex(here, 2 * k, values[k])
+        put(here, MEAN_GAIN, c)
+        put(here, MEAN_LOAD, exact(parameters[F_PM] + p * parameter_slope[F_PM]))
+        put(here, HALF_GAP, exact(parameters[B] + p * parameter_slope[B]))
+        put(here, SHIFT, (0.0, 0.0))
+        put(here, FACTORED, exact(1.0 if _has_common_factor(parameters, parameter_slope, p) else 0.0))
+        # The rotation is free, and there are two flanks.
+        put(here, LAW_ROW, (0.0, 0.0))
+        put(here, LAW_ROW + 1, (1.0, 1.0))

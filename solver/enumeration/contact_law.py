@@ -18,6 +18,23 @@ N follow from (phi, beta); beyond phi = 1 contact is never lost and N = 1. Diffe
 hence over a rectangle in (phi, beta) every bound sits at a corner. N depends on beta only while both flanks are
 touched.
 
+Any system. Springs that hold lambda besides the contact carry a part of the mean load: the force that the mean row
+knows is then f_0 + kappa lambda_m, with their stiffness kappa >= 0 over that of the contact, D_0/c of
+`solver.harmonic.condensed`, and
+
+    phi = [...] / pi + kappa nu
+
+takes the place of the one above. It grows with nu at the rate chi + kappa, without end, so that (phi, beta) still fix
+nu and N; nu beyond 1 + beta is permanent contact, below beta - 1 none. The slopes become
+
+    dN/dphi  = 2 (sin theta_+ - sin theta_-)/(theta_+ + theta_- + kappa pi)                                     >= 0
+    dN/dbeta = -(2/pi) [sin theta_+ (2 theta_- + kappa pi) + sin theta_- (2 theta_+ + kappa pi)]
+               / (theta_+ + theta_- + kappa pi)                                                                 <= 0
+
+and the angles move as above, so that bounds stay at the corners. Of a contact with one flank theta_- is 0 wherever the
+motion is, beta is 0 (its displacement counts from the flank) and phi, as nu, may have either sign. A law is (kappa,
+what bounds the error of kappa, 1 for two flanks or 0 for one); kappa is 0 exactly or certainly above 0.
+
 Rounding: acos and sin of the C library err by less than one unit in the last place, so that phi and N are off by less
 than 16 u (theta_+ + theta_-)/pi + 1e-22 with u = 2^-53; a test measures that. The inverse is not trusted to any
 iteration: its result is moved outwards and then checked against phi with that margin. How far it is moved is free, so
@@ -30,12 +47,16 @@ from solver.enumeration.interval import INTERVAL
 from solver.kernels import types
 from solver.kernels.compile import kernel
 
-__all__ = ["contact_law", "gain_over", "gain_slopes", "near_cosine"]
+__all__ = ["LAW", "contact_law", "gain_over", "gain_slopes", "near_cosine"]
 
 _F = types.float64
 _U = 2.0**-53
 # Corners of a rectangle this small serve each other as starting values.
 _THIN = 0.01
+# With kappa > 0: how far mean force and gap, over the amplitude, may reach.
+_FURTHEST = 1e30
+#: kappa, the bound of its error, and 1 for two flanks or 0 for one.
+LAW = types.UniTuple(_F, 3)
 
 
 @kernel(types.UniTuple(_F, 2)(_F), inline=True)
@@ -48,19 +69,26 @@ def _arc(cosine):
     return math.acos(cosine), math.sqrt((1.0 - cosine) * (1.0 + cosine))
 
 
-@kernel(types.UniTuple(_F, 4)(_F, _F), inline=True)
-def contact_law(cosine, beta):
-    """Mean force, gain, their error bound and theta_+ + theta_- where the near flank's cosine is `cosine`."""
+@kernel(types.UniTuple(_F, 5)(_F, _F, LAW), inline=True)
+def contact_law(cosine, beta, law):
+    """Mean force, gain, their error bounds and theta_+ + theta_- where the near flank's cosine is `cosine`."""
     near, near_sine = _arc(cosine)
-    far_cosine = 2.0 * beta - cosine
-    far, far_sine = _arc(far_cosine)
     force = near_sine - near * cosine
-    gain = near - near_sine * cosine
-    if far > 0.0:
-        force -= far_sine - far * far_cosine
-        gain += far - far_sine * far_cosine
-    angles = near + far
-    return force / math.pi, gain / math.pi, 16.0 * _U / math.pi * angles + 1e-22, angles
+    gain, angles = near - near_sine * cosine, near
+    if law[2] != 0.0:
+        far_cosine = 2.0 * beta - cosine
+        far, far_sine = _arc(far_cosine)
+        if far > 0.0:
+            force -= far_sine - far * far_cosine
+            gain += far - far_sine * far_cosine
+        angles += far
+    error = 16.0 * _U / math.pi * angles + 1e-22
+    if law[0] == 0.0:
+        return force / math.pi, gain / math.pi, error, error, angles
+    nu, size = beta - cosine, abs(beta) + abs(cosine)
+    held = force / math.pi + law[0] * nu
+    bound = error + law[1] * abs(nu) * (1.0 + 4.0 * _U) + 8.0 * _U * (1.0 + law[0]) * size
+    return held, gain / math.pi, bound, 0.0 if angles == 0.0 or cosine <= -1.0 else error, angles
 
 
 @kernel(_F(_F, _F), inner=True)
@@ -77,13 +105,41 @@ def _first_guess(phi, beta):
     return 1.0 + y * (-2.22492368 + y * (0.09332219 + y * (0.30355034 + y * (-0.39091187 + y * 0.21838701))))
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F), inner=True)
-def near_cosine(phi, beta, guess, slack):
-    """The near flank's cosine at (phi, beta) with 0 < phi < 1 by Newton's method; not proven.
+@kernel(types.UniTuple(_F, 2)(_F, _F, LAW, _F), inner=True)
+def _held_cosine(phi, beta, law, tolerance):
+    """`near_cosine` with kappa > 0, for any phi: Newton's method in a bracket."""
+    kappa = law[0]
+    if phi >= 1.0 + kappa * (1.0 + beta):
+        return beta - (phi + beta) / (1.0 + kappa), 1.0
+    nothing = kappa * (beta - 1.0) if law[2] != 0.0 else -kappa
+    if phi <= nothing:
+        return beta - phi / kappa, 1.0
+    low, high = -1.0, 1.0
+    cosine, room = min(max(beta - phi / (0.5 + kappa), low), high), 1.0
+    for _ in range(60):
+        force, _gain, _bound, _error, angles = contact_law(cosine, beta, law)
+        if force > phi:
+            low = cosine
+        else:
+            high = cosine
+        rate = angles / math.pi + kappa
+        moved = cosine + (force - phi) / rate
+        if not low <= moved <= high:
+            moved = 0.5 * (low + high)
+        step, cosine, room = abs(moved - cosine), moved, min(rate * rate, 1.0)
+        if step < tolerance * room:
+            break
+    return cosine, room
+
+
+@kernel(types.UniTuple(_F, 2)(_F, _F, LAW, _F, _F), inner=True)
+def near_cosine(phi, beta, law, guess, slack):
+    """The near flank's cosine at (phi, beta), with 0 < phi < 1 unless kappa > 0, by Newton's method; not proven.
 
     Parameters
     ----------
     phi, beta : float
+    law : LAW
     guess : float
         Where to start; nan if nothing is known.
     slack : float
@@ -92,18 +148,22 @@ def near_cosine(phi, beta, guess, slack):
     Returns
     -------
     cosine, room : float
-        room is (theta_+ + theta_-)^2, at most 1.
+        room is (theta_+ + theta_-)^2, or the square of how fast phi grows, at most 1.
     """
     # What is left after a step is about its square.
     top, tolerance, room = min(beta, 1.0), max(math.sqrt(slack), 1e-8), 1.0
+    if law[0] > 0.0:
+        return _held_cosine(phi, beta, law, tolerance)
+    if law[2] == 0.0:
+        top = 1.0
     for attempt in range(2):
-        cosine = guess if attempt == 0 else _first_guess(phi, beta)
+        cosine = guess if attempt == 0 else _first_guess(phi, beta if law[2] != 0.0 else 1.0)
         if not (-1.0 <= cosine <= top):
             if attempt == 0:
                 continue
             cosine = min(max(cosine, -1.0), top)
         for _ in range(12):
-            force, _gain, _error, angles = contact_law(cosine, beta)
+            force, _gain, _bound, _error, angles = contact_law(cosine, beta, law)
             if angles == 0.0:
                 break
             step = (force - phi) * math.pi / angles
@@ -114,48 +174,60 @@ def near_cosine(phi, beta, guess, slack):
     return cosine, room
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F), inner=True)
-def _largest(phi, beta, guess, slack):
+@kernel(types.UniTuple(_F, 2)(_F, _F, LAW, _F, _F), inner=True)
+def _largest(phi, beta, law, guess, slack):
     """A proven lower bound on the near flank's cosine and an upper one on N at (phi, beta)."""
-    if phi >= 1.0:
+    held = law[0] > 0.0
+    if phi >= 1.0 and not held:
         return -1.0, 1.0
-    start, room = min(beta, 1.0), 1.0
-    if phi > 0.0:
-        start, room = near_cosine(phi, beta, guess, slack)
+    start, room = min(beta, 1.0) if law[2] != 0.0 else 1.0, 1.0
+    if phi > 0.0 or held:
+        start, room = near_cosine(phi, beta, law, guess, slack)
     margin = max(slack * room, 64.0 * _U)
+    if held:
+        margin *= max(abs(start), 1.0) + beta
     for _ in range(30):
         cosine = start - margin
-        if cosine <= -1.0:
+        if cosine <= -1.0 and not held:
             break
-        force, gain, error, _angles = contact_law(cosine, beta)
-        if force - error >= phi:
+        force, gain, bound, error, _angles = contact_law(cosine, beta, law)
+        if force - bound >= phi:
             return cosine, min(gain + error, 1.0)
         margin *= 8.0
     # At cosine -1 the mean force is exactly 1.
-    return -1.0, 1.0
+    return -math.inf if held else -1.0, 1.0
 
 
-@kernel(types.UniTuple(_F, 2)(_F, _F, _F, _F), inner=True)
-def _smallest(phi, beta, guess, slack):
+@kernel(types.UniTuple(_F, 2)(_F, _F, LAW, _F, _F), inner=True)
+def _smallest(phi, beta, law, guess, slack):
     """A proven upper bound on the near flank's cosine and a lower one on N at (phi, beta)."""
-    if phi >= 1.0:
+    held = law[0] > 0.0
+    if phi >= 1.0 and not held:
         return -1.0, 1.0
-    # At nu = 0 the mean force is exactly 0, so that cosine = beta is always an upper bound.
+    # At nu = 0 the mean force is exactly 0, so that cosine = beta is always an upper bound; of one flank it is none.
     top = min(beta, 1.0)
+    if law[2] == 0.0:
+        top = math.inf if held else 1.0
+    elif held:
+        top = beta
     cosine = top
-    if phi > 0.0:
-        start, room = near_cosine(phi, beta, guess, slack)
+    if phi > 0.0 or held:
+        start, room = near_cosine(phi, beta, law, guess, slack)
         margin = max(slack * room, 64.0 * _U)
+        if held:
+            margin *= max(abs(start), 1.0) + beta
         for _ in range(30):
             cosine = start + margin
             if cosine >= top:
                 break
-            force, gain, error, _angles = contact_law(cosine, beta)
-            if force + error <= phi:
+            force, gain, bound, error, _angles = contact_law(cosine, beta, law)
+            if force + bound <= phi:
                 return cosine, max(gain - error, 0.0)
             margin *= 8.0
         cosine = top
-    _force, gain, error, _angles = contact_law(cosine, beta)
+    if cosine == math.inf:
+        return cosine, 0.0
+    _force, gain, _bound, error, _angles = contact_law(cosine, beta, law)
     return cosine, max(gain - error, 0.0)
 
 
@@ -167,20 +239,32 @@ def _sine_over(low, high):
     return max(min(left, right) - 4.0 * _U, 0.0), min(top + 4.0 * _U, 1.0)
 
 
-@kernel(types.UniTuple(_F, 4)(INTERVAL, INTERVAL), inline=True)
-def _clipped(phi, beta):
-    """The ends of a rectangle; beyond phi = 1 and beta = 1 nothing changes, and the clip keeps infinities away."""
-    return min(max(phi[0], 0.0), 2.0), min(phi[1], 2.0), min(max(beta[0], 0.0), 2.0), min(beta[1], 2.0)
+@kernel(types.UniTuple(_F, 4)(INTERVAL, INTERVAL, LAW), inline=True)
+def _clipped(phi, beta, law):
+    """The ends of a rectangle; beyond phi = 1 and beta = 1 nothing changes, and the clip keeps infinities away.
+
+    With kappa > 0 things change everywhere; of what reaches too far the ends are out of order.
+    """
+    if law[0] > 0.0:
+        if max(abs(phi[0]), abs(phi[1])) < _FURTHEST and max(abs(beta[0]), abs(beta[1])) < _FURTHEST:
+            return phi[0], phi[1], max(beta[0], 0.0), beta[1]
+        return 1.0, 0.0, 1.0, 0.0
+    most = min(phi[1], 2.0)
+    if law[2] == 0.0 and most < 0.0:
+        # One flank does not pull.
+        most = 0.0
+    return min(max(phi[0], 0.0), 2.0), most, min(max(beta[0], 0.0), 2.0), min(beta[1], 2.0)
 
 
-@kernel(types.UniTuple(INTERVAL, 2)(INTERVAL, INTERVAL, _F, _F), inner=True)
-def gain_over(phi, beta, guess, slack):
+@kernel(types.UniTuple(INTERVAL, 2)(INTERVAL, INTERVAL, LAW, _F, _F), inner=True)
+def gain_over(phi, beta, law, guess, slack):
     """Bounds over a rectangle of mean force and gap.
 
     Parameters
     ----------
     phi, beta : interval
-        0 <= phi, 0 <= beta; either may end at infinity.
+        0 <= beta, and 0 <= phi of two flanks; either may end at infinity.
+    law : LAW
     guess : float
         The near flank's cosine somewhere in the rectangle, to start from; nan if nothing is known.
     slack : float
@@ -191,20 +275,37 @@ def gain_over(phi, beta, guess, slack):
     gain : interval
         N.
     cosine : interval
-        beta - nu, valid where phi < 1.
+        beta - nu, valid where phi < 1; with kappa > 0 everywhere.
     """
-    phi_low, phi_high, beta_low, beta_high = _clipped(phi, beta)
+    phi_low, phi_high, beta_low, beta_high = _clipped(phi, beta, law)
     if not (phi_low <= phi_high and beta_low <= beta_high):
-        return (0.0, 1.0), (-1.0, 1.0)
-    cosine_low, gain_high = _largest(phi_high, beta_low, guess, slack)
+        return (0.0, 1.0), (-1.0, 1.0) if law[0] == 0.0 else (-math.inf, math.inf)
+    cosine_low, gain_high = _largest(phi_high, beta_low, law, guess, slack)
     if phi_high < 1.0 and phi_high - phi_low + beta_high - beta_low < _THIN:
         guess = cosine_low
-    cosine_high, gain_low = _smallest(phi_low, beta_high, guess, slack)
+    cosine_high, gain_low = _smallest(phi_low, beta_high, law, guess, slack)
     return (gain_low, gain_high), (cosine_low, cosine_high)
 
 
-@kernel(types.UniTuple(INTERVAL, 2)(INTERVAL, INTERVAL, INTERVAL, _F), inner=True)
-def gain_slopes(phi, beta, cosine, slack):
+@kernel(types.UniTuple(INTERVAL, 2)(INTERVAL, INTERVAL, INTERVAL, LAW), inner=True)
+def _held_slopes(near, far, sines, law):
+    """dN/dphi and dN/dbeta with kappa > 0 from bounds of both angles and, of the near one, of its sine."""
+    margin = 64.0 * _U
+    pull_low, pull_high = math.pi * (law[0] - law[1]) * (1.0 - margin), math.pi * (law[0] + law[1]) * (1.0 + margin)
+    least, most = (near[0] + far[0] + pull_low) * (1.0 - margin), (near[1] + far[1] + pull_high) * (1.0 + margin)
+    far_sines = _sine_over(far[0], min(far[1], math.pi)) if far[1] > 0.0 else (0.0, 0.0)
+    by_force = (
+        max(2.0 * (sines[0] - far_sines[1]) / most - margin, 0.0),
+        2.0 * max(sines[1] - far_sines[0], 0.0) / least * (1.0 + margin) + margin,
+    )
+    lowest = sines[0] * (2.0 * far[0] + pull_low) + far_sines[0] * (2.0 * near[0] + pull_low)
+    highest = sines[1] * (2.0 * far[1] + pull_high) + far_sines[1] * (2.0 * near[1] + pull_high)
+    factor = 2.0 / math.pi * (1.0 + margin)
+    return by_force, (-factor * highest / least - margin, min(-lowest / most * (2.0 / math.pi) + margin, 0.0))
+
+
+@kernel(types.UniTuple(INTERVAL, 2)(INTERVAL, INTERVAL, INTERVAL, LAW, _F), inner=True)
+def gain_slopes(phi, beta, cosine, law, slack):
     """dN/dphi and dN/dbeta over a rectangle, generalised derivatives included where N has a kink.
 
     Parameters
@@ -212,27 +313,33 @@ def gain_slopes(phi, beta, cosine, slack):
     phi, beta : interval
     cosine : interval
         From `gain_over` of the same rectangle.
+    law : LAW
     slack : float
 
     Returns
     -------
     by_force, by_gap : interval
     """
-    phi_low, phi_high, beta_low, beta_high = _clipped(phi, beta)
-    by_force, by_gap = (0.0, 2.0), (-4.0 / 3.0, 0.0)
+    phi_low, phi_high, beta_low, beta_high = _clipped(phi, beta, law)
+    held, by_force, by_gap = law[0] > 0.0, (0.0, 2.0), (-4.0 / 3.0, 0.0)
     if not (phi_low <= phi_high and beta_low <= beta_high):
-        return by_force, by_gap
+        return ((0.0, math.inf), (-math.inf, 0.0)) if held else (by_force, by_gap)
     near_low, near_high = _arc(cosine[1])[0], _arc(cosine[0])[0]
     far_low, far_high = 0.0, 0.0
-    if beta_low < 1.0 and phi_low < 1.0 and 2.0 * beta_low - cosine[1] < 1.0 + 8.0 * _U:
+    if law[2] != 0.0 and beta_low < 1.0 and (phi_low < 1.0 or held) and 2.0 * beta_low - cosine[1] < 1.0 + 8.0 * _U:
         # Far flank: cos theta_- = 2 beta - (beta - nu) at its own two corners.
-        corner = _smallest(phi_low, beta_low, cosine[1], slack)[0]
+        corner = _smallest(phi_low, beta_low, law, cosine[1], slack)[0]
         far_high = _arc(2.0 * beta_low - corner - 4.0 * _U)[0]
-        if far_high > 0.0 and phi_high < 1.0:
-            corner = _largest(phi_high, beta_high, cosine[0], slack)[0]
+        if far_high > 0.0 and (phi_high < 1.0 or held):
+            corner = _largest(phi_high, beta_high, law, cosine[0], slack)[0]
             far_low = _arc(2.0 * beta_high - corner + 4.0 * _U)[0]
     near_low, near_high = near_low * (1.0 - 4.0 * _U), near_high * (1.0 + 4.0 * _U)
     far_low, far_high = far_low * (1.0 - 4.0 * _U), far_high * (1.0 + 4.0 * _U)
+    if held:
+        sines = _sine_over(near_low, min(near_high, math.pi))
+        return _held_slopes(
+            (near_low, near_high), (far_low, far_high), (0.0 if near_high > math.pi else sines[0], sines[1]), law
+        )
 
     if far_high == 0.0:
         # 2 sin(theta)/theta falls with theta.

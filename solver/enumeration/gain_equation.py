@@ -6,6 +6,7 @@
 import math
 
 from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes, near_cosine
+from solver.enumeration.enclosed import interval_of, law_of
 from solver.enumeration.interval import (
     INTERVAL,
     above,
@@ -23,6 +24,7 @@ from solver.enumeration.interval import (
     times,
 )
 from solver.enumeration.reduction import (
+    CONTACT,
     FORCE_SLOPE,
     GAP,
     GAP_SLOPE,
@@ -30,7 +32,6 @@ from solver.enumeration.reduction import (
     LOAD,
     N_1,
     N_2,
-    interval_of,
     l_at,
     numerators_at,
     numerators_over,
@@ -55,16 +56,31 @@ def _ratio(numerator, size):
     return max(below(low / size[1]), 0.0), above(high / size[0]) if size[0] > 0.0 else math.inf
 
 
+@kernel(INTERVAL(MATRIX, INTERVAL, INTERVAL, INTERVAL), inline=True)
+def _mean_force(reduced, n, q, size):
+    """phi: |n|/|l|, and of a contact with one flank n/|l| with the sign of q."""
+    if reduced[CONTACT + 1, 0] != 0.0:
+        return _ratio(n, size)
+    least = n[0] / size[0] if n[0] < 0.0 else n[0] / size[1]
+    most = n[1] / size[0] if n[1] > 0.0 else n[1] / size[1]
+    phi = below(least), above(most)
+    if q[0] > 0.0:
+        return phi
+    if q[1] < 0.0:
+        return -phi[1], -phi[0]
+    return symmetric(max(-phi[0], phi[1]))
+
+
 @kernel(types.UniTuple(INTERVAL, 2)(MATRIX, _F), inner=True)
 def _scaled_at(reduced, t):
     """phi and beta at one gain."""
     n, q, size = numerators_at(reduced, t)
-    return _ratio(n, size), _ratio(multiply(interval_of(reduced, GAP), q), size)
+    return _mean_force(reduced, n, q, size), _ratio(multiply(interval_of(reduced, GAP), q), size)
 
 
 @kernel(types.UniTuple(INTERVAL, 2)(MATRIX, _F, _F), inner=True)
 def gain_at(reduced, t, guess):
-    """h(t) at one gain, and the near flank's cosine there; `guess` as in `solver.enumeration.contact_law.gain_over`.
+    """N at one gain, and the near flank's cosine there; `guess` as in `solver.enumeration.contact_law.gain_over`.
 
     Parameters
     ----------
@@ -76,8 +92,7 @@ def gain_at(reduced, t, guess):
         The near flank's cosine nearby, or nan.
     """
     phi, beta = _scaled_at(reduced, t)
-    gain, cosine = gain_over(phi, beta, guess, 0.0)
-    return subtract(gain, exact(t)), cosine
+    return gain_over(phi, beta, law_of(reduced, CONTACT), guess, 0.0)
 
 
 @kernel(types.UniTuple(_F, 2)(MATRIX, _F, _F), inner=True)
@@ -94,13 +109,13 @@ def approximate_gain(reduced, t, guess):
         The near flank's cosine nearby, or nan.
     """
     phi, beta = _scaled_at(reduced, t)
-    force, gap = 0.5 * (phi[0] + phi[1]), 0.5 * (beta[0] + beta[1])
-    if force >= 1.0:
+    force, gap, law = 0.5 * (phi[0] + phi[1]), 0.5 * (beta[0] + beta[1]), law_of(reduced, CONTACT)
+    if force >= 1.0 and law[0] == 0.0:
         return 1.0 - t, guess
-    cosine = min(gap, 1.0)
-    if force > 0.0:
-        cosine = near_cosine(force, gap, guess, 0.0)[0]
-    return contact_law(cosine, gap)[1] - t, cosine
+    cosine = min(gap, 1.0) if law[2] != 0.0 else 1.0
+    if force > 0.0 or law[0] > 0.0:
+        cosine = near_cosine(force, gap, law, guess, 0.0)[0]
+    return contact_law(cosine, gap, law)[1] - t, cosine
 
 
 @kernel(types.UniTuple(INTERVAL, 2)(MATRIX, types.int64, _F), inline=True)
@@ -142,9 +157,14 @@ def _between(whole, at_left, at_right, slope, width):
 def _scaled_over(reduced, left, right):
     """phi, beta and their slopes over [left, right]; False (and no slopes) where l may vanish."""
     (n, q, size), (n_left, q_left, l_left), (n_right, q_right, l_right) = numerators_over(reduced, left, right)
-    width, gap = subtract(exact(right), exact(left)), interval_of(reduced, GAP)
-    phi, beta = _ratio(n, size), _ratio(multiply(gap, q), size)
-    if not size[0] > 1.0 / LARGEST:
+    width, gap, one_flank = (
+        subtract(exact(right), exact(left)),
+        interval_of(reduced, GAP),
+        reduced[CONTACT + 1, 0] == 0.0,
+    )
+    phi, beta = _mean_force(reduced, n, q, size), _ratio(multiply(gap, q), size)
+    # The sign of phi of one flank is that of q as well, and phi jumps where that changes.
+    if not size[0] > 1.0 / LARGEST or (one_flank and not (q[0] > 0.0 or q[1] < 0.0)):
         return phi, beta, (0.0, 0.0), (0.0, 0.0), False
 
     cube = multiply(size, square(size))
@@ -154,7 +174,9 @@ def _scaled_over(reduced, left, right):
         return phi, beta, (0.0, 0.0), (0.0, 0.0), False
     # The slopes of |n| and |q| follow the sign of n and q; where that changes they have a kink.
     sign = 1 if n[0] > 0.0 else (-1 if n[1] < 0.0 else 0)
-    if left == 0.0 and reduced[LOAD, 0] == 0.0:
+    if one_flank:
+        sign = 1 if q[0] > 0.0 else -1
+    elif left == 0.0 and reduced[LOAD, 0] == 0.0:
         # Without mean load n(0) = 0, so that n has the sign of its slope.
         n_slope = add(interval_of(reduced, N_1), multiply(times(2.0, (left, right)), interval_of(reduced, N_2)))
         sign = 1 if n_slope[0] > 0.0 else (-1 if n_slope[1] < 0.0 else 0)
@@ -166,13 +188,14 @@ def _scaled_over(reduced, left, right):
         by_gap = -by_gap[1], -by_gap[0]
     elif not q[0] > 0.0:
         by_gap = symmetric(absolute(by_gap)[1])
-    phi = _between(phi, _ratio(n_left, l_left), _ratio(n_right, l_right), by_force, width[1])
+    ends = _mean_force(reduced, n_left, q_left, l_left), _mean_force(reduced, n_right, q_right, l_right)
+    phi = _between(phi, ends[0], ends[1], by_force, width[1])
     ends = _ratio(multiply(gap, q_left), l_left), _ratio(multiply(gap, q_right), l_right)
     beta = _between(beta, ends[0], ends[1], by_gap, width[1])
     return phi, beta, by_force, by_gap, True
 
 
-@kernel(types.Tuple((INTERVAL, INTERVAL, INTERVAL, types.boolean))(MATRIX, _F, _F, _F), inner=True)
+@kernel(types.Tuple((INTERVAL, INTERVAL, types.boolean))(MATRIX, _F, _F, _F), inner=True)
 def slope_over(reduced, left, right, guess):
     """What h does over an interval of gains.
 
@@ -186,8 +209,8 @@ def slope_over(reduced, left, right, guess):
 
     Returns
     -------
-    phi, gain : interval
-        Mean force over amplitude, and N.
+    gain : interval
+        N.
     slope : interval
         Generalised derivative of h; without bounds where N alone excludes a root.
     regular : bool
@@ -195,13 +218,14 @@ def slope_over(reduced, left, right, guess):
     """
     phi, beta, by_force, by_gap, regular = _scaled_over(reduced, left, right)
     # What the bounds lose by being solved for to this share of the interval is not felt.
-    slack = _SLACK * (right - left)
-    gain, cosine = gain_over(phi, beta, guess, slack)
-    if not regular or phi[0] >= 1.0 or gain[0] > right or gain[1] < left:
-        return phi, gain, (-math.inf, math.inf), regular
-    law_force, law_gap = gain_slopes(phi, beta, cosine, slack)
+    slack, law = _SLACK * (right - left), law_of(reduced, CONTACT)
+    gain, cosine = gain_over(phi, beta, law, guess, slack)
+    # Where contact is never lost, or never made, N is 1 or 0 exactly.
+    if not regular or gain[0] >= 1.0 or gain[0] > right or gain[1] < left:
+        return gain, (-math.inf, math.inf), regular
+    law_force, law_gap = gain_slopes(phi, beta, cosine, law, slack)
     slope = add(multiply(law_force, by_force), multiply(law_gap, by_gap))
-    return phi, gain, subtract(slope, exact(1.0)), True
+    return gain, subtract(slope, exact(1.0)), True
 
 
 @kernel(_F(MATRIX, _F, _F), inner=True)
@@ -263,18 +287,19 @@ def motion_over(reduced, left, right, guess):
         everything = -math.inf, math.inf
         return everything, everything, everything, (max(least, 0.0), math.inf)
     amplitude, force, gap = divide(size, absolute(q)), divide(n, q), interval_of(reduced, GAP)
+    mean, phi, law = (math.inf, -math.inf), _mean_force(reduced, n, q, size), law_of(reduced, CONTACT)
     # Mean displacement on the side of the force: b - a cos theta_+, or b plus the force if contact is never lost.
-    mean, phi = (math.inf, -math.inf), _ratio(n, size)
-    if phi[0] < 1.0:
-        cosine = gain_over(phi, _ratio(multiply(gap, q), size), guess, 0.0)[1]
+    if phi[0] < 1.0 or law[0] > 0.0:
+        cosine = gain_over(phi, _ratio(multiply(gap, q), size), law, guess, 0.0)[1]
         mean = hull(mean, subtract(gap, multiply(amplitude, cosine)))
-    if not phi[1] < 1.0:
+    if not phi[1] < 1.0 and law[0] == 0.0:
         mean = hull(mean, add(gap, absolute(force)))
-    mean = max(mean[0], 0.0), mean[1]
-    if force[1] < 0.0:
-        mean = -mean[1], -mean[0]
-    elif not force[0] > 0.0:
-        mean = symmetric(mean[1])
+    if law[2] != 0.0:
+        mean = max(mean[0], 0.0), mean[1]
+        if force[1] < 0.0:
+            mean = -mean[1], -mean[0]
+        elif not force[0] > 0.0:
+            mean = symmetric(mean[1])
     l_left, l_right = l_at(reduced, left), l_at(reduced, right)
     l_real, l_imaginary = hull(l_left[0], l_right[0]), hull(l_left[1], l_right[1])
     l_imaginary = -l_imaginary[1], -l_imaginary[0]

@@ -24,12 +24,17 @@ chi in (0, 1] is the share of the period in contact. Three remarks make this com
 - Without mean load a motion inside the gap, t = 0 and |F_1/D| <= b, leaves the mean free: a continuum, not a root.
 - h is continuous, and Lipschitz with dN/dphi phi' + dN/dbeta beta' - 1 as (generalised) derivative, where l is not 0.
 
+Springs that hold lambda besides the contact add D_0 lambda_m to the mean row. Written with g_0 = f_0 + kappa lambda_m,
+kappa = D_0/c, in the place of f_0 the balance is the same, as long as f_0 acts in the mean row alone: P_1 = e = 0. The
+contact law is another one then (`solver.enumeration.contact_law`), motions without contact are roots t = 0 of a fixed
+mean, and the determinant is -c q (chi + kappa) h'(t). Of a contact with one flank phi is n/q / |L|, with its sign.
+
 Without any damping, and if Q and e are 0 as well, D + t A' is real and a common factor of q, l and n, which all
 vanish with it. It is left out then: q = D + t A', l = G and n = f_pm q/c describe the same motions, and the determinant
 is that above with q^2 in place of q.
 """
 
-from solver.enumeration.coefficients import enclosed_coefficients
+from solver.enumeration.enclosed import FACTORED, HALF_GAP, LAW_ROW, MEAN_GAIN, MEAN_LOAD, complex_of, interval_of, put
 from solver.enumeration.interval import (
     INTERVAL,
     above,
@@ -50,21 +55,10 @@ from solver.enumeration.interval import (
     times,
 )
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.parameters import (
-    ALPHA,
-    ALPHA_2,
-    F_PM,
-    SIGMA,
-    VARIATION_R,
-    VARIATION_T,
-    XI_MESH,
-    XI_SUPPORT,
-    XI_TRANSLATION,
-    B,
-)
+from solver.kernels.compile import MATRIX, kernel
 
 __all__ = [
+    "CONTACT",
     "FORCE_SLOPE",
     "GAP",
     "GAP_SLOPE",
@@ -74,7 +68,7 @@ __all__ = [
     "N_2",
     "ROWS",
     "determinant_over",
-    "interval_of",
+    "is_modulated",
     "l_at",
     "numerators_at",
     "numerators_over",
@@ -91,79 +85,40 @@ _C, LOAD, GAP, _Q_1, _Q_2, N_1, N_2, FORCE_SLOPE, GAP_SLOPE = 11, 12, 13, 14, 15
 _SPEED, _APPROACH, _CLOSEST = 26, 27, 28
 # 1 where the common factor is left out, else 0.
 _FACTORED = 29
-ROWS = 30
+#: The contact law, as in `solver.enumeration.enclosed`.
+CONTACT = 30
+ROWS = 32
 
 #: Reduced coefficients must lie below it, so that no product of them overflows, and the amplitude's numerator above its
 #: inverse.
 LARGEST = 1e40
 
 
-@kernel(INTERVAL(MATRIX, types.int64), inline=True)
-def interval_of(reduced, row):
-    """A row of the reduced balance."""
-    return reduced[row, 0], reduced[row, 1]
-
-
-@kernel(types.void(MATRIX, types.int64, INTERVAL), inline=True)
-def _put(reduced, row, value):
-    reduced[row, 0], reduced[row, 1] = value[0], value[1]
-
-
 @kernel(types.void(MATRIX, types.int64, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL, INTERVAL), inner=True)
 def _put_cubic(reduced, row, n_0, n_1, n_2, r_0, r_1, r_2):
     """n' r - n r'/2 for n = n_0 + n_1 t + n_2 t^2 and r likewise: r^(3/2) times the slope of n/sqrt(r)."""
     half = multiply(exact(0.5), r_1)
-    _put(reduced, row, subtract(multiply(n_1, r_0), multiply(n_0, half)))
+    put(reduced, row, subtract(multiply(n_1, r_0), multiply(n_0, half)))
     middle = add(multiply(n_1, half), multiply(exact(2.0), multiply(n_2, r_0)))
-    _put(reduced, row + 1, subtract(middle, multiply(n_0, r_2)))
-    _put(reduced, row + 2, multiply(exact(3.0), multiply(n_2, half)))
-    _put(reduced, row + 3, multiply(n_2, r_2))
+    put(reduced, row + 1, subtract(middle, multiply(n_0, r_2)))
+    put(reduced, row + 2, multiply(exact(3.0), multiply(n_2, half)))
+    put(reduced, row + 3, multiply(n_2, r_2))
 
 
-@kernel(types.boolean(ARRAY, ARRAY, _F, _I, _I), inline=True)
-def _are_zero(parameters, parameter_slope, p, first, stop):
-    """Whether parameters first ... stop - 1 are exactly 0 at an axis value."""
-    for slot in range(first, stop):  # noqa: SIM110 (kernels have no generators)
-        if parameters[slot] + p * parameter_slope[slot] != 0.0:
-            return False
-    return True
-
-
-@kernel(types.boolean(ARRAY, ARRAY, _F), inner=True)
-def _has_common_factor(parameters, parameter_slope, p):
-    """Whether D and A' are real and Q and e are 0 for certain: nothing is damped, and what could make Q and e is 0."""
-    uncoupled = _are_zero(parameters, parameter_slope, p, SIGMA, SIGMA + 1)
-    undamped = _are_zero(parameters, parameter_slope, p, XI_MESH, XI_MESH + 1) and (
-        uncoupled
-        or (
-            _are_zero(parameters, parameter_slope, p, XI_TRANSLATION, XI_TRANSLATION + 2)
-            and _are_zero(parameters, parameter_slope, p, XI_SUPPORT, XI_SUPPORT + 6)
-        )
-    )
-    first_fixed = _are_zero(parameters, parameter_slope, p, ALPHA, ALPHA + 1)
-    second_fixed = _are_zero(parameters, parameter_slope, p, ALPHA_2, ALPHA_2 + 1)
-    rotation_fixed = _are_zero(parameters, parameter_slope, p, VARIATION_R, VARIATION_R + 1)
-    all_fixed = rotation_fixed and (
-        uncoupled or _are_zero(parameters, parameter_slope, p, VARIATION_T, VARIATION_T + 1)
-    )
-    return undamped and (first_fixed or rotation_fixed) and (second_fixed or all_fixed)
-
-
-@kernel(types.boolean(ARRAY, ARRAY, _F, MATRIX), inner=True)
-def reduce_balance(parameters, parameter_slope, p, reduced):
-    """Fill `reduced` (ROWS, 2) with the reduced balance at one axis value; False if it is not finite or D may be 0.
+@kernel(types.boolean(MATRIX, MATRIX), inner=True)
+def reduce_balance(enclosed, reduced):
+    """Fill `reduced` (ROWS, 2) with the reduced balance at one point; False if it is not finite or D may be 0.
 
     Parameters
     ----------
-    parameters, parameter_slope : (34,) arrays
-    p : float
-        Axis value.
+    enclosed : (SLOTS, 2) array
+        Of `solver.enumeration.enclosed`.
     reduced : (ROWS, 2) array
         Read by the other kernels of this module.
     """
-    values, c = enclosed_coefficients(parameters, parameter_slope, p)
-    D, A, P_1, P_2, F, e = values
-    load = exact(parameters[F_PM] + p * parameter_slope[F_PM])
+    D, A, P_1 = complex_of(enclosed, 0), complex_of(enclosed, 2), complex_of(enclosed, 4)
+    P_2, F, e = complex_of(enclosed, 6), complex_of(enclosed, 8), complex_of(enclosed, 10)
+    c, load = interval_of(enclosed, MEAN_GAIN), interval_of(enclosed, MEAN_LOAD)
     per_c = divide(exact(1.0), c)
     half = multiply(exact(0.5), per_c)
     A = complex_subtract(A, complex_scale(half, complex_multiply(P_1, complex_conjugate(e))))
@@ -171,21 +126,23 @@ def reduce_balance(parameters, parameter_slope, p, reduced):
     G = complex_subtract(F, complex_scale(multiply(load, per_c), P_1))
     L_0 = complex_multiply(complex_conjugate(D), G)
     L_1 = complex_subtract(complex_multiply(complex_conjugate(A), G), complex_multiply(Q, complex_conjugate(G)))
-    factored, zero = _has_common_factor(parameters, parameter_slope, p), (0.0, 0.0)
+    factored, zero = enclosed[FACTORED, 0] != 0.0, (0.0, 0.0)
     if factored:
         L_0, L_1 = G, (zero, zero)
-    _put(reduced, _FACTORED, exact(1.0 if factored else 0.0))
+    put(reduced, _FACTORED, exact(1.0 if factored else 0.0))
     for i in range(2):
-        _put(reduced, _D + i, D[i])
-        _put(reduced, _A + i, A[i])
-        _put(reduced, _L_0 + i, L_0[i])
-        _put(reduced, _L_1 + i, L_1[i])
-        _put(reduced, _E + i, e[i])
+        put(reduced, _D + i, D[i])
+        put(reduced, _A + i, A[i])
+        put(reduced, _L_0 + i, L_0[i])
+        put(reduced, _L_1 + i, L_1[i])
+        put(reduced, _E + i, e[i])
     Q_squared = add(square(Q[0]), square(Q[1]))
-    _put(reduced, _Q, Q_squared)
-    _put(reduced, _C, per_c)
-    _put(reduced, LOAD, load)
-    _put(reduced, GAP, exact(parameters[B] + p * parameter_slope[B]))
+    put(reduced, _Q, Q_squared)
+    put(reduced, _C, per_c)
+    put(reduced, LOAD, load)
+    put(reduced, GAP, interval_of(enclosed, HALF_GAP))
+    put(reduced, CONTACT, interval_of(enclosed, LAW_ROW))
+    put(reduced, CONTACT + 1, interval_of(enclosed, LAW_ROW + 1))
 
     q_0 = add(square(D[0]), square(D[1]))
     q_1 = multiply(exact(2.0), add(multiply(D[0], A[0]), multiply(D[1], A[1])))
@@ -199,15 +156,15 @@ def reduce_balance(parameters, parameter_slope, p, reduced):
     r_0 = add(square(L_0[0]), square(L_0[1]))
     r_1 = multiply(exact(2.0), add(multiply(L_0[0], L_1[0]), multiply(L_0[1], L_1[1])))
     r_2 = add(square(L_1[0]), square(L_1[1]))
-    _put(reduced, _Q_1, q_1)
-    _put(reduced, _Q_2, q_2)
-    _put(reduced, N_1, n_1)
-    _put(reduced, N_2, n_2)
+    put(reduced, _Q_1, q_1)
+    put(reduced, _Q_2, q_2)
+    put(reduced, N_1, n_1)
+    put(reduced, N_2, n_2)
     speed, cross = length(L_1[0], L_1[1]), subtract(multiply(L_0[0], L_1[1]), multiply(L_0[1], L_1[0]))
-    _put(reduced, _SPEED, speed)
-    _put(reduced, _APPROACH, multiply(exact(0.5), r_1))
+    put(reduced, _SPEED, speed)
+    put(reduced, _APPROACH, multiply(exact(0.5), r_1))
     closest = divide(absolute(cross), speed)
-    _put(reduced, _CLOSEST, closest if closest[0] > 0.0 else (0.0, 0.0))
+    put(reduced, _CLOSEST, closest if closest[0] > 0.0 else (0.0, 0.0))
     _put_cubic(reduced, FORCE_SLOPE, n_0, n_1, n_2, r_0, r_1, r_2)
     _put_cubic(reduced, GAP_SLOPE, q_0, q_1, q_2, r_0, r_1, r_2)
     for row in range(FORCE_SLOPE):
@@ -296,3 +253,9 @@ def determinant_over(reduced, left, right):
     """
     q = numerators_over(reduced, left, right)[0][1]
     return q if reduced[_FACTORED, 0] == 0.0 else square(q)
+
+
+@kernel(types.boolean(MATRIX), inner=True)
+def is_modulated(reduced):
+    """Whether the stiffness varies in the mean row: e is not exactly 0."""
+    return reduced[_E, 0] != 0.0 or reduced[_E, 1] != 0.0 or reduced[_E + 1, 0] != 0.0 or reduced[_E + 1, 1] != 0.0

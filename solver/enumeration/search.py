@@ -3,7 +3,8 @@
 Every interval on the stack carries the proven signs of h at its two ends, so that cuts never fall onto a root and no
 root is counted twice; at t = 1, where h <= 0 and may be 0, the sign counts as negative. An interval is
 
-- finished if contact is never lost on it: then N = 1, and t = 1 is the only root it can have;
+- finished if contact is never lost on it: then N = 1, and t = 1 is the only root it can have (where springs hold
+  lambda, motions without contact are a root t = 0, whose surroundings, in which N = 0, are cut off before the search);
 - cut down to the values that N takes on it, and discarded if there are none;
 - finished if the slope of h has one sign on it: exactly one root if the signs at the ends differ, none otherwise;
 - else cut at a place where the sign of h is certain, and with it goes the neighbourhood in which the slope keeps h
@@ -17,7 +18,7 @@ import math
 
 from solver.enumeration.gain_equation import approximate_gain, gain_at, slope_over, turning_point
 from solver.enumeration.interval import above, absolute, below, divide, exact, subtract
-from solver.enumeration.reduction import GAP, LOAD, numerators_at
+from solver.enumeration.reduction import CONTACT, GAP, LOAD, numerators_at
 from solver.kernels import types
 from solver.kernels.compile import MATRIX, kernel
 
@@ -62,10 +63,22 @@ def _certain_cut(reduced, left, right, guess):
         cut = left + fraction * (right - left)
         if not left < cut < right:
             break
-        h, cosine = gain_at(reduced, cut, guess)
+        gain, cosine = gain_at(reduced, cut, guess)
+        h = subtract(gain, exact(cut))
         if h[0] > 0.0 or h[1] < 0.0:
             return cut, h[0], h[1], 0.5 * (cosine[0] + cosine[1])
     return math.nan, 0.0, 0.0, math.nan
+
+
+@kernel(_F(MATRIX), inner=True)
+def _without_contact(reduced):
+    """Up to which gain N is certainly 0; 0 if it is not at any."""
+    right = 0.5
+    for _ in range(50):
+        if slope_over(reduced, 0.0, right, math.nan)[0][1] == 0.0:
+            return right
+        right *= 0.5
+    return 0.0
 
 
 @kernel(types.void(MATRIX, _I, _F, _F, _F, _F, _F), inline=True)
@@ -110,28 +123,35 @@ def search(reduced, roots, undecided, stack):
         Numbers of roots and undecided intervals, the sum of the flags that apply, and the intervals looked at.
     """
     n_roots, open_boxes, flags, visits, size = 0, 0, 0, 0, 0
-    start_sign = 1.0
-    if reduced[GAP, 0] == 0.0:
+    start, start_sign, held = 0.0, 1.0, reduced[CONTACT, 0] > 0.0
+    if reduced[GAP, 1] == 0.0 and reduced[CONTACT + 1, 0] != 0.0:
         # Without backlash N is 1 throughout.
         roots[0, 0], roots[0, 1], roots[0, 2] = 0.0, 1.0, -1.0
         return 1, 0, 0, 0
     at_zero, _cosine = gain_at(reduced, 0.0, math.nan)
+    if held and not at_zero[0] > 0.0:
+        start_sign = _UNKNOWN
+        start = _without_contact(reduced)
+        if start > 0.0:
+            # N is 0 up to there: t = 0 is a root, and h = -t negative beyond it.
+            roots[0, 0], roots[0, 1], roots[0, 2] = 0.0, start, -1.0
+            n_roots, start_sign = 1, -1.0
     # Without mean load n(0) is exactly 0.
-    if reduced[LOAD, 0] == 0.0 and not at_zero[0] > 0.0:
+    elif reduced[LOAD, 0] == 0.0 and not at_zero[0] > 0.0:
         _n, q, length = numerators_at(reduced, 0.0)
         start_sign = _UNKNOWN
         if reduced[GAP, 0] * absolute(q)[0] > above(length[1]):
             start_sign, flags = _ZERO, FREE_MOTION
 
-    _push(stack, 0, 0.0, 1.0, start_sign, -1.0, math.nan)
+    _push(stack, 0, start, 1.0, start_sign, -1.0, math.nan)
     size = 1
     while size > 0:
         size -= 1
         left, right, sign_left, sign_right = stack[size, 0], stack[size, 1], stack[size, 2], stack[size, 3]
         guess = stack[size, 4]
         visits += 1
-        phi, gain, slope, regular = slope_over(reduced, left, right, guess)
-        if phi[0] >= 1.0:
+        gain, slope, regular = slope_over(reduced, left, right, guess)
+        if gain[0] >= 1.0:
             if sign_left != sign_right and right != 1.0:
                 flags |= CONTRADICTION
             elif right == 1.0 and n_roots < roots.shape[0]:
@@ -221,10 +241,11 @@ def _newton_step(reduced, left, middle, right, guess):
 
     Where the slope has no certain sign N is the interval itself.
     """
-    _phi, _gain, slope, regular = slope_over(reduced, left, right, guess)
+    _gain, slope, regular = slope_over(reduced, left, right, guess)
     if not (regular and (slope[0] > 0.0 or slope[1] < 0.0)):
         return left, right, guess, False
-    h, cosine = gain_at(reduced, middle, guess)
+    gain, cosine = gain_at(reduced, middle, guess)
+    h = subtract(gain, exact(middle))
     step = subtract(exact(middle), divide(h, slope))
     return step[0], step[1], 0.5 * (cosine[0] + cosine[1]), left < step[0] and step[1] < right
 
@@ -250,9 +271,19 @@ def narrow(reduced, left, right, sign):
     near : float
         The near flank's cosine at the root.
     """
+    held = reduced[CONTACT, 0] > 0.0
+    if left == 0.0 and held and gain_at(reduced, 0.0, math.nan)[0][1] == 0.0:
+        return 0.0, 0.0, math.nan
     if right == 1.0:
         n, _q, length = numerators_at(reduced, 1.0)
-        if reduced[GAP, 0] == 0.0 or max(n[0], -n[1]) >= length[1]:
+        two_flanks = reduced[CONTACT + 1, 0] != 0.0
+        if reduced[GAP, 1] == 0.0 and two_flanks:
+            return 1.0, 1.0, math.nan
+        if two_flanks and not held:
+            permanent = max(n[0], -n[1]) >= length[1]
+        else:
+            permanent = gain_at(reduced, 1.0, math.nan)[0][0] >= 1.0
+        if permanent:
             return 1.0, 1.0, math.nan
     root, near = _approximate_root(reduced, left, right, sign)
     low, high = max(root - _AROUND, left), min(root + _AROUND, right)

@@ -3,8 +3,8 @@
 The balance reduces to one equation for the gain t = N_a in [0, 1] (`solver.enumeration.reduction`, with the
 derivation), of which a branch and bound in interval arithmetic finds all roots (`solver.enumeration.search`). As t = 1
 - O(b/lambda_a) for large amplitudes and infinite amplitude is a regular point of that equation, the search has no
-ceiling; `amplitude_max` only says which solutions are wanted, and what lies above is proven as well. The coefficients
-are enclosed (`solver.enumeration.coefficients`): the proof holds for the model as given.
+ceiling; `amplitude_max` only says which solutions are wanted, and what lies above is proven as well. The numbers of the
+condensed balance are enclosed (`solver.enumeration.condensed`): the proof holds for the system as given.
 """
 
 import dataclasses
@@ -22,18 +22,12 @@ from solver.enumeration.certificates import (
     enumerate_points,
     workspace,
 )
+from solver.enumeration.condensed import condensed_over
 from solver.explained import Explained
-from solver.model.checks import (
-    ParameterError,
-    finite_array,
-    finite_number,
-    frequency,
-    instance_of,
-    number_array,
-    one_of,
-)
+from solver.model.checks import ParameterError, finite_array, finite_number, frequency, number_array
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import AXES, axis_vectors
+from solver.model.packing import check_values
 
 __all__ = ["Above", "Proof", "RowSolutions", "Solutions", "all_solutions", "enumerate_row", "enumerate_values"]
 
@@ -161,12 +155,12 @@ class RowSolutions:
         return RowSolutions(*(getattr(self, part.name)[indices] for part in dataclasses.fields(self)))
 
 
-def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -> Solutions:
+def all_solutions(system: Model | ContactSystem, omega: float, *, amplitude_max: float = 100.0) -> Solutions:
     """Every solution of the first-order balance at one point, proven.
 
     Parameters
     ----------
-    model : Model
+    system : Model or ContactSystem
     omega : float
         Frequency, > 0.
     amplitude_max : float
@@ -179,7 +173,7 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     Raises
     ------
     ParameterError
-        If the model, the frequency or the ceiling is not allowed.
+        If the system, the frequency or the ceiling is not allowed, or nothing can be proven about such a system.
     ArithmeticError
         If two proofs contradict each other, which would be a defect of the program.
 
@@ -189,16 +183,14 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
     the signs at its ends differ (intermediate value theorem), which R. E. Moore's interval Newton step then narrows
     (docs/physics.md, section 4.7).
     """
-    instance_of("model", model, Model)
-    omega, ceiling = frequency(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
-    parameters, parameter_slope = axis_vectors(model, "omega")
+    check_values(system, "omega", np.array([frequency(omega)]), None)
+    omega, ceiling = float(omega), finite_number("amplitude_max", amplitude_max, above=0.0)
+    enclosed = condensed_over(system, "omega", np.array([omega]), None)
     solutions, undecided, work = workspace()
-    count, n_open, proof, above, visits = enumerate_point(
-        parameters, parameter_slope, omega, ceiling, solutions, undecided, work
-    )
+    count, n_open, proof, above, visits = enumerate_point(enclosed[0], ceiling, solutions, undecided, work)
     proof = Proof(proof)
     if proof is Proof.CONTRADICTION:
-        raise ArithmeticError(f"{proof.sentence} It happened at omega = {omega!r} for {model!r}.")
+        raise ArithmeticError(f"{proof.sentence} It happened at omega = {omega!r} for {system!r}.")
     boxes = solutions[:count, MEAN:AMPLITUDE].reshape(count, 3, 2).copy()
     motions = undecided[:n_open][:, [ROOT, ROOT + 1, MEAN, MEAN + 1, AMPLITUDE, AMPLITUDE + 1]]
     return Solutions(
@@ -215,15 +207,15 @@ def all_solutions(model: Model, omega: float, *, amplitude_max: float = 100.0) -
 
 
 def enumerate_row(
-    model: Model, axis: str, grid, *, omega: float | None = None, amplitude_max: float = 100.0
+    system: Model | ContactSystem, axis: str, grid, *, omega: float | None = None, amplitude_max: float = 100.0
 ) -> RowSolutions:
     """Every solution at many values of one axis; per point this is `all_solutions` without its overhead.
 
     Parameters
     ----------
-    model : Model
+    system : Model or ContactSystem
     axis : str
-        "omega" or a scalar parameter of the gear; the model's own value of it is not used.
+        One of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem; its own value is not used.
     grid : (X,) array_like
     omega : float, optional
         Needed unless it is the axis.
@@ -237,33 +229,30 @@ def enumerate_row(
     Raises
     ------
     ParameterError
-        If an argument is not allowed.
+        If an argument is not allowed, or nothing can be proven about such a system.
     """
-    instance_of("model", model, Model)
-    one_of("axis", axis, AXES)
     grid = finite_array("grid", grid, (None,))
-    if axis != "omega" or omega is not None:
-        omega = frequency(omega)
-    for value in (grid.min(), grid.max()) if grid.size else ():
-        if axis == "omega":
-            frequency(float(value))
-        else:
-            model.replace(**{axis: float(value)})
+    check_values(system, axis, grid, omega)
     ceiling = finite_number("amplitude_max", amplitude_max, above=0.0)
-    return enumerate_values(*axis_vectors(model, axis, omega), grid, ceiling)
+    return enumerate_values(system, axis, grid, None if axis == "omega" else float(omega), ceiling)
 
 
 def enumerate_values(
-    parameters: np.ndarray, parameter_slope: np.ndarray, grid: np.ndarray, ceiling: float
+    system: Model | ContactSystem, axis: str, grid: np.ndarray, omega: float | None, ceiling: float
 ) -> RowSolutions:
-    """`enumerate_row` for callers that have the vectors of the axis; nothing is checked.
+    """`enumerate_row` for callers that have checked what they ask for.
 
     Parameters
     ----------
-    parameters, parameter_slope : (34,) arrays
-        `solver.model.packing.axis_vectors`.
+    system, axis, omega
+        As for `enumerate_row`.
     grid : (X,) array
     ceiling : float
         `amplitude_max`.
+
+    Raises
+    ------
+    ParameterError
+        If nothing can be proven about such a system.
     """
-    return RowSolutions(*enumerate_points(parameters, parameter_slope, grid, float(ceiling)))
+    return RowSolutions(*enumerate_points(condensed_over(system, axis, grid, omega), float(ceiling)))

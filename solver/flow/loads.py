@@ -60,7 +60,7 @@ def _gear_load(parameters, parameter_slope, p, load):
 def _system_load(parameters, parameter_slope, p, load):
     """M^-1 [F_l + (l Omega)^2 F^i_l] of a `ContactSystem`."""
     n = load.shape[1]
-    (mass, _, _), _ = system_matrices(parameters)
+    (mass, _, _), _ = system_matrices(parameters, parameters)
     constant, inertial = system_loads(parameters, parameters)
     constant_slope, inertial_slope = system_loads(parameters, parameter_slope)
     omega, _ = number_at(parameters, parameter_slope, p, MESH_FREQUENCY)

@@ -145,7 +145,7 @@ def system_at(parameters, parameter_slope, p, system):
     if parameters[KIND] == GEAR:
         _gear(gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope), p, system)
     else:
-        _system(parameters, system)
+        _system(parameters, parameter_slope, p, system)
     matrices, vectors = system.matrices, system.vectors
     n = vectors.shape[1]
     for i in range(n):
@@ -178,19 +178,21 @@ def _gear(model, slope, p, system):
     vectors[0, last], vectors[1, last], vectors[2, last] = 1.0, force + c, eps_t * force + eps_r * c
 
 
-@kernel(types.void(ARRAY, SWITCHED_SYSTEM), inner=True)
-def _system(parameters, system):
-    """A `ContactSystem`, from its M, C, K, w, h and h_v; no axis changes them."""
+@kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
+def _system(parameters, parameter_slope, p, system):
+    """A `ContactSystem`, from its M, C, K, w, h and h_v; an axis may change C and K."""
     matrices, vectors = system.matrices, system.vectors
     n = vectors.shape[1]
-    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters)
+    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters, parameters)
+    (_, d_damping, d_stiffness), _ = system_matrices(parameters, parameter_slope)
     left, rights = np.empty((n, n)), np.empty((2 * n + 2, n))
     for i in range(n):
         vectors[0, i] = contact[i]
         rights[2 * n, i], rights[2 * n + 1, i] = force[i], varying[i]
         for j in range(n):
             left[i, j] = mass[i, j]
-            rights[j, i], rights[n + j, i] = stiffness[i, j], damping[i, j]
+            rights[j, i] = stiffness[i, j] + p * d_stiffness[i, j]
+            rights[n + j, i] = damping[i, j] + p * d_damping[i, j]
     eliminate_rows(left, rights)
     for i in range(n):
         vectors[1, i], vectors[2, i] = rights[2 * n, i], rights[2 * n + 1, i]

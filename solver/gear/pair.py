@@ -2,10 +2,12 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from solver.model.checks import ParameterError, finite_number, finite_numbers, list_length, whole_number
+from solver.gear.pitch_cones import PitchCones
+from solver.model.checks import ParameterError, finite_number, finite_numbers
 from solver.model.gear_model import GEOMETRIC, Harmonics, Model, harmonic_pairs
 
 __all__ = ["GearPair"]
@@ -75,12 +77,10 @@ class GearPair:
 
     def __post_init__(self):
         anything, above, least = {}, {"above": 0.0}, {"at_least": 0.0}
-        self._set("teeth", _teeth(self.teeth))
+        for name in ("teeth", "module", "shaft_angle", "face_width"):
+            self._set(name, getattr(self.cones, name))
         for name, bounds in {
-            "module": above,
-            "shaft_angle": above,
             "pressure_angle": least,
-            "face_width": above,
             "mesh_stiffness": above,
             "mesh_damping_ratio": least,
             "half_backlash": least,
@@ -100,7 +100,8 @@ class GearPair:
         for name, bounds in (("load_torque", anything), ("reference_length", above)):
             if getattr(self, name) is not None:
                 self._set(name, finite_number(name, getattr(self, name), **bounds))
-        self._check_geometry()
+        if self.pressure_angle >= 90.0:
+            raise ParameterError("pressure_angle", self.pressure_angle, "an angle in degrees, at least 0 and below 90")
         self._check_loads()
         lowest = self.model().lowest_stiffness() * self.mesh_stiffness
         if lowest < 0.0:
@@ -109,14 +110,6 @@ class GearPair:
                 self.mesh_stiffness_harmonics,
                 f"small enough that the mesh stiffness stays at least 0 all cycle: it falls to {lowest:.4g} N/m",
             )
-
-    def _check_geometry(self):
-        if self.shaft_angle >= 180.0:
-            raise ParameterError("shaft_angle", self.shaft_angle, "an angle in degrees, above 0 and below 180")
-        if self.pressure_angle >= 90.0:
-            raise ParameterError("pressure_angle", self.pressure_angle, "an angle in degrees, at least 0 and below 90")
-        if self.face_width > self.cone_distance:
-            raise ParameterError("face_width", self.face_width, f"at most the cone distance {self.cone_distance:.6g} m")
 
     def _check_loads(self):
         if self.reference_length is None and self.half_backlash == 0.0:
@@ -127,31 +120,30 @@ class GearPair:
     def _set(self, name, value):
         object.__setattr__(self, name, value)
 
+    @cached_property
+    def cones(self) -> PitchCones:
+        """The pitch cones."""
+        return PitchCones(self.teeth, self.module, self.shaft_angle, self.face_width)
+
     @property
     def ratio(self) -> float:
         """u = z_2/z_1."""
-        return self.teeth[1] / self.teeth[0]
+        return self.cones.ratio
 
     @property
     def cone_angles(self) -> tuple[float, float]:
-        """Pitch cone angles (degrees): tan delta_1 = sin Sigma/(u + cos Sigma), delta_2 = Sigma - delta_1.
-
-        One of them may exceed a right angle (an internal bevel gear): the contact normal holds there as well, its
-        radial component turning its sign.
-        """
-        angle = math.radians(self.shaft_angle)
-        first = math.degrees(math.atan2(math.sin(angle), self.ratio + math.cos(angle)))
-        return first, self.shaft_angle - first
+        """Pitch cone angles (degrees)."""
+        return self.cones.cone_angles
 
     @property
     def cone_distance(self) -> float:
-        """Outer cone distance m z_1/(2 sin delta_1) (m)."""
-        return 0.5 * self.module * self.teeth[0] / math.sin(math.radians(self.cone_angles[0]))
+        """Outer cone distance (m)."""
+        return self.cones.cone_distance
 
     @property
     def mean_radii(self) -> np.ndarray:
-        """r_g = (m z_g - face width sin delta_g)/2, at mid face (m), (2,)."""
-        return 0.5 * (self.module * np.array(self.teeth) - self.face_width * np.sin(np.radians(self.cone_angles)))
+        """r_g at mid face (m), (2,)."""
+        return self.cones.mean_radii
 
     @property
     def tangential(self) -> float:
@@ -224,12 +216,6 @@ class GearPair:
             variation_translation=1.0,
             variation_rotation=1.0,
         )
-
-
-def _teeth(value) -> tuple[int, int]:
-    if list_length(value) != 2:
-        raise ParameterError("teeth", value, "two whole numbers above 0")
-    return tuple(whole_number(f"teeth[{i}]", count, 1, 10_000) for i, count in enumerate(value))
 
 
 def _scaled(harmonics: Harmonics, unit: float) -> list[tuple[float, float]]:

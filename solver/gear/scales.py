@@ -62,9 +62,10 @@ class Scale:
 class Scales:
     """The scale of every parameter of one gear pair that has a unit, by `solver.Model`'s names and `omega`.
 
-    `omega` is shown as pinion speed; its SI value is in rad/s of the pinion. `mesh_frequency` is Omega as well, in Hz,
-    and `length` that of displacements. f_pm stands for the driving torque with the load torque in the pair's proportion
-    to it, f_pv for the fluctuating driving torque. Support parameters are the pinion's, whose mass they refer to.
+    `omega` is shown as pinion speed; its SI value is in rad/s of the pinion. `mesh_frequency` is Omega as well, in Hz.
+    `length`, `velocity` and `force` are of displacements, of their speeds, and of forces in units of k_m b_c. f_pm
+    stands for the driving torque with the load torque in the pair's proportion to it, f_pv for the fluctuating driving
+    torque. Support parameters are the pinion's, whose mass they refer to.
 
     Parameters
     ----------
@@ -93,6 +94,8 @@ class Scales:
             "omega": Scale(unit / gear.teeth[0], "pinion speed", "rpm", math.pi / 30.0),
             "mesh_frequency": Scale(unit / (2.0 * math.pi), "mesh frequency", "Hz", 1.0),
             "length": Scale(length, "displacement", "µm", 1e-6),
+            "velocity": Scale(length * unit, "speed", "m/s", 1.0),
+            "force": Scale(stiffness * length, "force", "N", 1.0),
             "b": Scale(length, "half backlash", "µm", 1e-6),
             "f_e": Scale(length, "transmission error amplitude", "µm", 1e-6),
             "alpha": Scale(stiffness, "mesh stiffness amplitude", "N/µm", 1e6),

@@ -38,7 +38,7 @@ from solver.model.parameters import (
     system_matrices,
 )
 
-__all__ = ["base_frequency", "impedance", "stiffness_phasor"]
+__all__ = ["base_frequency", "impedance", "stiffness_phasor", "system_impedance"]
 
 _I, _F, _C = types.int64, types.float64, types.complex128
 _FOUR = types.UniTuple(_C, 4)
@@ -115,10 +115,11 @@ def _complex(number, p, slope):
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
-def _system_impedance(parameters, parameter_slope, p, s, d_s, l):
+def system_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a `ContactSystem`."""
     n, loads = int(parameters[DEGREES]), int(parameters[LOADS])
-    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters)
+    (mass, damping, stiffness), (contact, force, varying) = system_matrices(parameters, parameters)
+    (_, d_damping, d_stiffness), _ = system_matrices(parameters, parameter_slope)
     (steady, growing), (d_steady, d_growing) = (
         system_loads(parameters, parameters),
         system_loads(parameters, parameter_slope),
@@ -137,10 +138,11 @@ def _system_impedance(parameters, parameter_slope, p, s, d_s, l):
             rights[2, i] = fixed + omega * omega * inertial
             rights[3, i] = d_fixed + omega * omega * d_inertial + 2.0 * omega * d_omega * inertial
         for j in range(n):
-            free[i, j] = stiffness[i, j] + s * damping[i, j] + s * s * mass[i, j]
+            spring, damper = stiffness[i, j] + p * d_stiffness[i, j], damping[i, j] + p * d_damping[i, j]
+            free[i, j] = spring + s * damper + s * s * mass[i, j]
             closed = free[i, j] + force[i] * contact[j]
             forward[i, j], backward[j, i] = closed, closed
-            change[i, j] = (damping[i, j] + 2.0 * s * mass[i, j]) * d_s
+            change[i, j] = (damper + 2.0 * s * mass[i, j]) * d_s + d_stiffness[i, j] + s * d_damping[i, j]
     D = eliminate_rows(free, none) / eliminate_rows(forward, rights)
     eliminate_rows(backward, across)
     A, B, G, d_A, d_B, d_G = 0j, 0j, 0j, 0j, 0j, 0j
@@ -179,4 +181,4 @@ def impedance(parameters, parameter_slope, p, s, d_s, l):
     """
     if parameters[KIND] == GEAR:
         return _gear_impedance(parameters, parameter_slope, p, s, d_s, l)
-    return _system_impedance(parameters, parameter_slope, p, s, d_s, l)
+    return system_impedance(parameters, parameter_slope, p, s, d_s, l)

@@ -22,12 +22,14 @@ from solver.harmonic.contact_terms import coefficient, modulated
 from solver.harmonic.impedance import base_frequency
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.linear import eliminate
 from solver.model.checks import finite_array, has_methods, instance_of, number_array
 from solver.model.condensation import NO_COUPLING, direction_squares, rotation_coupling
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
 from solver.model.parameters import (
     BACK_GAP,
+    DEGREES,
     F_PM,
     FRONT_GAP,
     K_SUPPORT,
@@ -41,9 +43,11 @@ from solver.model.parameters import (
     error_slot,
     gear_numbers,
     number_at,
+    system_loads,
+    system_matrices,
 )
 
-__all__ = ["balance_quantities", "fill_quantities"]
+__all__ = ["balance_quantities", "fill_quantities", "fill_system_quantities"]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _COMPLEX = np.complex128
@@ -135,12 +139,9 @@ def _add(u, k, value):
         u[2 * k] -= value.imag
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, _F, _B, ARRAY), inner=True)
-def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
-    """Fill values (13,), by `Slot`, of one motion of a gear pair at one axis value."""
-    order, period, loads = u.shape[0] // 2, int(parameters[PERIOD]), int(parameters[LOADS])
-    room = 2 * u.shape[0] + 8
-    angles, zones = np.empty(room), np.empty(room, np.int64)
+@kernel(_I(ARRAY, ARRAY, ARRAY, _F, ARRAY, types.int64[::1], ARRAY), inner=True)
+def _read_displacement(parameters, parameter_slope, u, p, angles, zones, values):
+    """Fill what is read of lambda alone; the number of switches of contact, with their angles and the zones beyond."""
     base = base_frequency(parameters, parameter_slope, p)[0]
     (front, _), (back, _) = (
         number_at(parameters, parameter_slope, p, FRONT_GAP),
@@ -159,6 +160,21 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
         if zones[i - 1 if i > 0 else count - 1] == 0:
             speed = max(speed, abs(displacement(u, angles[i])[1]) * base)
     values[10], values[11] = 1.0 - touching, speed
+    return count
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, _F, _B, ARRAY), inner=True)
+def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
+    """Fill values (13,), by `Slot`, of one motion of a gear pair at one axis value."""
+    order, period, loads = u.shape[0] // 2, int(parameters[PERIOD]), int(parameters[LOADS])
+    room = 2 * u.shape[0] + 8
+    angles, zones = np.empty(room), np.empty(room, np.int64)
+    base = base_frequency(parameters, parameter_slope, p)[0]
+    (front, _), (back, _) = (
+        number_at(parameters, parameter_slope, p, FRONT_GAP),
+        number_at(parameters, parameter_slope, p, BACK_GAP),
+    )
+    count = _read_displacement(parameters, parameter_slope, u, p, angles, zones, values)
 
     gear, slope = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
     share = number_at(gear, slope, p, VARIATION_T)[0]
@@ -179,7 +195,7 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
             number_at(parameters, parameter_slope, p, at + 1),
         )
         _add(error, l * period, size * complex(math.cos(phase), math.sin(phase)))
-    squares, values[12] = direction_squares(gear, slope, p), 0.0
+    squares, values[12], resonant = direction_squares(gear, slope, p), 0.0, False
     for j in range(6):
         square, g = squares[j % 3], j // 3
         if not square > NO_COUPLING:
@@ -191,9 +207,15 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
             one_sided = force[0] if k == 0 else 2.0 * force[k]
             motion = complex(u[0], 0.0) if k == 0 else complex(u[2 * k - 1], -u[2 * k])
             push = -(kappa * one_sided + 2.0j * rate * drag * motion)
-            translation = push / complex(k_support - rate * rate, 2.0 * xi * rate)
+            impedance = complex(k_support - rate * rate, 2.0 * xi * rate)
+            if impedance == 0.0:
+                # Dividing by it would raise.
+                resonant = True
+                break
+            translation = push / impedance
             _add(error, k, -square * translation)
-            value = math.sqrt(square) * translation * complex(k_support, 2.0 * xi * rate)
+            # In units of k_m b_c, those of gear g being m_g b_c Omega_n^2.
+            value = math.sqrt(square) * translation * complex(k_support, 2.0 * xi * rate) / kappa
             support[max(2 * k - 1, 0)], support[2 * k] = value.real, -value.imag
             if k == 0:
                 support[0] = value.real
@@ -201,11 +223,17 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
         values[12] = max(values[12], abs(low), abs(high))
     values[5], values[6] = _range(error)
     values[7], values[8] = _spread(error), values[6] - values[5]
+    if resonant:
+        for i in (5, 6, 7, 8, 12):
+            values[i] = math.nan
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, MATRIX, _B, MATRIX))
 def fill_quantities(parameters, parameter_slope, values, motions, truncated, found):
-    """Fill found (k, 13), by `Slot`, for motions (k, n) at axis values (k,); nan where a motion is.
+    """Fill found (k, 13), by `Slot`, for motions (k, n) at axis values (k,).
+
+    nan where a motion is, and of a quantity that is infinite or none: a force over no load, a support at its undamped
+    resonance.
 
     Parameters
     ----------
@@ -217,11 +245,70 @@ def fill_quantities(parameters, parameter_slope, values, motions, truncated, fou
     found : (k, 13) array
     """
     for i in range(values.shape[0]):
-        if math.isfinite(motions[i, 0]):
+        known = math.isfinite(motions[i, 0])
+        if known:
             _motion_quantities(parameters, parameter_slope, motions[i], values[i], truncated, found[i])
-        else:
-            for j in range(found.shape[1]):
+        for j in range(found.shape[1]):
+            if not known or not math.isfinite(found[i, j]):
                 found[i, j] = math.nan
+
+
+@kernel(types.UniTuple(_F, 2)(ARRAY, ARRAY, _F), inner=True)
+def _static_force(parameters, parameter_slope, p):
+    """f at rest under the mean load with the front flank closed, of a `ContactSystem`; how the stiffness varies in it.
+
+    The second number is nan where h_v is no multiple of h: there is no one contact force then.
+    """
+    n = int(parameters[DEGREES])
+    (_, _, stiffness), (contact, force, varying) = system_matrices(parameters, parameters)
+    (_, _, d_stiffness), _ = system_matrices(parameters, parameter_slope)
+    (load, _), (d_load, _) = system_loads(parameters, parameters), system_loads(parameters, parameter_slope)
+    front = number_at(parameters, parameter_slope, p, FRONT_GAP)[0]
+    closed, right, strength, product = np.empty((n, n)), np.empty(n), 0.0, 0.0
+    for i in range(n):
+        right[i] = load[0, i, 0] + p * d_load[0, i, 0] + force[i] * front
+        strength += force[i] * force[i]
+        product += force[i] * varying[i]
+        for j in range(n):
+            closed[i, j] = stiffness[i, j] + p * d_stiffness[i, j] + force[i] * contact[j]
+    share, static = product / strength if strength > 0.0 else 0.0, -front
+    for i in range(n):
+        if abs(varying[i] - share * force[i]) > 1e-12 * math.sqrt(strength):
+            share = math.nan
+    if eliminate(closed, right) == 0.0:
+        return math.nan, share
+    for i in range(n):
+        static += contact[i] * right[i]
+    return static, share
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, MATRIX, MATRIX))
+def fill_system_quantities(parameters, parameter_slope, values, motions, found):
+    """Fill found (k, 13), by `Slot`, for motions (k, n) of a `ContactSystem` at axis values (k,).
+
+    Read of lambda and of the force at the front flank: there is no transmission error and no support, which are nan, as
+    is a force over one that does not press the front flank at rest.
+
+    Parameters
+    ----------
+    parameters, parameter_slope : arrays
+        Of `solver.model.packing.packed` for the balance.
+    values, motions, found : arrays
+        As for `fill_quantities`.
+    """
+    room = 2 * motions.shape[1] + 8
+    angles, zones = np.empty(room), np.empty(room, np.int64)
+    for i in range(values.shape[0]):
+        for j in range(found.shape[1]):
+            found[i, j] = math.nan
+        if not math.isfinite(motions[i, 0]):
+            continue
+        p, u = values[i], motions[i]
+        _read_displacement(parameters, parameter_slope, u, p, angles, zones, found[i])
+        static, share = _static_force(parameters, parameter_slope, p)
+        if static > 0.0 and math.isfinite(share):
+            front = number_at(parameters, parameter_slope, p, FRONT_GAP)[0]
+            found[i, 9] = _largest_force(parameters, parameter_slope, u, p, share, front, 1.0) / static
 
 
 def balance_quantities(
@@ -246,7 +333,8 @@ def balance_quantities(
     Returns
     -------
     (..., 13) array
-        By `solver.contact.quantities.Slot`; nan where the motion is. `Quantities(*row)` names them and their units.
+        By `solver.contact.quantities.Slot`; nan where the motion is, and as `fill_quantities` says.
+        `Quantities(*row)` names them and their units.
 
     Raises
     ------

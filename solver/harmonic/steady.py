@@ -112,8 +112,8 @@ def solve(
     if balance is None:
         first = guess.size == 3 and isinstance(system, Model)
         balance = DescribingFunction() if first else Galerkin(guess.size // 2)
-    elif has_methods("balance", balance, "problem", "extremes").truncated and not isinstance(system, Model):
-        raise ParameterError("balance", balance, "of a Galerkin kind for a ContactSystem")
+    else:
+        has_methods("balance", balance, "problem", "extremes")
     if guess.size == 3 and balance.unknowns > 3:
         guess = balance.lifted(guess)
     if guess.size != balance.unknowns:

@@ -17,11 +17,35 @@ from functools import lru_cache
 
 import numpy as np
 
-from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, whole_number
+from solver.model.checks import (
+    ParameterError,
+    finite_array,
+    finite_number,
+    frequency,
+    instance_of,
+    one_of,
+    whole_number,
+)
 from solver.model.condensation import NO_COUPLING
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
-__all__ = ["ContactSystem", "gear_system", "in_motion", "reduced", "support_kinds"]
+__all__ = ["SYSTEM_AXES", "ContactSystem", "gear_system", "in_motion", "reduced", "support_kinds"]
+
+#: What may be varied of a `ContactSystem`: the frequency; both gaps, or a factor on them; amplitude and phase (rad) of
+#: the first harmonic of the stiffness; factors on the mean load and on all that oscillates of the load; a damper that
+#: acts as the contact's spring does, in the gap as well, over its stiffness; factors on C and on K.
+SYSTEM_AXES = (
+    "omega",
+    "gap",
+    "gap_scale",
+    "alpha",
+    "alpha_phase",
+    "mean_load",
+    "excitation",
+    "contact_damping",
+    "damping",
+    "stiffness",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +143,44 @@ class ContactSystem:
     def two_sided(self) -> bool:
         """Whether there is a contact at the back."""
         return math.isfinite(self.back_gap)
+
+    @property
+    def held(self) -> bool:
+        """Whether K holds lambda without the contact, by more than 1e-12 of what the contact does."""
+        kept = reduced(self)
+        closed = kept.stiffness + np.outer(kept.force, kept.contact)
+        return bool(abs(np.linalg.det(kept.stiffness)) > 1e-12 * abs(np.linalg.det(closed)))
+
+    def at(self, axis: str, value: float) -> "ContactSystem":
+        """The system at one value of an axis; `contact_damping` adds to what C has, factors multiply what there is.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such axis, or the value is not allowed.
+        """
+        one_of("axis", axis, SYSTEM_AXES)
+        value = finite_number(axis, value)
+        if axis == "omega":
+            return self
+        if axis in ("gap", "gap_scale"):
+            if axis == "gap_scale" or self.two_sided:
+                finite_number(axis, value, at_least=0.0)
+            front = value if axis == "gap" else value * self.front_gap
+            back = self.back_gap if not self.two_sided else value if axis == "gap" else value * self.back_gap
+            return dataclasses.replace(self, front_gap=front, back_gap=back)
+        if axis in ("alpha", "alpha_phase"):
+            (amplitude, phase), *others = self.stiffness_harmonics or ((0.0, 0.0),)
+            first = (value, phase) if axis == "alpha" else (amplitude, value)
+            return dataclasses.replace(self, stiffness_harmonics=(first, *others))
+        if axis in ("mean_load", "excitation"):
+            loads = self.load.copy(), self.inertial_load.copy()
+            for load in loads:
+                load[slice(0, 1) if axis == "mean_load" else slice(1, None)] *= value
+            return dataclasses.replace(self, load=loads[0], inertial_load=loads[1])
+        if axis == "contact_damping":
+            return dataclasses.replace(self, damping=self.damping + value * np.outer(self.force, self.contact))
+        return dataclasses.replace(self, **{axis: value * getattr(self, axis)})
 
     def contact_force(self, displacement) -> np.ndarray:
         """f at displacements lambda of any shape; raises ParameterError if they are no finite numbers."""

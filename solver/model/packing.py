@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver.model.checks import ParameterError, finite_number, frequency, instance_of, one_of
-from solver.model.contact_system import ContactSystem, reduced
+from solver.model.contact_system import SYSTEM_AXES, ContactSystem, reduced
 from solver.model.gear_model import GEOMETRIC, SCALAR_PARAMETERS, Model
 from solver.model.parameters import (
     ALPHA,
@@ -44,14 +44,20 @@ from solver.model.parameters import (
     B,
 )
 
-__all__ = ["AXES", "SYSTEM_AXES", "axis_vectors", "check_axis", "gear_vectors", "packed", "parameter_vector"]
+__all__ = [
+    "AXES",
+    "SYSTEM_AXES",
+    "axis_vectors",
+    "check_axis",
+    "check_values",
+    "dead_zone_ends",
+    "gear_vectors",
+    "packed",
+    "parameter_vector",
+]
 
 #: Everything that may be an axis of a plane or of a continuation.
 AXES = ("omega", *SCALAR_PARAMETERS)
-
-#: What may be varied of a `ContactSystem`: the frequency, both gaps, the first harmonic of the stiffness, and a factor
-#: on the oscillating part of the load.
-SYSTEM_AXES = ("omega", "gap", "alpha", "excitation")
 
 # Where each scalar parameter begins in the vector of a gear, and how many numbers it takes.
 _SLOTS = {
@@ -143,21 +149,64 @@ def check_axis(system: Model | ContactSystem, axis: str, low: float, high: float
     ParameterError
         If the axis is unknown, its ends do not ascend, an end is not allowed, or the frequency is missing.
     """
-    instance_of("system", system, Model, ContactSystem)
-    gear = isinstance(system, Model)
-    one_of("axis", axis, AXES if gear else SYSTEM_AXES)
     finite_number("high", high, above=finite_number("low", low))
-    if axis == "omega":
-        frequency(low)
+    check_values(system, axis, np.array([low, high]), omega)
+
+
+def check_values(system: Model | ContactSystem, axis: str, values: np.ndarray, omega: float | None) -> None:
+    """Refuse values of an axis that a system cannot have.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    axis : str
+        One of `AXES`, or of `SYSTEM_AXES` for a ContactSystem.
+    values : (k,) array
+        Finite.
+    omega : float or None
+        The mesh frequency, > 0; needed unless it is the axis.
+
+    Raises
+    ------
+    ParameterError
+        If the axis is unknown, a value of it is not allowed, or the frequency is missing.
+    """
+    instance_of("system", system, Model, ContactSystem)
+    one_of("axis", axis, AXES if isinstance(system, Model) else SYSTEM_AXES)
     if axis != "omega" or omega is not None:
         frequency(omega)
+    for value in (float(values.min()), float(values.max())) if values.size else ():
+        _check_value(system, axis, value)
+
+
+def _check_value(system: Model | ContactSystem, axis: str, value: float) -> None:
+    """Refuse one value of a known axis."""
     if axis == "omega":
-        return
-    if gear:
-        for value in (low, high):
-            system.replace(**{axis: value})
-    elif axis == "gap" and system.two_sided:
-        finite_number("gap", low, at_least=0.0)
+        frequency(value)
+    elif isinstance(system, Model):
+        system.replace(**{axis: value})
+    else:
+        system.at(axis, value)
+
+
+def dead_zone_ends(system: Model | ContactSystem, axis: str, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the dead zone of lambda, low and high, at values of an axis; low is -inf where there is no back flank.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    axis : str
+        Its own value of the axis is not used.
+    values : array
+        Of any shape.
+    """
+    if isinstance(system, Model):
+        high = values if axis == "b" else np.full(np.shape(values), system.b)
+        return -high, high
+    if axis not in ("gap", "gap_scale"):
+        values = np.ones(np.shape(values))
+    front, back = (1.0, 1.0) if axis == "gap" else (system.front_gap, system.back_gap)
+    return -back * values if system.two_sided else np.full(np.shape(values), -np.inf), front * values
 
 
 def packed(system: Model | ContactSystem, axis: str, omega: float | None, order: int, period: int):
@@ -215,14 +264,8 @@ def gear_vectors(
 
 
 def _system(system: ContactSystem, axis: str, omega: float | None, order: int, period: int):
-    if axis not in SYSTEM_AXES:
-        raise ParameterError("axis", axis, f"one of {', '.join(SYSTEM_AXES)}")
+    one_of("axis", axis, SYSTEM_AXES)
     system = reduced(system)
-    pairs = np.array(system.stiffness_harmonics or ((0.0, 0.0),), dtype=float)
-    size = max(len(system.load), len(system.inertial_load))
-    loads = [np.zeros((size, system.degrees), dtype=complex) for _ in range(2)]
-    for target, source in zip(loads, (system.load, system.inertial_load), strict=True):
-        target[: len(source)] = source
     closed = system.stiffness + np.outer(system.force, system.contact)
     sign = np.sign(np.linalg.det(closed))
     if sign == 0.0:
@@ -232,23 +275,30 @@ def _system(system: ContactSystem, axis: str, omega: float | None, order: int, p
     # A contact that is stiffer than what carries it makes the equations small; a power of 2 changes nothing else.
     stiffer = abs(system.contact @ np.linalg.pinv(system.stiffness) @ system.force)
     sign *= 2.0 ** max(0.0, np.round(np.log2(max(stiffer, 1.0))))
+    size, count = max(len(system.load), len(system.inertial_load)), max(len(system.stiffness_harmonics), 1)
+    sizes = order * period, period, count, size - 1, system.degrees, sign
+    if axis == "contact_damping":
+        # What it adds to C is no difference of two floats.
+        parameters = _system_vector(system, sizes, omega or 0.0)
+        still = system.at("damping", 0.0)
+        return parameters, _system_vector(still.at(axis, 1.0), sizes, 0.0) - _system_vector(still, sizes, 0.0)
+    at_zero, at_one = (0.0 if axis == "omega" else omega, 1.0 if axis == "omega" else omega)
+    parameters = _system_vector(system.at(axis, 0.0), sizes, at_zero or 0.0)
+    # An infinite gap stays what it is.
+    with np.errstate(invalid="ignore"):
+        slope = _system_vector(system.at(axis, 1.0), sizes, at_one or 0.0) - parameters
+    slope[BACK_GAP] = slope[BACK_GAP] if system.two_sided else 0.0
+    return parameters, slope
+
+
+def _system_vector(system: ContactSystem, sizes: tuple, omega: float) -> np.ndarray:
+    """Numbers of a system at one frequency; sizes are H, nu, N, L, n and the sign of its static balance."""
     head = np.zeros(PAIRS)
-    head[[KIND, HARMONICS, PERIOD]] = SYSTEM, order * period, period
-    head[[STIFFNESSES, LOADS, DEGREES, SIGN]] = len(pairs), size - 1, system.degrees, sign
-    head[MESH_FREQUENCY], head[FRONT_GAP], head[BACK_GAP] = omega or 0.0, system.front_gap, system.back_gap
-    head_along, pairs_along = np.zeros(PAIRS), np.zeros_like(pairs)
-    if axis == "omega":
-        head[MESH_FREQUENCY], head_along[MESH_FREQUENCY] = 0.0, 1.0
-    elif axis == "gap":
-        head_along[FRONT_GAP], head[FRONT_GAP] = 1.0, 0.0
-        if system.two_sided:
-            head_along[BACK_GAP], head[BACK_GAP] = 1.0, 0.0
-    elif axis == "alpha":
-        pairs[0, 0], pairs_along[0, 0] = 0.0, 1.0
-    constant = [system.mass, system.damping, system.stiffness, system.contact, system.force, system.varying_force]
-    along = [np.zeros_like(part) for part in constant] + [np.zeros_like(load) for load in loads]
-    if axis == "excitation":
-        for load, load_along in zip(loads, along[-2:], strict=True):
-            load_along[1:], load[1:] = load[1:], 0.0
-    ahead, behind = ([part.view(float).ravel() for part in parts] for parts in ([*constant, *loads], along))
-    return np.concatenate([head, pairs.ravel(), *ahead]), np.concatenate([head_along, pairs_along.ravel(), *behind])
+    head[[KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, DEGREES, SIGN]] = SYSTEM, *sizes
+    head[[MESH_FREQUENCY, FRONT_GAP, BACK_GAP]] = omega, system.front_gap, system.back_gap
+    pairs = np.array(system.stiffness_harmonics or ((0.0, 0.0),), dtype=float)
+    loads = [np.zeros((sizes[3] + 1, system.degrees), dtype=complex) for _ in range(2)]
+    for target, source in zip(loads, (system.load, system.inertial_load), strict=True):
+        target[: len(source)] = source
+    matrices = system.mass, system.damping, system.stiffness, system.contact, system.force, system.varying_force
+    return np.concatenate([head, pairs.ravel(), *(part.view(float).ravel() for part in (*matrices, *loads))])

@@ -19,6 +19,7 @@ from numpy.polynomial import chebyshev
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
 from solver.model.checks import ParameterError
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.parameters import DEGREE, EDGES, MOVING, STRETCHES
 
@@ -59,21 +60,21 @@ class ParameterPath:
 
 
 def place_on(
-    axis: str | ParameterPath, value: float, model: Model, omega: float | None = None
-) -> tuple[Model, float | None]:
-    """The model and the frequency at one value of an axis.
+    axis: str | ParameterPath, value: float, model: Model | ContactSystem, omega: float | None = None
+) -> tuple[Model | ContactSystem, float | None]:
+    """The system and the frequency at one value of an axis.
 
     Parameters
     ----------
     axis : str or ParameterPath
     value : float
-    model : Model
+    model : Model or ContactSystem
         Its own value of a plain axis is not used; a path starts from it.
     omega : float, optional
 
     Returns
     -------
-    Model, float or None
+    Model or ContactSystem, float or None
 
     Raises
     ------
@@ -84,6 +85,8 @@ def place_on(
         return model.replace(**axis.changes(model, float(value))), omega
     if axis == "omega":
         return model, float(value)
+    if isinstance(model, ContactSystem):
+        return model.at(axis, float(value)), omega
     return model.replace(**{axis: float(value)}), omega
 
 

@@ -78,12 +78,12 @@ def error_slot(parameters, l):
     return kind_start(parameters) + GEAR_SIZE + 2 * (l - 1)
 
 
-@kernel(types.Tuple((types.UniTuple(MATRIX, 3), types.UniTuple(ARRAY, 3)))(ARRAY), inline=True)
-def system_matrices(parameters):
-    """M, C, K (n, n) and w, h, h_v (n,) of a `ContactSystem`."""
+@kernel(types.Tuple((types.UniTuple(MATRIX, 3), types.UniTuple(ARRAY, 3)))(ARRAY, ARRAY), inline=True)
+def system_matrices(parameters, vector):
+    """M, C, K (n, n) and w, h, h_v (n,) of a `ContactSystem` in `vector`: its parameters, or what an axis adds."""
     start, n = kind_start(parameters), int(parameters[DEGREES])
     middle = start + 3 * n * n
-    square, row = parameters[start:middle].reshape(3, n, n), parameters[middle : middle + 3 * n].reshape(3, n)
+    square, row = vector[start:middle].reshape(3, n, n), vector[middle : middle + 3 * n].reshape(3, n)
     return (square[0], square[1], square[2]), (row[0], row[1], row[2])
 
 

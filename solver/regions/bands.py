@@ -85,7 +85,7 @@ def lines(regions: Regions, values: Sequence[float]) -> list[Line]:
         _refuse_outside(regions, "p", value)
         part = regions.slabs[max(int(np.searchsorted(lows, value, side="right")) - 1, 0)]
         slab = part.slab
-        arcs, x = crossings.matrix(np.array([slab.inner(value)]))
+        arcs, x = crossings.matrix(np.clip([value], *slab.inner_ends))
         result.append(Line(float(value), part.labels, np.array([x[0, arcs.index(arc)] for arc in slab.arcs])))
     return result
 

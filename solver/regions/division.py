@@ -97,11 +97,11 @@ class Division:
 
     def _met(self, p: np.ndarray, curves: tuple[SlabCurve, ...]):
         """The number of the slab of every ascending p, and what its row meets of some curves: `RowCrossings.table`."""
-        lows = np.array([part.slab.low for part in self.slabs])
-        number = np.clip(np.searchsorted(lows, p, side="right") - 1, 0, None)
         # A row between two slabs, or on the border of one, is looked at inside.
-        inside = [self.slabs[k].slab.inner(value) for k, value in zip(number, p, strict=True)]
-        return number, RowCrossings(curves, self.plane.x_range).table(np.array(inside))
+        lows, firsts, lasts = np.array([(part.slab.low, *part.slab.inner_ends) for part in self.slabs]).T
+        number = np.clip(np.searchsorted(lows, p, side="right") - 1, 0, None)
+        inside = np.clip(p, firsts[number], lasts[number])
+        return number, RowCrossings(curves, self.plane.x_range).table(inside)
 
     def shares(
         self, x_window: tuple[float, float] | None = None, p_window: tuple[float, float] | None = None
@@ -168,6 +168,9 @@ class Division:
 class Labels(Protocol):
     """What is known of the slabs that curves divide a plane into."""
 
+    def expect(self, slabs: Sequence[Slab]) -> None:
+        """Look up together what `sequence` will need of slabs."""
+
     def sequence(self, slab: Slab) -> list[int] | float | BoundaryCurve:
         """The codes between every two neighbouring arcs of a slab; or what divides it further: a row along which a
         boundary runs, or a boundary."""
@@ -228,6 +231,7 @@ def _labelled(
     What is `known` of slabs that no further boundary has divided is kept.
     """
     codes: list[list[int]] = []
+    labels.expect([slab for slab in found if slab not in known])
     for slab in found:
         sequence = known.get(slab) or labels.sequence(slab)
         if not isinstance(sequence, list):

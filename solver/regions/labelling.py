@@ -4,11 +4,13 @@ What holds is one whole number: the code of the n/I label, and where dynamic sta
 dynamically stable motions alone, and whether static and dynamic stability contradict each other.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.problem import Plane
-from solver.contact.impact import domain_code, domain_label, impact_state
+from solver.contact.impact import domain_code, domain_label, impact_of_range
 from solver.enumeration.solutions import Proof, enumerate_row
 from solver.model.parameter_path import place_on
 from solver.regions.ceiling import ceiling_curve
@@ -69,6 +71,10 @@ class Labeller:
     ):
         self.plane, self.crossings, self.amplitude_max = plane, crossings, amplitude_max
         self._codes, self._rows, self._at, self._blur = row_codes if codes is None else codes, rows, at, blur
+
+    def expect(self, slabs: Sequence[Slab]) -> None:
+        """Look up together the rows at which slabs are asked first."""
+        self.crossings.look_up(np.concatenate([np.empty(0), *(slab.rows(self._rows[0]) for slab in slabs)]))
 
     def codes(self, slab: Slab, fractions, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there.
@@ -186,8 +192,8 @@ def _settled(seen: list[dict[int, list]]) -> list[int]:
 
 def _enumerated(plane: Plane, value: float, x: np.ndarray, amplitude_max: float):
     """Every solution at places of one row."""
-    model, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
-    return enumerate_row(model, plane.x_axis, x, omega=omega, amplitude_max=amplitude_max)
+    system, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
+    return enumerate_row(system, plane.x_axis, x, omega=omega, amplitude_max=amplitude_max)
 
 
 def row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
@@ -226,12 +232,12 @@ def stability_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: fl
     """
     found = _enumerated(plane, value, x, amplitude_max)
     stable = found.stable == 1
-    model, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
+    system, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
     column, which = np.nonzero(stable)
     kind = np.zeros(stable.shape, np.int8)
     # No band about the unit circle: boundaries tell where multipliers pass it, and next to them they are close to it.
     kind[column, which] = assess(
-        model,
+        system,
         plane.x_axis,
         x[column],
         found.motions[column, which],
@@ -248,8 +254,9 @@ def stability_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: fl
 
 def _label_codes(plane: Plane, value: float, x: np.ndarray, found, counted: np.ndarray) -> np.ndarray:
     """Codes of the labels of the solutions that are counted, (k,) uint16."""
-    b = plane.half_backlash(x, value)
-    states = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, b[:, None]).astype(np.int64)
+    low, high = plane.dead_zone(x, value)
+    ends = low[:, None], high[:, None]
+    states = impact_of_range(found.mean - found.amplitude, found.mean + found.amplitude, *ends).astype(np.int64)
     bits = np.bitwise_or.reduce(np.where(counted, 1 << states.clip(0), 0), axis=1, initial=0)
     return domain_code(np.sum(counted, axis=1), bits)
 

@@ -14,7 +14,8 @@ from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.problem import Plane
 from solver.contact.impact import domain_label, label_parts
 from solver.continuation.continuation import EndReason, Event
-from solver.model.checks import ParameterError, finite_number, instance_of, instances_of, value_range
+from solver.model.checks import ParameterError, finite_number, instances_of, value_range
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.parameter_path import ParameterPath
 from solver.regions.division import Division, divided
@@ -205,7 +206,7 @@ class Regions:
 
 
 def regions(
-    model: Model,
+    system: Model | ContactSystem,
     x_axis: str,
     p_axis: str | ParameterPath,
     x_range: tuple[float, float],
@@ -219,10 +220,10 @@ def regions(
 
     Parameters
     ----------
-    model : Model
+    system : Model or ContactSystem
         Its own values of the two axes are not used; a path starts from it.
     x_axis : str
-        One of `solver.model.packing.AXES`: along rows.
+        One of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem: along rows.
     p_axis : str or ParameterPath
         Another one, or a path of models: from row to row.
     x_range, p_range : (low, high)
@@ -251,7 +252,7 @@ def regions(
     Labels change only where a boundary crosses a row, and the order of crossings only at critical values of p
     (docs/physics.md, section 5.6).
     """
-    plane = Plane(instance_of("model", model, Model), x_axis, p_axis, x_range, p_range, omega)
+    plane = Plane(system, x_axis, p_axis, x_range, p_range, omega)
     curves = instances_of("curves", curves, BoundaryCurve)
     return _divided(plane, curves, finite_number("amplitude_max", amplitude_max, above=0.0))
 

@@ -5,6 +5,7 @@ with a row is a function x(p): an arc. Two arcs change places only where they in
 points, ends and intersections together are the critical values; between them the labels along a row cannot change.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -57,17 +58,13 @@ class Slab:
         return self.low + (self.high - self.low) * np.asarray(fractions, dtype=float)
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """The lowest and the highest p."""
-        return self.low, self.high
+    def inner_ends(self) -> tuple[float, float]:
+        """The lowest and the highest p, moved inside a little.
 
-    def inner(self, value: float) -> float:
-        """A value of p, moved inside where it lies outside or on the border.
-
-        There some boundary turns round, ends or meets another, and the order of the crossings is not defined.
+        On the border some boundary turns round, ends or meets another, and the order of the crossings is not defined.
         """
         margin = _INSIDE * (self.high - self.low)
-        return float(np.clip(value, self.low + margin, self.high - margin))
+        return self.low + margin, self.high - margin
 
 
 class SlabCurve(Protocol):
@@ -100,6 +97,12 @@ class RowCrossings:
 
     def __init__(self, curves: Sequence[SlabCurve], x_range: tuple[float, float]):
         self.curves, self.x_range = tuple(curves), x_range
+        self._known: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+
+    def look_up(self, values: np.ndarray) -> None:
+        """Look rows up together that `matrix` will be asked for in parts: that takes a fraction of the time."""
+        values = np.unique(values)
+        self._known = dict(zip(values.tolist(), self.table(values), strict=True))
 
     def table(self, values: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Arcs (k, 2) and x (k,) of every row, the sides first, then by arc.
@@ -126,8 +129,8 @@ class RowCrossings:
             x.append(points[order, 3])
         row, arcs, x = np.concatenate(row), np.concatenate(arcs), np.concatenate(x)
         order = np.argsort(row, kind="stable")
-        ends = np.cumsum(np.bincount(row, minlength=values.size))[:-1]
-        return list(zip(np.split(arcs[order], ends), np.split(x[order], ends), strict=True))
+        arcs, x, ends = arcs[order], x[order], np.cumsum(np.bincount(row, minlength=values.size)).tolist()
+        return [(arcs[first:end], x[first:end]) for first, end in itertools.pairwise([0, *ends])]
 
     def matrix(self, values: np.ndarray) -> tuple[list[Arc], np.ndarray]:
         """The arcs of rows that all meet the same ones, and x (v, arcs).
@@ -137,7 +140,8 @@ class RowCrossings:
         RegionError
             If the rows do not.
         """
-        return self.joined(self.table(values), values)
+        known = [self._known.get(value) for value in values.tolist()]
+        return self.joined(self.table(values) if None in known else known, values)
 
     @staticmethod
     def joined(rows, values) -> tuple[list[Arc], np.ndarray]:
@@ -225,16 +229,23 @@ def _intersections(crossings: RowCrossings, values: np.ndarray, table) -> np.nda
     """p at which any two arcs intersect, refined."""
     arcs, x = crossings.joined(table, values)
     floor = _SAME_X * (crossings.x_range[1] - crossings.x_range[0])
-    heights = []
-    for i, arc in enumerate(arcs):
-        for j in range(max(i + 1, 2), len(arcs)):
-            gap = x[:, i] - x[:, j]
+    first, second = np.triu_indices(len(arcs), 1)
+    # The sides of the plane do not intersect.
+    first, second = first[second > 1], second[second > 1]
+    gaps, heights = x[:, first] - x[:, second], []
+    for pair in np.flatnonzero(_may_vanish(values, gaps, floor)):
 
-            def distance(value, arc=arc, other=arcs[j]):
-                return crossings.x(arc, value) - crossings.x(other, value)
+        def distance(value, arc=arcs[first[pair]], other=arcs[second[pair]]):
+            return crossings.x(arc, value) - crossings.x(other, value)
 
-            heights.extend(_zeros(values, gap, distance, floor))
+        heights.extend(_zeros(values, gaps[:, pair], distance, floor))
     return np.array(heights)
+
+
+def _may_vanish(values: np.ndarray, gaps: np.ndarray, floor: float) -> np.ndarray:
+    """Which of some functions (v, k), known at samples, `_zeros` must look at, (k,) bool."""
+    unclear = np.any(np.abs(gaps) <= floor, axis=0) | np.any(gaps * gaps[:1] < 0.0, axis=0)
+    return unclear | np.any(_dips(values, gaps), axis=0)
 
 
 def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], float], floor: float) -> list[float]:
@@ -247,7 +258,7 @@ def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], floa
 
     at, size = values[kept], gap[kept]
     brackets = [(at[k], at[k + 1]) for k in np.flatnonzero(size[1:] * size[:-1] < 0.0)]
-    for k in _dips(at, size):
+    for k in np.flatnonzero(_dips(at, size[:, None])[:, 0]) + 1:
         sign = np.sign(size[k])
         low = minimize_scalar(lambda p, sign=sign: sign * distance(p), bounds=(at[k - 1], at[k + 1]), method="bounded")
         if low.fun < -floor:
@@ -256,15 +267,16 @@ def _zeros(values: np.ndarray, gap: np.ndarray, distance: Callable[[float], floa
 
 
 def _dips(at: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Samples between which a function may have two zeros: the parabola through three falls to half the middle one."""
+    """Between which samples functions (v, k) may have two zeros, (v - 2, k) bool: the parabola through three falls to
+    half the middle one."""
     left, middle, right = size[:-2], size[1:-1], size[2:]
     sign = np.sign(middle)
     lowest = (sign * left >= sign * middle) & (sign * right >= sign * middle)
-    before, after = np.diff(at)[:-1], np.diff(at)[1:]
+    before, after = (np.diff(at)[:-1, None], np.diff(at)[1:, None])
     fall, rise = sign * (middle - left) / before, sign * (right - middle) / after
     slope, bend = (fall * after + rise * before) / (before + after), (rise - fall) / (before + after)
     deep = slope**2 >= 2.0 * bend * sign * middle
-    return np.flatnonzero(lowest & deep & (bend > 0.0)) + 1
+    return lowest & deep & (bend > 0.0)
 
 
 def _ordered(crossings: RowCrossings, parts) -> tuple[tuple[Slab, ...], list[float]]:

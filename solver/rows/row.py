@@ -1,19 +1,21 @@
 """One row of a plane: its branches, the solutions at the row's grid values, and whether these are proven to be all."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from solver.contact.impact import domain_code, impact_state
+from solver.contact.impact import domain_code, impact_of_range
+from solver.contact.quantities import Slot
 from solver.continuation.continuation import Continuation, Curve, EndReason, Event
 from solver.continuation.problem import Balance
 from solver.enumeration.solutions import Above, Proof
 from solver.harmonic.describing_function import DescribingFunction
+from solver.harmonic.quantities import fill_quantities, fill_system_quantities
 from solver.model.checks import ascending_grid, has_methods, instance_of
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import check_axis, packed
+from solver.model.packing import check_axis, dead_zone_ends, packed
 from solver.rows.degree import missing_degree
 from solver.rows.seeds import Branches, ProvenSeeds, Seeds, proven_solutions
 from solver.rows.span import BROKEN, RowSpan, ends_for
@@ -32,10 +34,10 @@ class Row:
     ----------
     balance : Balance
         Of which the motions are solutions, with n unknowns.
+    system : Model or ContactSystem
+        Its own value of the swept parameter is not used.
     axis, grid : str, (X,) array
         The swept parameter and its grid values.
-    b : (X,) array
-        Half backlash at the grid values.
     curves : tuple of Curve
         Every branch, in the order in which they were found.
     motions : (X, S, n) array
@@ -46,6 +48,9 @@ class Row:
         Dynamic stability, `solver.stability.Instability`; -1 beyond the number of solutions.
     multiplier : (X, S) array
         Largest modulus of the multipliers; nan beyond the number of solutions.
+    quantities : (X, S, 13) array
+        What is read of the motions, by `solver.contact.quantities.Slot`; nan beyond the number of solutions, and where
+        it cannot be computed.
     open : (X,) int8 array
         1 where solutions above the amplitude ceiling exist or are not excluded, and on both sides of a place where a
         branch left through it. Where nothing is proven also where the solutions do not add up to the degree of the
@@ -57,15 +62,16 @@ class Row:
     """
 
     balance: Balance
+    system: Model | ContactSystem
     axis: str
     grid: np.ndarray
-    b: np.ndarray
     curves: tuple[Curve, ...]
     motions: np.ndarray
     stable: np.ndarray
     impact: np.ndarray
     instability: np.ndarray
     multiplier: np.ndarray
+    quantities: np.ndarray
     open: np.ndarray
     certified: np.ndarray
     notes: tuple[str, ...]
@@ -95,11 +101,6 @@ class Row:
         """lambda_a of the mesh frequency, (X, S)."""
         return np.hypot(self.cos, self.sin)
 
-    @cached_property
-    def extremes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest lambda over the period, two (X, S) arrays."""
-        return self.balance.extremes(self.motions)
-
     def branch_motions(self, curve: Curve) -> np.ndarray:
         """lambda_m, lambda_c and lambda_s at the points of one of the curves, (3, points).
 
@@ -120,8 +121,8 @@ class Row:
             If it is no curve.
         """
         instance_of("curve", curve, Curve)
-        b = curve.points[:, -1] if self.axis == "b" else self.b[0]
-        return impact_state(*self.balance.extremes(curve.points[:, :-1]), b)
+        ends = dead_zone_ends(self.system, self.axis, curve.points[:, -1])
+        return impact_of_range(*self.balance.extremes(curve.points[:, :-1]), *ends)
 
     @property
     def phase(self) -> np.ndarray:
@@ -146,7 +147,7 @@ class Row:
 
 
 def sweep_row(
-    model: Model,
+    system: Model | ContactSystem,
     axis: str,
     grid,
     *,
@@ -159,9 +160,9 @@ def sweep_row(
 
     Parameters
     ----------
-    model : Model
+    system : Model or ContactSystem
     axis : str
-        "omega" or a scalar parameter of the gear; the model's own value of it is not used.
+        One of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem; its own value is not used.
     grid : (X,) array_like
         Ascending values of the axis, at least two; the branches are traced between the first and the last.
     omega : float, optional
@@ -181,7 +182,7 @@ def sweep_row(
     Raises
     ------
     ParameterError
-        If an argument is not allowed.
+        If an argument is not allowed, or proven solutions are asked for of a system of which nothing can be proven.
     RowError
         If at a grid value the balance leaves the mean open, so that there is a continuum of solutions.
     """
@@ -189,9 +190,9 @@ def sweep_row(
     balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
     continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
     seeds = ProvenSeeds() if seeds is None else has_methods("seeds", seeds, "branches")
-    check_axis(instance_of("model", model, Model), axis, float(grid[0]), float(grid[-1]), omega)
+    check_axis(system, axis, float(grid[0]), float(grid[-1]), omega)
     low, high = float(grid[0]), float(grid[-1])
-    span = RowSpan(balance, model, axis, low, high, None if axis == "omega" else float(omega), continuation)
+    span = RowSpan(balance, system, axis, low, high, None if axis == "omega" else float(omega), continuation)
     branches = seeds.branches(span, grid)
     return _described(span, grid, branches, _raster(span, grid, branches))
 
@@ -262,7 +263,7 @@ def _traced_raster(span: RowSpan, grid: np.ndarray, branches: Branches) -> _Rast
 
 def _described(span: RowSpan, grid: np.ndarray, branches: Branches, raster: _Raster) -> Row:
     """The row, its solutions sorted by amplitude, with their states and their stability."""
-    b = grid if span.axis == "b" else np.full(grid.size, span.model.b)
+    low, high = dead_zone_ends(span.system, span.axis, grid)
     amplitude = np.linalg.norm(raster.unknowns[:, list(span.balance.fundamental)], axis=1)
     order = np.lexsort((raster.unknowns[:, 0], amplitude, raster.column))
     column, unknowns, stable = raster.column[order], raster.unknowns[order], raster.stable[order]
@@ -279,25 +280,31 @@ def _described(span: RowSpan, grid: np.ndarray, branches: Branches, raster: _Ras
     kind, modulus, tests = np.empty(0, np.int8), np.empty(0), np.empty((0, TESTS))
     if column.size:
         stability = assess(
-            span.model, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
+            span.system, span.axis, grid[column], unknowns, omega=span.omega, balance=span.balance, static=stable
         )
         kind, modulus, tests = stability.kind.astype(np.int8), stability.modulus, stability.tests
-    parameters = packed(span.model, span.axis, span.omega, span.balance.order, span.balance.period)
+    parameters = packed(span.system, span.axis, span.omega, span.balance.order, span.balance.period)
+    quantities = np.empty((column.size, len(Slot)))
+    if isinstance(span.system, Model):
+        fill_quantities(*parameters, grid[column], unknowns, span.balance.truncated, quantities)
+    else:
+        fill_system_quantities(*parameters, grid[column], unknowns, quantities)
     known = KnownMotions(grid[column], unknowns, tests)
     located = [
         locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in branches.curves
     ]
     return Row(
         span.balance,
+        span.system,
         span.axis,
         grid,
-        b,
         tuple(curve for curve, _ in located),
         motions,
         arranged(stable, -1),
-        impact_state(*span.balance.extremes(motions), b[:, None]),
+        impact_of_range(*span.balance.extremes(motions), low[:, None], high[:, None]),
         arranged(kind, -1),
         arranged(modulus, np.nan),
+        arranged(quantities, np.nan),
         raster.open.astype(np.int8),
         raster.certified,
         (*branches.notes, *raster.notes, *(note for _, notes in located for note in notes)),

@@ -3,9 +3,10 @@
 At first order `ProvenSeeds` enumerates all solutions at many values of the swept parameter, and traces from every
 solution that no branch passes yet. `LinearSeeds` starts from the linear pair without backlash at both ends, which is
 what continuation alone can do, and where the degree does not add up. At order H nothing is proven: `LiftedSeeds`
-corrects every proven first-order solution at evenly spaced values to order H, and so motions of one harmonic at a few
-amplitudes and phases; where the degree does not add up, the solution that grows out of the linear one is added. On a
-multiple of the forcing period, guesses carry subharmonics as well, and branches are switched where one crosses.
+corrects every proven first-order solution at evenly spaced values to order H (none of a system of which nothing can be
+proven), and so motions of one harmonic at a few amplitudes and phases; where the degree does not add up, the solution
+that grows out of the linear one is added. On a multiple of the forcing period, guesses carry subharmonics as well, and
+branches are switched where one crosses.
 """
 
 import dataclasses
@@ -16,6 +17,7 @@ import numpy as np
 
 from solver.continuation.on_curve import Crossings
 from solver.continuation.solution_curve import Curve
+from solver.enumeration.condensed import UnprovableError
 from solver.enumeration.solutions import Proof, RowSolutions, enumerate_values
 from solver.model.checks import ParameterError, ascending_grid, instance_of, whole_number
 from solver.rows.coverage import CorrectedCoverage, Coverage, ProvenCoverage
@@ -171,7 +173,7 @@ def proven_solutions(span: RowSpan, probes: np.ndarray) -> RowSolutions:
     RowError
         If somewhere the balance leaves the mean open: a continuum of solutions.
     """
-    solutions = enumerate_values(*span.first_order_vectors, probes, span.continuation.amplitude_max)
+    solutions = enumerate_values(span.system, span.axis, probes, span.omega, span.continuation.amplitude_max)
     if np.any(solutions.proof == Proof.CONTINUUM):
         where = probes[solutions.proof == Proof.CONTINUUM]
         raise RowError(f"{Proof.CONTINUUM.sentence} First at {span.axis} = {where[0]:.9g}.")
@@ -259,7 +261,11 @@ class LiftedSeeds:
             )
             span = dataclasses.replace(span, continuation=settings)
         coverage = CorrectedCoverage(span, probes)
-        lifted = span.balance.lifted(proven_solutions(span, probes).motions)
+        try:
+            motions = proven_solutions(span, probes).motions
+        except UnprovableError:
+            motions = np.full((probes.size, 1, 3), np.nan)
+        lifted = span.balance.lifted(motions)
         single = _single_harmonics(span)
         columns, starts = [], []
         for rank, column in enumerate(order):

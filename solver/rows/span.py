@@ -1,4 +1,4 @@
-"""What is continued in a row: one balance of one gear over one axis, and how its branches are traced."""
+"""What is continued in a row: one balance of one system over one axis, and how its branches are traced."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,9 +9,8 @@ import numpy as np
 from solver.continuation.continuation import Continuation, Curve, EndReason, Problem
 from solver.continuation.on_curve import Crossings, Known, curve_crossings
 from solver.continuation.problem import Balance
-from solver.harmonic.describing_function import DescribingFunction
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import axis_vectors
 
 __all__ = ["BROKEN", "RowError", "RowSpan", "ends_for", "ends_notes", "runs"]
 
@@ -27,9 +26,9 @@ class RowSpan:
     Parameters
     ----------
     balance : Balance
-    model : Model
+    system : Model or ContactSystem
     axis : str
-        One of `solver.model.condensation.AXES`.
+        One of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
     low, high : float
         Range of the axis.
     omega : float or None
@@ -38,7 +37,7 @@ class RowSpan:
     """
 
     balance: Balance
-    model: Model
+    system: Model | ContactSystem
     axis: str
     low: float
     high: float
@@ -48,14 +47,7 @@ class RowSpan:
     @cached_property
     def problem(self) -> Problem:
         """The balance over the axis."""
-        return self.balance.problem(self.model, self.axis, self.low, self.high, self.omega)
-
-    @cached_property
-    def first_order_vectors(self) -> tuple[np.ndarray, np.ndarray]:
-        """`solver.model.packing.axis_vectors`, which enumeration reads."""
-        if isinstance(self.balance, DescribingFunction):
-            return self.problem.parameters, self.problem.parameter_slope
-        return axis_vectors(self.model, self.axis, self.omega)
+        return self.balance.problem(self.system, self.axis, self.low, self.high, self.omega)
 
     def corrected(self, starts: np.ndarray, iterations: int = 20) -> np.ndarray:
         """What Newton's method reaches from starts y = (u, p) at the same p, (k, n + 1); nan where nothing."""

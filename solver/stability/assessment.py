@@ -12,20 +12,10 @@ from solver.continuation.problem import Balance
 from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
-from solver.model.checks import (
-    ParameterError,
-    finite_array,
-    finite_number,
-    frequency,
-    has_methods,
-    instance_of,
-    number_array,
-    one_of,
-    whole_number,
-)
+from solver.model.checks import ParameterError, finite_array, finite_number, has_methods, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import AXES, SYSTEM_AXES, packed
+from solver.model.packing import check_values, packed
 from solver.model.parameters import PERIOD
 from solver.stability.instability import named
 from solver.stability.monodromy import carry_through, fill_monodromies, find_switches, fitted_room, new_room
@@ -177,16 +167,8 @@ def classify(multipliers, static=None, tolerance: float = TOLERANCE) -> np.ndarr
 
 def _checked(system, axis: str, values, motions, omega, order: int, period: int):
     """Packed parameters, axis values (k,) and motions (k, 2 H + 1) as kernels take them."""
-    instance_of("system", system, Model, ContactSystem)
-    one_of("axis", axis, AXES if isinstance(system, Model) else SYSTEM_AXES)
     values, period = finite_array("values", values, (None,)), whole_number("period", period, 1, 10_000)
-    if axis != "omega" or omega is not None:
-        frequency(omega)
-    if axis == "omega" and values.size:
-        frequency(float(values.min()))
-    if isinstance(system, Model) and axis != "omega" and values.size:
-        for value in (values.min(), values.max()):
-            system.replace(**{axis: float(value)})
+    check_values(system, axis, values, omega)
     motions = np.ascontiguousarray(finite_array("motions", motions, (values.size, None)))
     if motions.shape[1] % 2 == 0:
         raise ParameterError("motions", f"array of shape {motions.shape}", f"({values.size}, an odd number)")

@@ -1,11 +1,8 @@
-"""Kinds of attractors, and the impact states of ranges of lambda."""
+"""Kinds of attractors."""
 
-import numpy as np
-
-from solver.contact.impact import ImpactState, impact_state
 from solver.explained import Explained
 
-__all__ = ["AttractorKind", "impact_of_range"]
+__all__ = ["AttractorKind"]
 
 
 class AttractorKind(Explained):
@@ -44,23 +41,3 @@ class AttractorKind(Explained):
         if self is AttractorKind.PERIOD_LONGER:
             return "nT"
         return f"{int(self)}T" if self.periodic else self.name.lower()
-
-
-def impact_of_range(lowest: np.ndarray, highest: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Impact states (int8) of ranges of lambda between the ends of the dead zone; -1 where a range is nan.
-
-    Parameters
-    ----------
-    lowest, highest : arrays
-        Extremes of lambda.
-    low, high : arrays
-        Ends of the dead zone; low is -inf of a one-sided contact.
-    """
-    one_sided = np.where(lowest > high, ImpactState.PERMANENT, ImpactState.SINGLE_SIDED)
-    one_sided = np.where(highest > high, one_sided, ImpactState.FREE)
-    # Seen from the middle of the dead zone both gaps are alike.
-    finite = np.where(np.isfinite(low), low, -high)
-    middle, half = 0.5 * (high + finite), np.maximum(0.5 * (high - finite), 0.0)
-    two_sided = impact_state(lowest - middle, highest - middle, half)
-    states = np.where(np.isfinite(low), two_sided, one_sided)
-    return np.where(np.isnan(lowest) | np.isnan(highest), -1, states).astype(np.int8)

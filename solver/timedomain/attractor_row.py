@@ -100,8 +100,8 @@ class AttractorRow:
         Round in which it was found; -1 for none.
     lowest, highest, mean, rms, peak_to_peak, amplitude : (X, A) arrays
         Of lambda: RMS and peak to peak of what varies, amplitude at the forcing frequency.
-    error_rms, error_peak_to_peak : (X, A) arrays
-        Of what varies in the dynamic transmission error.
+    error_lowest, error_highest, error_rms, error_peak_to_peak : (X, A) arrays
+        Of the dynamic transmission error likewise.
     force : (X, A) array
         Largest mesh force over the static one: K_v.
     contact_loss : (X, A) array
@@ -109,7 +109,7 @@ class AttractorRow:
     impact_velocity : (X, A) array
         Largest speed of lambda where teeth meet again.
     support_force : (X, A) array
-        Largest force of a support.
+        Largest force of a support, in units of k_m b_c.
     lyapunov, lyapunov_error : (X, A) arrays
         Largest Lyapunov exponent per unit of tau and its standard error; of periodic motions from the multipliers.
     hits : (X, A) int32 array
@@ -139,6 +139,8 @@ class AttractorRow:
     mean: np.ndarray
     rms: np.ndarray
     peak_to_peak: np.ndarray
+    error_lowest: np.ndarray
+    error_highest: np.ndarray
     error_rms: np.ndarray
     error_peak_to_peak: np.ndarray
     force: np.ndarray

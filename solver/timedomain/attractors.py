@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from solver.contact.impact import impact_of_range
 from solver.contact.quantities import Slot
 from solver.model.checks import ParameterError, finite_array, frequency, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis
-from solver.timedomain.attractor import impact_of_range
 from solver.timedomain.attractor_row import AttractorRow, AttractorSearch, SeenFrom
 from solver.timedomain.cell_search import AMPLITUDE, CHAOTIC, NUMBERS, Cell, recall, seek
 from solver.timedomain.recognition import HIGHEST_PERIOD, Known, new_known
@@ -32,6 +32,8 @@ _QUANTITIES = {
     "mean": Slot.MEAN,
     "rms": Slot.RMS,
     "peak_to_peak": Slot.PEAK_TO_PEAK,
+    "error_lowest": Slot.ERROR_LOWEST,
+    "error_highest": Slot.ERROR_HIGHEST,
     "error_rms": Slot.ERROR_RMS,
     "error_peak_to_peak": Slot.ERROR_PEAK_TO_PEAK,
     "force": Slot.DYNAMIC_FACTOR,
@@ -142,21 +144,7 @@ class _RowSearch:
         self.see(i + way, ends, SeenFrom.NEIGHBOUR)
 
     def _brought(self, i: int, source: int, slots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self.kind[source, slots], self.adapted(i, self.state[source, slots])
-
-    def adapted(self, i: int, states: np.ndarray) -> np.ndarray:
-        """States (k, m) of other cells as states of this one.
-
-        Where the number of coordinates differs, lambda and its speed are brought and the others are at rest.
-        """
-        size = self.size(i)
-        if not (np.isnan(states[:, :size]).any() or np.isfinite(states[:, size:]).any()):
-            return states[:, :size]
-        own, n = np.tile(self.systems.rest[i, :size], (len(states), 1)), size // 2
-        for target, state in zip(own, states, strict=True):
-            given = np.count_nonzero(np.isfinite(state)) // 2
-            target[n - 1], target[2 * n - 1] = state[given - 1], state[2 * given - 1]
-        return own
+        return self.kind[source, slots], self.systems.adapted(i, self.state[source, slots])
 
     def spread(self, round: int) -> None:
         """Follow attractors along the row, both ways, until no cell gains one."""
@@ -410,7 +398,7 @@ def continue_attractors(
         raise ParameterError("states", states, f"{columns.size} states: y and y', then nan")
     for i in np.unique(columns).tolist():
         here = columns == i
-        _, slots, _ = found.seek(i, round, kinds=kinds[here], brought=found.adapted(i, states[here]))
+        _, slots, _ = found.seek(i, round, kinds=kinds[here], brought=found.systems.adapted(i, states[here]))
         found.see(i, slots, SeenFrom.NEIGHBOUR)
     found.spread(round)
     return found.result()

@@ -21,20 +21,21 @@ from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, fill_sam
 from solver.timedomain.section_map import MAP_ROOM, carry_period, new_room, new_steps
 from solver.timedomain.settling import LIMITS, MEMORY, Limits, Memory, settle_state, spread_sample
 
-__all__ = ["AMPLITUDE", "CHAOTIC", "NUMBERS", "Cell", "recall", "seek"]
+__all__ = ["AMPLITUDE", "CHAOTIC", "NUMBERS", "WINDOW", "Cell", "pursue", "recall", "seek"]
 
 _F, _I = types.float64, types.int64
 _COUNTS = types.int64[::1]
 
 #: The last kind of a bounded attractor.
 CHAOTIC = int(AttractorKind.CHAOTIC)
+UNBOUNDED = int(AttractorKind.UNBOUNDED)
 
 #: Numbers that are kept of an attractor: those of `Slot`, and the amplitude of the forcing frequency.
 AMPLITUDE = len(Slot)
 NUMBERS = AMPLITUDE + 1
 
 #: Forcing periods over which the quantities of an aperiodic attractor are taken.
-_WINDOW = 128
+WINDOW = 128
 
 # An orbit that Newton's method finds from a motion of a map, or from an attractor of a neighbouring cell, is taken for
 # what that motion ends on if it is no farther away than this share of the system's length; else the motion is followed.
@@ -97,6 +98,43 @@ def seek(cell, period, motions, kinds, brought, states, slots, numbers):
     _describe(flows, cell, before, limits.ceiling, numbers, room)
 
 
+@kernel(_I(_CELL, ARRAY, ARRAY, ARRAY))
+def pursue(cell, state, displacement, numbers):
+    """Follow one motion, without a shortcut, until it has settled, and tell what it does from then on.
+
+    Parameters
+    ----------
+    cell : Cell
+    state : (m,) array
+        Where it starts, on the section; overwritten by where it has settled.
+    displacement : (WINDOW,) array
+        lambda at the starts of the periods of its own period, or of all these of a motion without one, is filled in.
+    numbers : (NUMBERS,) array
+        Filled in from the same periods.
+
+    Returns
+    -------
+    int
+        Slot that it ends in, or FAILED or NO_ROOM; what is filled in is untouched where it is not bounded.
+    """
+    known, memory = cell.known, cell.memory
+    system = loaded_system_at(cell.parameters, cell.parameter_slope, cell.p)
+    limits = _scaled(cell.limits, system.numbers[LENGTH])
+    flows = zone_flows(system, limits.tolerance, new_flows(system, 1))
+    room = new_room(flows)
+    slot = settle_state(flows, known, state, limits, memory, new_orbit(flows), room)
+    if slot < 0 or known.kind[slot] == UNBOUNDED:
+        return slot
+    periods = WINDOW
+    if known.kind[slot] <= HIGHEST_PERIOD:
+        periods = known.kind[slot]
+        copy_into(state, known.points[slot, 0])
+    copy_into(memory.before, state)
+    steps, ceiling = new_steps(flows), limits.ceiling
+    describe_motion(flows, cell.gauge, memory.before, displacement[:periods], numbers, steps, ceiling, room)
+    return slot
+
+
 @kernel(LIMITS(LIMITS, _F), inner=True)
 def _scaled(limits, length):
     """The ceiling as a length."""
@@ -111,23 +149,50 @@ def _describe(flows, cell, first, ceiling, numbers, room):
     known, state = cell.known, cell.memory.before
     if known.count[0] == first:
         return
-    omega, steps, work, sums = flows.system.numbers[FREQUENCY], new_steps(flows), new_work(flows), np.empty((2, 2))
+    steps, displacement = new_steps(flows), np.empty(WINDOW)
     for slot in range(first, known.count[0]):
         kind = known.kind[slot]
         if kind < 1 or kind > CHAOTIC:
             continue
-        periods = kind if kind <= HIGHEST_PERIOD else _WINDOW
+        periods = kind if kind <= HIGHEST_PERIOD else WINDOW
         copy_into(state, known.points[slot, 0])
-        clear(work)
-        sums[:, :] = 0.0
-        for _ in range(periods):
-            status, count = carry_period(flows, state, steps[:0], steps, ceiling, room)
-            if status != COMPLETE:
-                break
-            gather(flows, cell.gauge, steps, count, work, room)
-            add_harmonics(flows, steps, count, 0.0, omega, sums, room)
-        read(cell.gauge, work, numbers[slot])
-        numbers[slot, AMPLITUDE] = math.hypot(sums[1, 0], sums[1, 1]) * omega / (math.pi * periods)
+        describe_motion(flows, cell.gauge, state, displacement[:periods], numbers[slot], steps, ceiling, room)
+
+
+@kernel(types.void(ZONE_FLOWS, GAUGE, ARRAY, ARRAY, ARRAY, MATRIX, _F, MAP_ROOM), inner=True)
+def describe_motion(flows, gauge, state, displacement, numbers, steps, ceiling, room):
+    """Fill in what a motion does over some periods.
+
+    Parameters
+    ----------
+    flows : ZoneFlows
+    gauge : Gauge
+    state : (m,) array
+        On the section; overwritten by that after the last period.
+    displacement : (periods,) array
+        lambda at the start of each period is filled in.
+    numbers : (NUMBERS,) array
+        Filled in: those of `Slot`, and the amplitude.
+    steps : array
+        Of `new_steps`, overwritten.
+    ceiling : float
+        As for `carry_period`.
+    room : MapRoom
+    """
+    omega, work, sums = flows.system.numbers[FREQUENCY], new_work(flows), np.zeros((2, 2))
+    contact, periods = flows.system.vectors[0], displacement.shape[0]
+    clear(work)
+    for period in range(periods):
+        displacement[period] = 0.0
+        for i in range(contact.shape[0]):
+            displacement[period] += contact[i] * state[i]
+        status, count = carry_period(flows, state, steps[:0], steps, ceiling, room)
+        if status != COMPLETE:
+            break
+        gather(flows, gauge, steps, count, work, room)
+        add_harmonics(flows, steps, count, 0.0, omega, sums, room)
+    read(gauge, work, numbers)
+    numbers[AMPLITUDE] = math.hypot(sums[1, 0], sums[1, 1]) * omega / (math.pi * periods)
 
 
 @kernel(types.void(ZONE_FLOWS, KNOWN, LIMITS, MEMORY, MAP_ROOM), inner=True)

@@ -176,7 +176,8 @@ def gauge_at(parameters, parameter_slope, p, separate):
     seen, supports = np.ones(count + 1), np.zeros((count if told else 0, 2 * count + 2))
     seen[count] = 0.0
     for kind in range(supports.shape[0]):
-        share = math.sqrt(kinds[kind, 5]) / kinds[kind, 4]
+        # In units of k_m b_c, those of gear g being m_g b_c Omega_n^2.
+        share = math.sqrt(kinds[kind, 5]) / (kinds[kind, 4] * kinds[kind, 2])
         supports[kind, kind] = share * kinds[kind, 1]
         supports[kind, count + 1 + kind] = 2.0 * share * kinds[kind, 0]
     return Gauge(numbers, error, seen, supports)

@@ -98,6 +98,20 @@ class RowSystems:
         """Numbers m of the largest state."""
         return self.rest.shape[1]
 
+    def adapted(self, i: int, states: np.ndarray) -> np.ndarray:
+        """States (k, m) of other cells as states of cell i.
+
+        Where the number of coordinates differs, lambda and its speed are brought and the others are at rest.
+        """
+        size = 2 * int(self.degrees[i])
+        if not (np.isnan(states[:, :size]).any() or np.isfinite(states[:, size:]).any()):
+            return states[:, :size]
+        own, n = np.tile(self.rest[i, :size], (len(states), 1)), size // 2
+        for target, state in zip(own, states, strict=True):
+            given = np.count_nonzero(np.isfinite(state)) // 2
+            target[n - 1], target[2 * n - 1] = state[given - 1], state[2 * given - 1]
+        return own
+
 
 def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, omega: float | None) -> RowSystems:
     """The systems of a row; what is given has been checked.
@@ -151,17 +165,17 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
     if isinstance(system, Model):
         gauges = tuple(gauge_at(parameters, slope, value, False) for value in values.tolist())
     else:
-        gauges = _gauges(reduced(system), rest)
+        gauges = _gauges(reduced(system), rest, gaps[:, 1])
     return RowSystems(parameters, slope, values, degrees, rest, box, gaps, frequencies, gauges, tuple(alike))
 
 
-def _gauges(system: ContactSystem, rest: np.ndarray) -> tuple[Gauge, ...]:
-    """What is read of a system that is no gear pair: the force over that at rest in contact."""
+def _gauges(system: ContactSystem, rest: np.ndarray, front: np.ndarray) -> tuple[Gauge, ...]:
+    """What is read of a system that is no gear pair: the force over that at rest in contact, beyond a gap (X,)."""
     force, varying = system.force, system.varying_force
     # The stiffness varies in the mesh force where both act along one direction; elsewhere there is no one mesh force.
     share = float(varying @ force / (force @ force))
     share = share if np.allclose(varying, share * force, rtol=1e-12, atol=0.0) else np.nan
-    closed = rest[:, : system.degrees] @ system.contact - system.front_gap
+    closed = rest[:, : system.degrees] @ system.contact - front
     return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), np.empty(0), np.empty((0, 0))) for at in closed)
 
 

@@ -6,6 +6,7 @@ import xarray as xr
 
 import pipeline
 from pipeline import store
+from pipeline.config.quantities import QUANTITIES
 from pipeline.errors import StoreError
 from pipeline.plane.labels import jumping
 from solver import ParameterError
@@ -39,10 +40,50 @@ def test_labels_and_motions_at_stored_places_are_those_stored(plane):
         assert plane.label_at(**here) == plane.label_near(**here) != ""
         near, at = plane.motions_near(**here), plane.motions_at(**here)
         assert near.sizes == at.sizes
-        for name in ("mean", "amplitude", "phase"):
-            np.testing.assert_allclose(at[name], near[name], rtol=0, atol=1e-8)
-        np.testing.assert_array_equal(at.stable, near.stable)
-        np.testing.assert_array_equal(at.impact, near.impact)
+        for name in (*QUANTITIES, "phase", "multiplier"):
+            np.testing.assert_allclose(at[name], near[name], rtol=0, atol=1e-7)
+            assert at[name].attrs == near[name].attrs == plane.tree[name].attrs
+        for name in ("stable", "impact", "instability"):
+            np.testing.assert_array_equal(at[name], near[name])
+
+
+def test_motions_of_higher_order_are_those_of_their_row(tmp_path):
+    planned = small_plan("plane=omega_fe", "solver=hb", "solver.order=3", columns=41, rows=5)
+    plane = pipeline.open_plane(small_store(tmp_path / "third.zarr", planned))
+    x, p = float(planned.sweep.values[11]), float(planned.parameter.values[2])
+    near, at = plane.motions_near(omega=x, f_e=p), plane.motions_at(omega=x, f_e=p)
+    assert near.identical(at) and at.sizes["solution"] == 3
+    # Off the grid: the same motion on the branches of the same value.
+    x, p = 0.611, 0.21
+    at, curve = plane.motions_at(omega=x, f_e=p), plane.curve_at(f_e=p)
+    assert float(at.omega) == x and at.sizes["solution"] == 3
+    for i in range(3):
+        near_it = np.abs(curve.omega.values - x) + np.abs(curve.rms.values - at.rms.values[i]) < 0.05
+        assert np.any(near_it) and np.min(np.abs(curve.highest.values[near_it] - at.highest.values[i])) < 0.05
+
+
+def test_physical_values_are_the_dimensionless_ones_in_units(tmp_path):
+    planned = small_plan("plane=omega_fe", "gear=miter", columns=21, rows=3)
+    plane = pipeline.open_plane(small_store(tmp_path / "miter.zarr", planned))
+    scales, units = pipeline.scales_of(planned), set()
+    here = dict(omega=0.9, f_e=0.1)
+    asked = (
+        (plane.motions_at, here),
+        (plane.motions_near, here),
+        (plane.curve_at, {"f_e": 0.1}),
+        (plane.curve_near, {"f_e": 0.1}),
+    )
+    for ask, where in asked:
+        plain, shown = ask(**where), ask(**where, physical=True)
+        for name, one in QUANTITIES.items():
+            size, unit = (1.0, "1") if one.scale is None else (scales[one.scale].shown, scales[one.scale].unit)
+            np.testing.assert_allclose(shown[name], size * plain[name], rtol=1e-15)
+            assert shown[name].attrs == {"long_name": one.title, "units": unit} and plain[name].attrs["units"] == "1"
+            units.add(unit)
+        np.testing.assert_allclose(shown.omega, scales["omega"].shown * plain.omega, rtol=1e-15)
+        assert shown.omega.attrs == {"long_name": "pinion speed", "units": "rpm"}
+        np.testing.assert_array_equal(shown.stable, plain.stable)
+    assert units == {"1", "µm", "m/s", "N"}
 
 
 def test_masks_are_of_labels_and_traits(plane):
@@ -61,8 +102,14 @@ def test_a_curve_anew_is_the_stored_one(plane):
     value = float(plane.plan.parameter.values[2])
     near, at = plane.curve_near(f_e=value + 1e-3), plane.curve_at(f_e=value)
     assert float(near.f_e) == float(at.f_e) == value
-    for name in ("mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event", "omega"):
+    for name in ("cos", "sin", "stable", "impact", "branch", "event", "omega"):
         np.testing.assert_array_equal(near[name], at[name])
+    for name in QUANTITIES:
+        np.testing.assert_allclose(near[name], at[name], rtol=0, atol=1e-12)
+    motion = plane.motions_at(omega=float(at.omega[20]), f_e=value)
+    stable = np.flatnonzero(motion.stable.values == at.stable.values[20])
+    for name in QUANTITIES:
+        assert np.min(np.abs(motion[name].values[stable] - at[name].values[20])) < 1e-7, name
 
 
 def test_nearest_boundaries_part_the_labels_they_say(plane):

@@ -54,11 +54,25 @@ def row():
     return {"f_e": argument(0.2, (*NUMBER, -0.1, 5.0), "place")}
 
 
+def followed(key):
+    """A row that is followed in few steps."""
+    return {
+        "columns": argument(3, ("foo", 2.5, [], {}, 0, 1, -1, 10**9)),
+        "max_periods": argument(800, ("foo", 2.5, [], {}, 0, 799, -1, 10**9)),
+        "f_e": argument(0.2, (*(v for v in NUMBER if v != [1.0]), -0.1, 5.0, [0.2]), f"{key}.value"),
+    }
+
+
 def window(plane):
     return {
         "label": argument("2/0-1", LABELS),
         "window": argument((0.5, 0.8), optional((*RANGE, (0.0, 0.8), (0.5, 9.0)))),
     }
+
+
+def physical():
+    # The gear of the plane is dimensionless.
+    return {"physical": argument(False, (True, 1, "yes", None, []))}
 
 
 WRONG_WORDS = ("foo", "", None, 1, True, [])
@@ -79,13 +93,37 @@ CALLS = {
     "pipeline.figures.plots.Plots.curves": lambda plane: {
         "self": plane.plot,
         "units": argument("dimensionless", WRONG_WORDS),
+        "quantity": argument("rms", [word for word in WRONG_WORDS if word is not None]),
         "f_e": argument(0.2, (*(v for v in NUMBER if v is not None and v != [1.0]), -0.1, 5.0, []), "curves"),
+    },
+    "pipeline.figures.plots.Plots.diagram": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", (*WRONG_WORDS, "physical")),
+        **followed("diagram"),
+    },
+    "pipeline.figures.plots.Plots.spectrum": lambda plane: {
+        "self": plane.plot,
+        "direction": argument("down", optional(WRONG_WORDS)),
+        "of": argument("force", optional(WRONG_WORDS)),
+        "axis": argument("order", optional(WRONG_WORDS)),
+        "orders": argument(4.0, ("foo", [], {}, np.nan, np.inf, 0.5, 61.0)),
+        "periods": argument(4, ("foo", 2.5, [], {}, 0, -1, 10**9)),
+        "units": argument("dimensionless", (*WRONG_WORDS, "physical")),
+        **followed("spectrum"),
     },
     "pipeline.figures.plots.Plots.map": lambda plane: {
         "self": plane.plot,
         "window": argument((0.5, 0.8, 0.1, 0.2), optional(array((0.5, 0.8, 0.1, 0.2), (0.8, 0.5, 0.1, 0.2), [1.0]))),
         "stability": argument("static", WRONG_WORDS),
         "units": argument("dimensionless", WRONG_WORDS),
+        "quantity": argument(None, [word for word in WRONG_WORDS if word is not None]),
+        "of": argument("worst", WRONG_WORDS),
+    },
+    "pipeline.figures.plots.Plots.motion": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", WRONG_WORDS),
+        "attractors": argument({"starts": 1}, (1, "starts", True, [], {1: 2}, {"stars": 1}, {"starts": -1})),
+        **place(),
     },
     "pipeline.open_plane": lambda plane: {
         "name": argument(plane.path, PATHS, "nowhere.zarr"),
@@ -104,8 +142,8 @@ CALLS = {
         "self": plane,
         "what": argument("2T", (*NAME, "2t", "1T/7", "9T", {})),
     },
-    "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row()},
-    "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row()},
+    "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row(), **physical()},
+    "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row(), **physical()},
     "pipeline.api.OpenPlane.label_at": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.label_near": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.label_of": lambda plane: {
@@ -113,8 +151,8 @@ CALLS = {
         "code": argument(132, (None, "1", True, 2.5, 2.0, np.nan, -1, 2**16, [1], {})),
     },
     "pipeline.api.OpenPlane.mask": lambda plane: {"self": plane, "what": argument("jump", (*NAME, "2/7", "99/0", {}))},
-    "pipeline.api.OpenPlane.motions_at": lambda plane: {"self": plane, **place()},
-    "pipeline.api.OpenPlane.motions_near": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.motions_at": lambda plane: {"self": plane, **place(), **physical()},
+    "pipeline.api.OpenPlane.motions_near": lambda plane: {"self": plane, **place(), **physical()},
     "pipeline.api.OpenPlane.nearest_boundaries": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.thresholds": lambda plane: {"self": plane, **window(plane)},
 }

@@ -6,7 +6,7 @@ and its Jacobian (by differences) are written out anew.
 
 import numpy as np
 
-from solver.harmonic.describing_function import coefficients
+from solver.harmonic.condensed import coefficients
 from solver.model.packing import axis_vectors
 
 __all__ = ["dense_search"]
@@ -27,7 +27,7 @@ def _dead_zone_harmonics(mean, amplitude, b):
 
 def dense_search(model, omega: float, amplitude_max: float, density: int = 60) -> np.ndarray:
     """Solutions (lambda_m, lambda_c, lambda_s) with amplitude up to the given one, ascending amplitude, (n, 3)."""
-    (D, A, P_1, P_2, F, e), _, (c, f_pm, b), _ = coefficients(*axis_vectors(model, "omega"), omega)
+    (D, A, P_1, P_2, F, e), _, (c, f_pm, b, *_), _ = coefficients(*axis_vectors(model, "omega"), omega)
 
     def residual(u):
         fundamental = u[1] - 1j * u[2]

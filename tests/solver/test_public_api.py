@@ -17,6 +17,7 @@ PUBLIC = public(MODULES)
 #: Classes of results: users read them and do not make them.
 RESULTS = {
     "solver.Backbone",
+    "solver.FreeVibration",
     "solver.Curve",
     "solver.CycleFit",
     "solver.Row",
@@ -30,7 +31,9 @@ RESULTS = {
     "solver.timedomain.Measurement",
     "solver.timedomain.PeriodicOrbit",
     "solver.timedomain.Quantities",
+    "solver.timedomain.SampledMotion",
     "solver.timedomain.Sections",
+    "solver.timedomain.SlowRun",
     "solver.timedomain.Trajectory",
 }
 

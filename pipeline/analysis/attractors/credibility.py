@@ -34,7 +34,7 @@ import numpy as np
 from solver import domain_code
 from solver.timedomain import AttractorKind
 
-__all__ = ["Cells", "Credibility", "judge", "reach"]
+__all__ = ["Cells", "Credibility", "judge", "partners", "reach"]
 
 
 class Credibility(enum.IntEnum):
@@ -143,7 +143,7 @@ def judge(cells: Cells, tolerance: float, within: tuple[int, int]) -> tuple[np.n
     deviation : (P, X) array
         By how much mean or amplitude of a motion is off at most, as a share of `cells.size`; nan unless all are there.
     """
-    there, other_state, claimed, off = _matched(cells, tolerance)
+    there, other_state, claimed, off, _ = _matched(cells, tolerance)
     missing = cells.stable & ~there & ~other_state
     end = np.take_along_axis(cells.kind, cells.leads.clip(0).astype(np.int64), axis=-1)
     unknown = missing & ((cells.leads < 0) | (end == AttractorKind.NONE) | (end == AttractorKind.UNSETTLED))
@@ -173,12 +173,18 @@ def judge(cells: Cells, tolerance: float, within: tuple[int, int]) -> tuple[np.n
         return result, np.where(known, np.max(off, axis=-1) / cells.size, np.nan)
 
 
+def partners(cells: Cells, tolerance: float) -> np.ndarray:
+    """The attractor that every motion is, in the same impact state or another, (P, X, S); -1 where it is none."""
+    return _matched(cells, tolerance)[-1]
+
+
 def _matched(cells: Cells, tolerance: float) -> tuple[np.ndarray, ...]:
     """Motions (P, X, S) that are among the attractors, those that differ in the impact state alone, the attractors
-    (P, X, A) that they are, and how far (P, X, S) mean or amplitude is off."""
+    (P, X, A) that they are, how far (P, X, S) mean or amplitude is off, and which attractor (P, X, S) each is."""
     claimed = np.zeros(cells.kind.shape, bool)
     there, other_state = np.zeros(cells.stable.shape, bool), np.zeros(cells.stable.shape, bool)
     apart, room = np.zeros(cells.stable.shape), tolerance * cells.size[..., None]
+    partner = np.full(cells.stable.shape, -1)
     slots = np.arange(cells.kind.shape[-1])
     # What leads to an attractor of another kind is not taken for one in another impact state.
     end = cells.leads.clip(0).astype(np.int64)
@@ -204,8 +210,9 @@ def _matched(cells: Cells, tolerance: float) -> tuple[np.ndarray, ...]:
             hit = np.take_along_axis(alike, best, axis=-1)
             np.put_along_axis(claimed, best, np.take_along_axis(claimed, best, axis=-1) | hit, axis=-1)
             found[..., s] |= hit[..., 0]
+            partner[..., s] = np.where(hit, best, partner[..., s, None])[..., 0]
             apart[..., s] = np.where(hit, np.take_along_axis(off, best, axis=-1), apart[..., s, None])[..., 0]
-    return there, other_state, claimed, apart
+    return there, other_state, claimed, apart, partner
 
 
 def reach(rows: np.ndarray, columns: np.ndarray, lengths: tuple[float, float], delta: float) -> tuple[int, int]:

@@ -11,6 +11,7 @@ import numpy as np
 from pipeline import store
 from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.wording import bound
+from pipeline.config.quantities import QUANTITIES
 from pipeline.config.schema import Attractors
 from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
@@ -38,20 +39,9 @@ __all__ = [
 
 GROUP = "attractors"
 _NAN = float("nan")
-#: Of every attractor of a cell: name -> type, value where there is none, what it is, unit.
+#: Of every attractor of a cell: name -> what it is. The dynamic factor is called by the force that it tells of.
 NUMBERS = {
-    "lowest": "lowest mesh displacement",
-    "highest": "highest mesh displacement",
-    "mean": "mean of the mesh displacement",
-    "amplitude": "amplitude of the mesh frequency in the mesh displacement",
-    "rms": "root mean square of the varying part of the mesh displacement",
-    "peak_to_peak": "peak to peak of the mesh displacement",
-    "error_rms": "root mean square of the varying part of the dynamic transmission error",
-    "error_peak_to_peak": "peak to peak of the dynamic transmission error",
-    "force": "largest mesh force over the static one: dynamic factor",
-    "contact_loss": "share of the period without contact",
-    "impact_velocity": "largest speed of the mesh displacement where teeth meet again",
-    "support_force": "largest force of a support",
+    **{name if name != "dynamic_factor" else "force": one.title for name, one in QUANTITIES.items()},
     "lyapunov": "largest Lyapunov exponent per unit of dimensionless time",
     "lyapunov_error": "standard error of the largest Lyapunov exponent",
 }

@@ -11,7 +11,7 @@ from pipeline.errors import ConfigurationError, shown
 from pipeline.plan.axes import Axis
 from pipeline.plan.plan import Plan
 
-__all__ = ["check_options", "grid_of", "keys_of", "search_of"]
+__all__ = ["check_box", "check_options", "grid_of", "keys_of", "limits_of", "search_of"]
 
 #: Attractors that are told apart in one cell.
 _ROOM = 8
@@ -37,7 +37,11 @@ def check_options(options: Attractors, plan: Plan) -> None:
             _refuse("attractors.points", point, f"{names} within {allowed}")
     if options.starts < 1:
         _refuse("attractors.starts", options.starts, "at least 1 where attractors.points are given")
-    box = options.box
+    check_box(options.box)
+
+
+def check_box(box) -> None:
+    """Raise ConfigurationError unless these are ranges of lambda and of its speed, or None."""
     if box is not None and not (_is_pair(box) and all(_is_pair(ends) and ends[0] < ends[1] for ends in box)):
         _refuse("attractors.box", box, "null or [[lambda low, high], [speed low, high]], low below high")
 
@@ -75,18 +79,21 @@ def grid_of(plan: Plan, options: Attractors) -> Grid:
 
 
 def search_of(options: Attractors):
-    """The solver's settings.
+    """The solver's settings."""
+    from solver.timedomain import AttractorSearch
 
-    The periods that a start may take are for settling and for the watch over the Lyapunov exponent, in the proportion
-    of the solver's own settings.
-    """
+    transient, watched = limits_of(options.max_periods)
+    return AttractorSearch(starts=options.starts, transient=transient, watched=watched, room=_ROOM)
+
+
+def limits_of(max_periods: int) -> tuple[int, int]:
+    """The periods that a start may take: for settling, and for the watch over the Lyapunov exponent, in the proportion
+    of the solver's own settings."""
     from solver.timedomain import AttractorSearch
 
     usual = AttractorSearch()
-    transient = options.max_periods * usual.transient // (usual.transient + usual.watched)
-    return AttractorSearch(
-        starts=options.starts, transient=transient, watched=options.max_periods - transient, room=_ROOM
-    )
+    transient = max_periods * usual.transient // (usual.transient + usual.watched)
+    return transient, max_periods - transient
 
 
 def keys_of(grid: Grid, row: int, seed: int) -> np.ndarray:

@@ -32,13 +32,13 @@ from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from solver import Model
-from solver.timedomain import AttractorKind, AttractorRow, find_attractors, settle
+from solver.timedomain import AttractorKind, AttractorRow, AttractorSearch, find_attractors, settle
 from solver.timedomain.row_systems import row_systems
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["GROUP", "Place", "place_task", "read_places", "run_places"]
+__all__ = ["GROUP", "Place", "place_task", "read_places", "run_places", "search_place"]
 
 GROUP = "places"
 #: Attractors that are told apart at a place.
@@ -70,31 +70,58 @@ def place_task(path: str, plan: Plan, x: float, p: float, options: Attractors) -
     """What a worker does: attractors at one place, whatever other places are asked for."""
     ready_for_attractors()
     model, omega = point_of(plan, p, x)
-    search = dataclasses.replace(search_of(options), room=_ROOM)
-    drawn = options.box is not None
+    row = search_place(model, omega, _nearest_motions(Path(path), plan, x, p), int(plan.solver["period"]), options)
+    given = options.box is not None
+    ends = np.array(options.box, dtype=float) if given else row.box[0][:, None] * (-1.0, 1.0)
+    displacement, speed = (np.linspace(low, high, options.slice) for low, high in ends)
+    states = np.stack(np.meshgrid(displacement, speed), axis=-1).reshape(-1, 2)
+    slots = np.empty(0, np.int8)
+    if len(states):
+        found, slots = settle(model, omega, _at_rest(model, omega, states), known=row, search=_search(options))
+        row = dataclasses.replace(found, hits=row.hits, starts=row.starts)
+    return Place(row, slots.reshape(options.slice, options.slice), displacement, speed)
+
+
+def search_place(model: Model, omega: float, motions: np.ndarray, period: int, options: Attractors) -> AttractorRow:
+    """Attractors at one place, thoroughly.
+
+    Parameters
+    ----------
+    model : Model
+    omega : float
+    motions : (1, S, 2 H + 1) array
+        Stable motions of the map to start from, nan where there is none.
+    period : int
+        Forcing periods of these motions.
+    options : Attractors
+        Settings of the search; with `box` random states are drawn there.
+
+    Returns
+    -------
+    AttractorRow
+        Of one cell.
+    """
+    search, drawn = _search(options), options.box is not None
     row = find_attractors(
         model,
         "omega",
         [omega],
-        motions=_nearest_motions(Path(path), plan, x, p),
-        period=int(plan.solver["period"]),
+        motions=motions,
+        period=period,
         keys=np.random.SeedSequence(options.seed).generate_state(1, np.uint64),
         search=dataclasses.replace(search, starts=0) if drawn else search,
     )
-    if drawn:
+    if drawn and options.starts:
         unit = np.random.default_rng(options.seed).random((options.starts, 2))
         low, high = np.array(options.box, dtype=float).T
         row, slots = settle(model, omega, _at_rest(model, omega, low + (high - low) * unit), known=row, search=search)
         hits = np.bincount(slots[slots >= 0], minlength=row.kind.shape[1]).astype(np.int32)[None]
         row = dataclasses.replace(row, hits=hits, starts=np.array([np.sum(slots >= 0)], np.int32))
-    ends = np.array(options.box, dtype=float) if drawn else row.box[0][:, None] * (-1.0, 1.0)
-    displacement, speed = (np.linspace(low, high, options.slice) for low, high in ends)
-    states = np.stack(np.meshgrid(displacement, speed), axis=-1).reshape(-1, 2)
-    slots = np.empty(0, np.int8)
-    if len(states):
-        found, slots = settle(model, omega, _at_rest(model, omega, states), known=row, search=search)
-        row = dataclasses.replace(found, hits=row.hits, starts=row.starts)
-    return Place(row, slots.reshape(options.slice, options.slice), displacement, speed)
+    return row
+
+
+def _search(options: Attractors) -> AttractorSearch:
+    return dataclasses.replace(search_of(options), room=_ROOM)
 
 
 def _at_rest(model: Model, omega: float, states: np.ndarray) -> np.ndarray:

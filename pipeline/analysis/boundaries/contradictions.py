@@ -18,9 +18,11 @@ from solver.stability import Instability
 
 __all__ = ["contradiction_starts", "contradictory_cells"]
 
-# A place may be this far from where it is sought, as a share of the sweep axis, and every so many points of a fold
-# curve one is sought.
+# A place may be this far from where it is sought, as a share of the sweep axis. One is sought every so many points of a
+# fold curve, and every so many rows along cells that follow one another.
 _REACH, _EVERY = 0.01, 10
+# Such cells are at most so many columns apart, and their motions so far, as a share of their size.
+_COLUMNS, _MOTION = 1.5, 0.1
 
 
 def contradictory_cells(part: StoredPlane) -> np.ndarray:
@@ -41,6 +43,23 @@ def contradictory_cells(part: StoredPlane) -> np.ndarray:
     return np.concatenate(found)
 
 
+def _sparse(plan: Plan, cells: np.ndarray) -> np.ndarray:
+    """Of cells that follow one another from row to row, as along one boundary, the first two and every tenth.
+
+    The very first may lie on the border of the plane, where boundaries are started last.
+    """
+    row = np.searchsorted(plan.parameter.values, cells[:, -1])
+    reach = _COLUMNS * (plan.sweep.high - plan.sweep.low) / (plan.sweep.num - 1)
+    number = np.zeros(len(cells), dtype=int)
+    for i, cell in enumerate(cells):
+        before = np.flatnonzero(row == row[i] - 1)
+        gaps = np.abs(cells[before] - cell)
+        apart = np.maximum(gaps[:, -2] / reach, gaps[:, :-2].max(axis=1) / (_MOTION * np.abs(cell[:-2]).max()))
+        if apart.min(initial=np.inf) <= 1.0:
+            number[i] = number[before[apart.argmin()]] + 1
+    return cells[(number == 1) | (number % _EVERY == 0)]
+
+
 def contradiction_starts(
     plan: Plan, cells: np.ndarray, curves: Iterable[BoundaryCurve]
 ) -> list[tuple[Event, np.ndarray]]:
@@ -55,7 +74,7 @@ def contradiction_starts(
         The folds and Neimark-Sacker boundaries of the plane.
     """
     balance = balance_of(plan.solver)
-    guesses = [cells]
+    guesses = [_sparse(plan, cells)]
     for curve in curves:
         for number, stretch in enumerate(curve.stretches):
             y = stretch.curve.points

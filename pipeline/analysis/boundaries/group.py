@@ -15,7 +15,7 @@ __all__ = ["write_boundaries"]
 
 
 def _arrays(plan: Plan) -> dict[str, tuple]:
-    """name -> dim, dtype, attributes."""
+    """name -> dims, dtype, attributes."""
     x, p = plan.sweep.name, plan.parameter.name
     quantities = {
         "mean": ("mean of the mesh displacement", "1"),
@@ -25,13 +25,13 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
         "amplitude": ("amplitude of the fundamental of the mesh displacement", "1"),
         "arclength": ("arc length along the boundary, in scaled unknowns", "1"),
     }
-    curve, point = "curve", "boundary_point"
+    curve, point = ("curve",), ("boundary_point",)
 
     def flags(members, long_name):
         return {"long_name": long_name, **store.flags(members)}
 
     return {
-        "row_size": (curve, "int32", {"long_name": "number of points of the boundary", "sample_dimension": point}),
+        "row_size": (curve, "int32", {"long_name": "number of points of the boundary", "sample_dimension": point[0]}),
         "kind": (curve, "int8", flags(Event, "what happens along the boundary")),
         "closed": (
             curve,
@@ -52,7 +52,7 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
                 "flag_meanings": "right unknown left",
             },
         ),
-        "end_reason": ((curve, "end"), "int8", flags(EndReason, "why the boundary ends")),
+        "end_reason": ((*curve, "end"), "int8", flags(EndReason, "why the boundary ends")),
         **{name: (point, "float64", {"long_name": text, "units": units}) for name, (text, units) in quantities.items()},
         **{
             f"{name}_slope": (
@@ -77,8 +77,6 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
 
 def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> None:
     """Put the boundaries of a plane into its store, in place of what was there."""
-    import xarray as xr
-
     curves, names = boundaries.curves, (*COMPONENTS, plan.sweep.name, plan.parameter.name)
     points = np.concatenate([np.empty((0, 5)), *(curve.points for curve in curves)])
     slopes = np.concatenate([np.empty((0, 5)), *(curve.slopes for curve in curves)])
@@ -97,10 +95,10 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> No
         **{name: along(name) for name in ("amplitude", "arclength", "stable", "special")},
     }
     variables = {
-        name: (dims, np.asarray(values[name], kind), described)
+        name: groups.Variable(dims, np.asarray(values[name], kind), described)
         for name, (dims, kind, described) in _arrays(plan).items()
     }
     # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
-    places = {name: variables.pop(name) for name in (plan.sweep.name, plan.parameter.name)}
+    places = (plan.sweep.name, plan.parameter.name)
     attributes = {"configuration_hash": plan.digest, "events_hash": boundaries.digest}
-    groups.write_group(path, GROUP, xr.Dataset(variables, places, attributes))
+    groups.write_group(path, GROUP, groups.Arrays(variables, places, attributes))

@@ -1,15 +1,14 @@
 """What may be asked of the stage `margins`, checked before anything is computed."""
 
 import dataclasses
-import math
 from dataclasses import dataclass, field
 
-from pipeline.config.physical import place_of
 from pipeline.config.schema import Margins
 from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import Axis
 from pipeline.plan.numerics import model_at, row_axis
 from pipeline.plan.plan import Plan
+from pipeline.plan.points import number_of, point_on
 from pipeline.plan.scales import scales_of
 from solver import SCALAR_PARAMETERS, ParameterError, Scales
 
@@ -17,7 +16,6 @@ __all__ = ["Design", "design_of", "nominal_value", "replaced"]
 
 #: Every further tolerance doubles the number of planes that are traced.
 _MOST_FURTHER = 6
-_LEAST_REACH, _MOST_REACH = 1.1, 100.0
 
 
 @dataclass(frozen=True)
@@ -55,8 +53,8 @@ def design_of(options: Margins, plan: Plan) -> Design:
     ConfigurationError
         One line that names the key, its value and what is allowed.
     """
-    axes, scales = (plan.sweep, plan.parameter), scales_of(plan)
-    x, p = _point(options.point, axes, scales)
+    scales = scales_of(plan)
+    x, p = point_on("margins.point", options.point, plan)
     low, high = _range(options.range, plan.sweep, x, scales)
     tolerances = options.tolerances or {}
     if not isinstance(tolerances, dict):
@@ -66,7 +64,9 @@ def design_of(options: Margins, plan: Plan) -> Design:
     for name in tolerances:
         if name not in names:
             raise ConfigurationError(f"margins.tolerances.{name} is not allowed: it must be one of {', '.join(names)}")
-    read = {name: _number(f"tolerances.{name}", size, name, allowed, scales) for name, size in tolerances.items()}
+    read = {
+        name: number_of(f"margins.tolerances.{name}", size, name, allowed, scales) for name, size in tolerances.items()
+    }
     for name, size in read.items():
         if size < 0.0:
             raise _refused(f"tolerances.{name}", tolerances[name], "a number, at least 0")
@@ -83,22 +83,7 @@ def design_of(options: Margins, plan: Plan) -> Design:
             )
     if len(read) > _MOST_FURTHER:
         raise _refused("tolerances", list(tolerances), f"of at most {_MOST_FURTHER} parameters that are no axis")
-    if not _LEAST_REACH <= options.reach <= _MOST_REACH:
-        raise _refused("reach", options.reach, f"from {_LEAST_REACH:g} to {_MOST_REACH:g}")
     return Design(x, p, min(low, x - spread), max(high, x + spread), tolerance, read, float(options.reach))
-
-
-def _point(given, axes: tuple[Axis, Axis], scales: Scales | None) -> tuple[float, float]:
-    names = [axis.name for axis in axes]
-    allowed = f"[{', '.join(names)}] within " + ", ".join(f"{a.name} = {a.low:g} ... {a.high:g}" for a in axes)
-    if isinstance(given, dict) and sorted(given) == sorted(names):
-        given = [given[name] for name in names]
-    if not isinstance(given, list) or len(given) != 2:
-        raise _refused("point", given, allowed)
-    point = [_number("point", value, name, allowed, scales) for name, value in zip(names, given, strict=True)]
-    if not all(axis.low <= value <= axis.high for axis, value in zip(axes, point, strict=True)):
-        raise _refused("point", given, allowed)
-    return point[0], point[1]
 
 
 def _range(given, axis: Axis, x: float, scales: Scales | None) -> tuple[float, float]:
@@ -107,19 +92,10 @@ def _range(given, axis: Axis, x: float, scales: Scales | None) -> tuple[float, f
     allowed = f"null or [{axis.name} low, {axis.name} high] around {x:g} within {axis.low:g} ... {axis.high:g}"
     if not isinstance(given, list) or len(given) != 2:
         raise _refused("range", given, allowed)
-    low, high = (_number("range", value, axis.name, allowed, scales) for value in given)
+    low, high = (number_of("margins.range", value, axis.name, allowed, scales) for value in given)
     if not axis.low <= low <= x <= high <= axis.high:
         raise _refused("range", given, allowed)
     return low, high
-
-
-def _number(key: str, given, name: str, allowed: str, scales: Scales | None) -> float:
-    """A value of parameter `name` as the user wrote it, with or without a unit: the one place where they are read."""
-    if isinstance(given, str) and scales is not None:
-        return place_of(f"margins.{key}", name, given, scales)
-    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
-        raise _refused(key, given, allowed)
-    return float(given)
 
 
 def _check_further(name: str, size: float, given, plan: Plan, x: float, rows: tuple[float, float, float]) -> None:

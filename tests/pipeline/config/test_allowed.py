@@ -84,7 +84,14 @@ def test_every_file_is_within(override):
 
 @pytest.mark.parametrize(
     "override",
-    ["attractors.starts=-1", "check.seed=-1", "attractors.max_periods=1", "cluster.timeout=0", "figures.dpi=5000"],
+    [
+        "attractors.starts=-1",
+        "check.seed=-1",
+        "attractors.max_periods=1",
+        "cluster.timeout=0",
+        "figures.dpi=5000",
+        "margins.reach=1",
+    ],
 )
 def test_what_is_typed_is_looked_at_whatever_is_to_be_done(override):
     with pytest.raises(ConfigurationError, match=override.partition("=")[0]):

@@ -1,11 +1,10 @@
-"""Units, gears in physical units, mesh cycles, and what a plan and a store keep of them."""
+"""Units, gears in physical units, and what a plan and a store keep of them."""
 
 import json
 import math
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -212,106 +211,6 @@ def test_dimensionless_plans_know_nothing_of_units():
     )
     code += "warnings(plan(compose([]))); assert 'pint' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-# Mesh cycle
-
-HEADER = "angle (deg), stiffness (N/um), error (um)"
-
-
-def cycle_file(folder, header=HEADER, lines=None):
-    if lines is None:
-        angles = np.arange(24) * 15.0
-        lines = [
-            f"{a}, {220 + 40 * np.cos(np.radians(a) + 0.5)}, {3 + 9 * np.cos(2 * np.radians(a) - 1.0)}" for a in angles
-        ]
-    path = folder / "cycle.csv"
-    path.write_text("\n".join([header, *lines, ""]))
-    return path
-
-
-def with_cycle(path, *more):
-    given = ("mesh_stiffness=null", "mesh_stiffness_harmonics=[]", "error_harmonics=[]", f"mesh_cycle={path}")
-    return small_plan("gear=miter", *(f"gear.physical.{text}" for text in (*given, *more)))
-
-
-def test_a_mesh_cycle_is_fitted(tmp_path):
-    found = with_cycle(cycle_file(tmp_path))
-    gear = gear_of(found)
-    assert gear.mesh_stiffness == pytest.approx(220e6)
-    np.testing.assert_allclose(gear.mesh_stiffness_harmonics[0], (40e6, 0.5), rtol=1e-10)
-    np.testing.assert_allclose(gear.error_harmonics[1], (9e-6, -1.0), rtol=1e-10)
-    unfelt, line = warnings(found)
-    assert "stiffness harmonic" not in unfelt and "transmission error harmonic 2 drive" in unfelt
-    assert line.startswith("mesh cycle of 24 points fitted with 3 harmonics: stiffness residual ")
-    assert "error residual" in line
-    coarse = warnings(with_cycle(cycle_file(tmp_path), "mesh_cycle_harmonics=1"))
-    largest = max(abs(9 * np.cos(2 * np.arange(24) * np.pi / 12 - 1)))
-    assert f"error residual {9 / math.sqrt(2):.3g} um rms, {largest:.3g}" in coarse[0]
-
-
-def test_either_column_may_be_missing_and_the_cycle_counted_in_cycles(tmp_path):
-    lines = [f"{230 + 40 * np.cos(2 * np.pi * p)},{p}" for p in np.arange(10) / 10]
-    path = cycle_file(tmp_path, "stiffness (N/um),phase (cycle)", lines)
-    gear = gear_of(
-        small_plan(
-            "gear=miter",
-            "gear.physical.mesh_stiffness=null",
-            "gear.physical.mesh_stiffness_harmonics=[]",
-            f"gear.physical.mesh_cycle={path}",
-        )
-    )
-    assert gear.mesh_stiffness == pytest.approx(230e6) and gear.error_harmonics[0][0] == pytest.approx(1e-5)
-
-
-ANGLES = [f"{angle}, 200, 1" for angle in range(0, 360, 30)]
-
-
-@pytest.mark.parametrize(
-    ("header", "lines", "said"),
-    [
-        (HEADER, [*ANGLES, "30, 200, 1"], "the angle 30 deg must be given once"),
-        (
-            HEADER,
-            ANGLES[:8],
-            "the angle 210 deg must be followed by another after less than half a period of harmonic 3",
-        ),
-        (
-            HEADER,
-            ANGLES[::3],
-            "gear.physical.mesh_cycle_harmonics = 3 is not allowed: it must be at most 1 for 4 points",
-        ),
-        (HEADER, [*ANGLES, "360, 200, 1"], "line 14: the angle must be at least 0 and below one mesh cycle"),
-        (HEADER, [*ANGLES, "-1, 200, 1"], "line 14: the angle must be at least 0"),
-        (HEADER, [*ANGLES[:3], "95, nan, 1"], "line 5: the stiffness 'nan' must be a finite number"),
-        (HEADER, [*ANGLES[:3], "95, , 1"], "line 5: the stiffness '' must be a finite number"),
-        (HEADER, [*ANGLES[:3], "95, 200"], "line 5 has 2 entries, the header has 3"),
-        (HEADER, [*ANGLES[:3], "95, -1, 1"], "line 5: the stiffness must be at least 0"),
-        (HEADER, [f"{a}, {200 if a in (0, 30) else 0}, 1" for a in range(0, 360, 30)], "mesh_stiffness_harmonics = "),
-        (
-            "angle (deg), stiffness (um)",
-            ["0, 1"],
-            "unit of stiffness = 'um' is not allowed: it must be a unit of stiffness",
-        ),
-        ("angle, stiffness", ["0, 1"], "its header has 'angle'"),
-        ("angle (deg), angle (deg)", ["0, 1"], "may stand once"),
-        ("angle (deg)", ["0"], "one or both of stiffness"),
-        ("stiffness (N/um), error (um)", ["1, 1"], "its header must name angle"),
-        ("", [], "it is empty"),
-    ],
-)
-def test_mesh_cycles_that_are_not_allowed(header, lines, said, tmp_path):
-    with pytest.raises(ConfigurationError) as error:
-        with_cycle(cycle_file(tmp_path, header, lines))
-    assert said in str(error.value) and "\n" not in str(error.value)
-
-
-def test_mesh_cycles_that_cannot_be_read(tmp_path):
-    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    unread = "it cannot be read"
-    for name, said in (("none.csv", unread), ("binary.csv", "CSV file in UTF-8"), (".", unread)):
-        with pytest.raises(ConfigurationError, match=said):
-            with_cycle(tmp_path / name)
 
 
 MISTAKES = [

@@ -99,9 +99,23 @@ def _kinds_of_files(path: Path) -> dict[str, list[str]]:
 
 
 # Shrinking would run for minutes, and a file's name says enough.
-@settings(max_examples=8, phases=(Phase.explicit, Phase.generate))
+_UNSHRUNK = (Phase.explicit, Phase.generate)
+
+
+@settings(max_examples=5, phases=_UNSHRUNK)
 @given(data=st.data())
 def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
+    _is_mended(whole, tmp_path_factory, data)
+
+
+@pytest.mark.slow
+@settings(max_examples=40, phases=_UNSHRUNK)
+@given(data=st.data())
+def test_any_damage_is_found_named_and_mended_forty_times(whole, tmp_path_factory, data):
+    _is_mended(whole, tmp_path_factory, data)
+
+
+def _is_mended(whole, tmp_path_factory, data):
     kinds = _kinds_of_files(whole)
     file = data.draw(st.sampled_from(sorted(kinds)).flatmap(lambda kind: st.sampled_from(kinds[kind])))
     kind = data.draw(st.sampled_from(["missing", "empty", "truncated", "flipped", "zeroed"]))

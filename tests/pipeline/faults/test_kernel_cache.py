@@ -46,6 +46,7 @@ def test_damaged_entries_are_compiled_again(cache, tmp_path, undisturbed):
     assert len(sound) >= len(SMALL)
 
 
+@pytest.mark.slow
 def test_a_full_cache_disk_is_one_line(cache, tmp_path, undisturbed):
     disk = tmp_path / "disk"
     disk.mkdir()

@@ -1,5 +1,6 @@
 """Disks that fill, folders that cannot be written or go away, clocks that jump, and two runs on one store."""
 
+import io
 import json
 import os
 import re
@@ -7,15 +8,16 @@ import resource
 import shutil
 import signal
 import subprocess
-import threading
 
 import pytest
 from filelock import lock_descriptor
 
 from pipeline import store
 from pipeline.__main__ import main
+from pipeline.run import rows
 from tests.pipeline.faults.runs import COMMAND, INJECTED, KEPT, continued, finished, same, start, until
 from tests.pipeline.faults.test_damage import run as run_here
+from tests.pipeline.planes import small_plan, traced_store
 
 
 def _one_line(run, *parts):
@@ -27,18 +29,21 @@ def _one_line(run, *parts):
 def test_a_full_disk_by_limit(tmp_path, undisturbed, capsys):
     biggest = max(file.stat().st_size for file in undisturbed.rglob("*") if file.is_file() and "c" in file.parts)
 
-    def limit():
-        # The template fits, not every chunk.
-        resource.setrlimit(resource.RLIMIT_FSIZE, (biggest - 1, biggest - 1))
-
     root = (undisturbed / "zarr.json").stat().st_size
-    run = finished(tmp_path, "cluster=none", preexec_fn=limit)
-    _one_line(run, "File too large", KEPT)
-    assert run.code == 1
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    # The template fits, not every chunk.
+    resource.setrlimit(resource.RLIMIT_FSIZE, (biggest - 1, before[1]))
+    try:
+        code, _, err = run_here(tmp_path, capsys, "stages=[sweep]")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    path = tmp_path / "outputs/store/plane.zarr"
+    assert code == 1 and err.startswith("error: ") and err.count("\n") == 1, err
+    assert "File too large" in err and KEPT in err
     if biggest > root:
-        assert store.find_damage(run.path) == []
+        assert store.find_damage(path) == []
     continued(tmp_path, capsys)
-    same(run.path, undisturbed)
+    same(path, undisturbed)
 
 
 @pytest.fixture
@@ -87,21 +92,23 @@ def test_a_folder_that_cannot_be_written(tmp_path, request):
     assert run.code == 2
 
 
-def test_a_store_that_cannot_be_written_is_read_by_all_that_only_read(small_disk, tmp_path, undisturbed, capsys):
+def test_a_store_that_cannot_be_written_is_read_by_all_that_only_read(small_disk, tmp_path, capsys):
     root = small_disk / "store"
-    shutil.copytree(undisturbed, root / "plane.zarr")
-    assert run_here(tmp_path, capsys, "stages=[boundaries]", f"store.root={root}")[0] == 0
+    root.mkdir()
+    traced_store(root / "plane.zarr", small_plan(columns=9, rows=4))
+    sizes = ["plane.sweep.num=9", "plane.parameter.num=4", "solver.certify_columns=197", f"store.root={root}"]
     before = {file: file.stat().st_mtime_ns for file in root.rglob("*")}
     subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
-    reading = ["stages=[figures]", "stages=[margins] margins.point=[0.9,0.1]", "debug.row=3", "stages=[check]"]
+    drawn = "figures.formats=[png] figures.dpi=30"
+    reading = [f"stages=[figures,margins] margins.point=[0.9,0.1] {drawn}", "debug.row=3", "stages=[check]"]
     for words in [*reading, "stages=[check] check.recompute=1", "stages=[list]"]:
-        code, out, err = run_here(tmp_path, capsys, *words.split(), f"store.root={root}")
+        code, out, err = run_here(tmp_path, capsys, *words.split(), *sizes)
         assert (code, err) == (0, ""), (words, err)
     # Two of them write nothing at all, so that all folders may be as they are.
     for words in ["stages=[check]", "stages=[list]"]:
-        assert run_here(tmp_path, capsys, words, f"store.root={root}", f"output.root={small_disk}")[::2] == (0, "")
+        assert run_here(tmp_path, capsys, words, *sizes, f"output.root={small_disk}")[::2] == (0, "")
     for words in ["stages=[boundaries]", "stages=[check] check.repair=true"]:
-        code, out, err = run_here(tmp_path, capsys, *words.split(), f"store.root={root}")
+        code, out, err = run_here(tmp_path, capsys, *words.split(), *sizes)
         assert code == 2 and "store.root" in err and err.count("\n") == 1, (words, err)
     assert before == {file: file.stat().st_mtime_ns for file in root.rglob("*")}
 
@@ -170,37 +177,70 @@ def test_nothing_that_is_stored_steers_the_terminal(tmp_path, undisturbed, capsy
         assert all(letter.isprintable() or letter == "\n" for letter in text), text
 
 
-def test_a_store_that_turns_unwritable_during_the_run(tmp_path, undisturbed, capsys):
-    run = start(tmp_path, "cluster=none")
-    until(run, 6)
-    # Not even root writes into a folder with this attribute.
-    if subprocess.run(["chattr", "-R", "+i", str(run.path)], capture_output=True).returncode:
-        run.process.kill()
-        run.end()
-        subprocess.run(["chattr", "-R", "-f", "-i", str(run.path)], capture_output=True)
+@pytest.fixture
+def during(monkeypatch, tmp_path, capsys):
+    """A run in this process to which something happens when two blocks are stored: status, output and errors."""
+
+    def run(happens):
+        honest, written = rows.sweep_block, []
+
+        def sweep_block(*arguments):
+            receipt = honest(*arguments)
+            written.append(receipt)
+            if len(written) == 2:
+                happens()
+            return receipt
+
+        with monkeypatch.context() as patch:
+            patch.setattr(rows, "sweep_block", sweep_block)
+            return run_here(tmp_path, capsys, "stages=[sweep]")
+
+    return run
+
+
+def test_a_store_that_turns_unwritable_during_the_run(tmp_path, undisturbed, capsys, during):
+    path, made = tmp_path / "outputs/store/plane.zarr", []
+
+    def turn():
+        # Not even root writes into a folder with this attribute.
+        made.append(subprocess.run(["chattr", "-R", "+i", str(path)], capture_output=True).returncode == 0)
+
+    try:
+        code, _, err = during(turn)
+    finally:
+        subprocess.run(["chattr", "-R", "-f", "-i", str(path)], capture_output=True)
+    if made == [False]:
         pytest.skip("no folder can be made unwritable here")
-    run.end()
-    subprocess.run(["chattr", "-R", "-i", str(run.path)], check=True)
-    assert run.code == 1 and len(run.err.splitlines()) == 1, run.err
-    assert "Operation not permitted" in run.err and run.err.endswith(f"{KEPT}\n")
+    assert code == 1 and err.count("\n") == 1, err
+    assert "Operation not permitted" in err and err.endswith(f"{KEPT}\n")
     assert "continues" in continued(tmp_path, capsys)
-    same(run.path, undisturbed)
+    same(path, undisturbed)
 
 
 @pytest.mark.parametrize("gone", ["outputs/store/plane.zarr", pytest.param("outputs", marks=pytest.mark.slow)])
-def test_a_store_that_vanishes_during_the_run(tmp_path, undisturbed, gone, capsys):
-    run = start(tmp_path, "cluster=none")
-    until(run, 6)
-    (tmp_path / gone).rename(tmp_path / "away")
-    run.end()
-    said = [line for line in run.err.splitlines() if not line.startswith("note: the log cannot be written any more")]
-    assert run.code == 1 and len(said) == 1 and said[0].startswith("error: "), run.err
+def test_a_store_that_vanishes_during_the_run(tmp_path, undisturbed, gone, capsys, during):
+    code, _, err = during(lambda: (tmp_path / gone).rename(tmp_path / "away"))
+    said = [line for line in err.splitlines() if not line.startswith("note: the log cannot be written any more")]
+    assert code == 1 and len(said) == 1 and said[0].startswith("error: "), err
     shutil.rmtree(tmp_path / "away")
     continued(tmp_path, capsys)
-    same(run.path, undisturbed)
+    same(tmp_path / "outputs/store/plane.zarr", undisturbed)
 
 
-def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed):
+class Listening(io.StringIO):
+    """Standard output of which some words make something happen."""
+
+    def __init__(self, words: str, happens):
+        super().__init__()
+        self.words, self.happens = words, happens
+
+    def write(self, text: str) -> int:
+        if self.words in text:
+            self.happens()
+        return super().write(text)
+
+
+def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed, monkeypatch):
     first = start(tmp_path, "cluster=none")
     until(first, 3)
     # It holds the store for as long as this takes, however quick it is.
@@ -216,27 +256,26 @@ def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed
     code, out, err = run_here(tmp_path, capsys, "-m", "stages=[sweep]", "store.name=plane,other")
     assert code == 2 and len(err.splitlines()) == 1 and "is in use by" in err
     assert "other.zarr already, nothing to do" in out
-    threading.Timer(2.0, first.process.send_signal, [signal.SIGCONT]).start()
-    code, out, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.wait=true")
-    assert (code, err) == (0, "") and f"is in use by process {first.process.pid}" in out and "nothing to do" in out
+    heard = Listening(f"is in use by process {first.process.pid}", lambda: first.process.send_signal(signal.SIGCONT))
+    with monkeypatch.context() as patch:
+        patch.setattr("sys.stdout", heard)
+        code, _, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.wait=true")
+    assert (code, err) == (0, "") and heard.words in heard.getvalue() and "nothing to do" in heard.getvalue()
     first.end()
     assert (first.code, first.err) == (0, "")
     same(first.path, undisturbed)
 
 
-def test_waiting_for_a_killed_run_goes_on_with_its_work(tmp_path, undisturbed):
+def test_waiting_for_a_killed_run_goes_on_with_its_work(tmp_path, undisturbed, capsys, monkeypatch):
     first = start(tmp_path, "cluster=none")
     until(first, 3)
     first.process.send_signal(signal.SIGSTOP)
-    second = start(tmp_path, "cluster=none", "store.wait=true")
-    said = []
-    while not said or "waiting" not in said[-1]:
-        said.append(second.process.stdout.readline())
-        assert said[-1], said
-    assert f"is in use by process {first.process.pid} on" in said[-1]
-    first.process.kill()
-    second.end()
-    assert (second.code, second.err) == (0, "") and "sweep: continues: " in second.out
+    heard = Listening("waiting", first.process.kill)
+    monkeypatch.setattr("sys.stdout", heard)
+    code, _, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.wait=true")
+    said = heard.getvalue()
+    assert (code, err) == (0, "") and "sweep: continues: " in said
+    assert f"is in use by process {first.process.pid} on" in said
     first.end()
     same(first.path, undisturbed)
 

@@ -13,6 +13,8 @@ from pipeline.__main__ import main
 from tests.conftest import slow_but
 from tests.pipeline.faults.runs import COMMAND, INJECTED, KEPT, ROOT, ROWS, complete, continued, same, start, until
 
+#: One worker is enough to be told.
+_CLUSTERS = {"local": ("cluster=local", "cluster.workers=1"), "none": ("cluster=none",)}
 _ENDED = list(itertools.product([signal.SIGTERM, signal.SIGHUP], ["local", "none"]))
 
 
@@ -20,7 +22,7 @@ _ENDED = list(itertools.product([signal.SIGTERM, signal.SIGHUP], ["local", "none
 def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undisturbed, capsys):
     # Slow enough that it is not done before it is told.
     environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "slow"}
-    run = start(tmp_path, f"cluster={cluster}", environment=environment)
+    run = start(tmp_path, *_CLUSTERS[cluster], environment=environment)
     until(run, 3)
     # A terminal that is closed, or a scheduler of jobs, tells all processes; `kill` tells one.
     os.killpg(run.process.pid, number) if number == signal.SIGHUP else run.process.send_signal(number)
@@ -38,7 +40,7 @@ _SPUN = [(signal.SIGINT, "local"), (signal.SIGTERM, "none"), (signal.SIGINT, "no
 def test_a_compiled_loop_without_end_is_interrupted(number, cluster, tmp_path, undisturbed, capsys):
     """Python itself does not see a signal until the loop is over."""
     environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "spin"}
-    run = start(tmp_path, f"cluster={cluster}", environment=environment)
+    run = start(tmp_path, *_CLUSTERS[cluster], environment=environment)
     until(run, ROWS // 2)
     os.killpg(run.process.pid, number)
     run.end(60.0)
@@ -65,7 +67,9 @@ _CLOSED = [("| head -1",), ("| true",), (">&-",), ("2>&-",), (">&- 2>&-",)]
 
 @pytest.mark.parametrize(("closed",), slow_but([_CLOSED[0], _CLOSED[-1]], _CLOSED))
 def test_a_run_that_nobody_reads_completes(closed, tmp_path, undisturbed):
-    words = " ".join([sys.executable, "-W", "error", "-m", "pipeline", *COMMAND, "cluster.workers=1"])
+    # A worker inherits what the run writes to.
+    workers = "cluster.workers=1" if closed == _CLOSED[-1][0] else "cluster=none"
+    words = " ".join([sys.executable, "-W", "error", "-m", "pipeline", *COMMAND, workers])
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     shell = ["bash", "-c", f"{words} {closed}; exit ${{PIPESTATUS[0]}}"]
     done = subprocess.run(shell, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)

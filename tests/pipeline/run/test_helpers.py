@@ -2,8 +2,11 @@
 
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
+import time
+from multiprocessing import forkserver
 
 import psutil
 import pytest
@@ -28,7 +31,7 @@ def _children() -> set:
 def helpers():
     before = _children()
     made = Helpers(["json"])
-    yield made, _children() - before
+    yield made, lambda: _children() - before
     made.close()
     # The executor waits for processes that were killed, too, and whoever comes second sees them a moment longer.
     wait_until(lambda: not _children() - before)
@@ -39,19 +42,48 @@ _EXPECTED = {(2, 3): 8, (3, 2): 9, (0, -1): ZeroDivisionError, (5, 5): 3125}
 
 def test_tasks_and_their_errors_come_back(helpers):
     made, processes = helpers
-    assert len(processes) == COUNT
     assert _answers(made.run(pow, _TASKS)) == _EXPECTED
+    assert len(processes()) == COUNT
     ((_, where),) = made.run(os.getpid, [()])
-    assert where in {process.pid for process in processes}
+    assert where in {process.pid for process in processes()}
+
+
+def test_what_was_begun_is_not_done_twice(helpers, tmp_path):
+    made, _ = helpers
+    notes = [(os.open, (tmp_path / name, os.O_CREAT | os.O_EXCL)) for name in "ab"]
+    for function, task in notes:
+        made.begin(function, [task])
+        made.begin(function, [task])
+    tasks = [task for _, task in notes]
+    # Whoever opened one of them again would be refused.
+    results = dict(made.run(os.open, [*tasks, (tmp_path / "c", os.O_CREAT)]))
+    assert len(results) == 3 and not any(isinstance(result, Exception) for result in results.values())
 
 
 def test_what_a_helper_was_killed_over_is_done_here(helpers):
     made, processes = helpers
-    for process in processes:
+    list(made.run(pow, _TASKS))
+    made.begin(time.sleep, [(60.0,)])
+    for process in processes():
         process.kill()
     assert _answers(made.run(pow, _TASKS)) == _EXPECTED
     ((_, where),) = made.run(os.getpid, [()])
     assert where == os.getpid()
+
+
+@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="nothing forks here")
+def test_helpers_are_forked_again_or_done_without_where_what_forks_them_was_killed(helpers):
+    made, _ = helpers
+    os.kill(forkserver._forkserver._forkserver_pid, signal.SIGKILL)
+    assert _answers(made.run(pow, _TASKS)) == _EXPECTED
+
+
+def test_helpers_that_cannot_load_leave_everything_to_this_process():
+    made = Helpers(["tests.there_is_no_such_module"])
+    assert _answers(made.run(pow, _TASKS)) == _EXPECTED
+    ((_, where),) = made.run(os.getpid, [()])
+    assert where == os.getpid()
+    made.close()
 
 
 def test_helpers_end_with_the_process_that_was_killed():

@@ -9,12 +9,14 @@ import xarray as xr
 import zarr
 
 from pipeline import store
+from pipeline.config.quantities import QUANTITIES, READ
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Block
 from pipeline.run.dispatch import dispatch
 from pipeline.run.rows import sweep_block
 from pipeline.run.workforce import Workforce
-from solver import domain_label, sweep_row
+from solver import DescribingFunction, domain_label, sweep_row
+from solver.harmonic.quantities import balance_quantities
 from tests.conftest import published
 from tests.pipeline.planes import cluster, contents, retold, small_plan, small_store
 
@@ -37,8 +39,7 @@ def test_schema(made):
         "n_solutions": "uint8",
         "n_stable": "uint8",
         "domain": "uint16",
-        "mean": "float64",
-        "amplitude": "float64",
+        **dict.fromkeys(QUANTITIES, "float64"),
         "phase": "float64",
         "stable": "int8",
         "impact": "int8",
@@ -51,6 +52,7 @@ def test_schema(made):
     for name, kind in kinds.items():
         assert plane[name].dtype == kind, name
         assert plane[name].attrs["long_name"]
+    assert all(plane[name].attrs == {"long_name": one.title, "units": one.unit} for name, one in QUANTITIES.items())
     assert set(plane.data_vars) == {*kinds, "message"}
     assert np.all(plane.certified == 1) and store.proven_cells(path) == (6 * 61, 6 * 61)
     assert plane.attrs["Conventions"].startswith("CF") and plane.attrs["configuration_hash"] == plan.digest
@@ -90,7 +92,13 @@ def test_values_are_the_rows(made):
         count = row.mean.shape[1]
         for name in ("mean", "amplitude", "phase", "stable", "impact"):
             np.testing.assert_array_equal(here[name][:, :count], getattr(row, name))
-        assert np.all(np.isnan(here["mean"][:, count:])) and np.all(here.stable[:, count:] == -1)
+        found = balance_quantities(
+            DescribingFunction(), published(f_e=float(f_e)), "omega", plan.sweep.values[:, None], row.motions
+        )
+        for one in READ:
+            np.testing.assert_allclose(here[one.name][:, :count], found[..., one.slot], rtol=1e-12, atol=1e-14)
+            assert np.all(np.isnan(here[one.name][:, count:]))
+        assert np.all(here.stable[:, count:] == -1)
         for name in ("n_solutions", "n_stable", "domain", "open"):
             np.testing.assert_array_equal(here[name], getattr(row, name))
         n = int(points.n_points)

@@ -4,7 +4,7 @@ import numpy as np
 
 from solver import Scales
 from tests.public import COUNT, NAME, NOT_NEGATIVE, NUMBER, OBJECT, POSITIVE, argument, array, optional
-from tests.solver.calls.subjects import GEAR, GRID, PAIR, model, pair, stop
+from tests.solver.calls.subjects import GEAR, GRID, PAIR, TEETH, model, pair, stop, teeth, tooth_mesh
 
 
 def gear_arguments() -> dict:
@@ -49,6 +49,15 @@ def of(names: str, wrong: tuple, values: dict) -> dict:
     return {name: argument(values[name], wrong) for name in names.split()}
 
 
+def teeth_arguments() -> dict:
+    above = of("module", POSITIVE, TEETH) | of("youngs_modulus", POSITIVE, TEETH)
+    least = of("teeth", (*NOT_NEGATIVE, 4.0), TEETH) | of("pressure_angle", (*NUMBER, 5.0, 40.0), TEETH)
+    shares = of("addendum", (*POSITIVE, 2.1), TEETH) | of("dedendum", (*POSITIVE, 1.0, 3.1), TEETH)
+    body = of("bore", (*POSITIVE, 1.0), TEETH) | of("poisson", (*NOT_NEGATIVE, 0.6), TEETH)
+    edge = {"edge_radius": argument(None, (*optional(NUMBER), -0.1, 1.0))}
+    return above | least | shares | body | edge | of("profile_shift", (*NUMBER, -1.1, 1.1), TEETH)
+
+
 CALLS = {
     "solver.Blank": lambda: {
         "large_diameter": argument(0.1, (*POSITIVE, 0.01), "small_diameter"),
@@ -71,6 +80,11 @@ CALLS = {
         ),
         "inertial_load": argument(np.ones((2, 2)), array(np.ones((2, 2)), np.ones((2, 3)), 1j * np.ones((2, 2)))),
     },
+    "solver.ContactSystem.at": lambda: {
+        "self": stop(),
+        "axis": argument("damping", NAME),
+        "value": argument(0.5, NUMBER, "damping"),
+    },
     "solver.ContactSystem.contact_force": lambda: {
         "self": stop(),
         "displacement": argument(GRID, array(GRID, any_shape=True)),
@@ -83,6 +97,10 @@ CALLS = {
     },
     "solver.GearPair": pair_arguments,
     "solver.GearPair.load": lambda: {"self": pair(), "drive": argument(1.0, NUMBER), "load": argument(1.0, NUMBER)},
+    "solver.GearTeeth": teeth_arguments,
+    "solver.PitchCones": lambda: {
+        name: pair_arguments()[name] for name in ("teeth", "module", "shaft_angle", "face_width")
+    },
     "solver.Model": gear_arguments,
     "solver.Model.linear_frequencies": lambda: {"self": model(), "gain": argument(1.0, NUMBER)},
     "solver.Model.mesh_modes": lambda: {"self": model(), "gain": argument(1.0, NUMBER)},
@@ -100,6 +118,26 @@ CALLS = {
         },
     },
     "solver.Model.stiffness_variation": lambda: {"self": model(), "angle": argument(GRID, array(GRID, any_shape=True))},
+    "solver.ToothMesh": lambda: {
+        "first": argument(teeth(), OBJECT),
+        "second": argument(teeth(), OBJECT),
+        "face_width": argument(0.02, POSITIVE),
+    },
+    "solver.ToothMesh.coefficients": lambda: {"self": tooth_mesh(), "count": argument(2, (*COUNT, 101))},
+    "solver.ToothMesh.harmonics": lambda: {"self": tooth_mesh(), "count": argument(2, (*COUNT, 101))},
+    "solver.ToothMesh.pair_stiffness": lambda: {
+        "self": tooth_mesh(),
+        "place": argument(np.zeros(3), array(np.zeros(3), np.ones(3), -np.ones(3), empty=True)),
+    },
+    "solver.ToothMesh.stiffness": lambda: {"self": tooth_mesh(), "phase": argument(GRID, array(GRID, empty=True))},
+    "solver.bevel_mesh": lambda: {
+        "first": argument(teeth(), OBJECT),
+        "second": argument(teeth(), OBJECT),
+        "shaft_angle": argument(90.0, (*POSITIVE, 180.0, 179.9)),
+        "face_width": argument(0.01, (*POSITIVE, 1.0)),
+    },
+    "solver.iso_6336_stiffness": lambda: {"mesh": argument(tooth_mesh(), OBJECT)},
+    "solver.thumb_stiffness": lambda: {"mesh": argument(tooth_mesh(), OBJECT)},
     "solver.Scale": lambda: {
         "size": argument(2.0, (*NUMBER, 0.0)),
         "unit_size": argument(2.0, (*NUMBER, 0.0)),

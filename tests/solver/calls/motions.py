@@ -155,6 +155,11 @@ CALLS = {
         "period": periods(1),
         "samples": argument(64, (*COUNT, 0, 4)),
     },
+    "solver.timedomain.order_spectrum": lambda: {
+        "samples": argument([0.0, 1.0, 0.5], array([0.0, 1.0, 0.5], [1.0], any_shape=True)),
+        "periods": argument(2.0, POSITIVE),
+        "window": argument(None, tuple(v for v in NAME if v is not None)),
+    },
     "solver.timedomain.settle": lambda: {
         "system": argument(stop(), OBJECT),
         "omega": argument(0.9, POSITIVE),
@@ -168,6 +173,15 @@ CALLS = {
         tolerance=tolerances(),
         integration_tolerance=tolerances(1e-12),
         max_iterations=argument(20, (*COUNT, 0)),
+    ),
+    "solver.timedomain.slow_run": lambda: places(
+        values=argument(
+            [0.9, 0.8], (None, 1, "ab", [], [np.nan], [-1.0], [0.9, 0.8, 0.85], ["a"], {}, object()), "omega"
+        ),
+        state=argument(None, optional(array(np.zeros(2), np.zeros(3), np.zeros((1, 2))))),
+    ),
+    "solver.timedomain.trajectory": lambda: batch(
+        periods=periods(), samples=argument(16, (*COUNT, 0)), tolerance=tolerances()
     ),
 }
 

@@ -5,7 +5,7 @@ import numpy as np
 from solver import Event
 from solver.harmonic.galerkin import Galerkin
 from tests.public import NAME, NUMBER, OBJECT, POSITIVE, RANGE, argument, array, optional
-from tests.solver.calls.subjects import WRONG_OMEGA, divided, model, plane, row, starts, stop, wrong_settings
+from tests.solver.calls.subjects import WRONG_OMEGA, divided, model, plane, row, starts, wrong_settings
 
 CALLS = {
     "solver.boundaries.BoundaryCurve.crossings": lambda: {
@@ -89,7 +89,7 @@ CALLS = {
         "p_window": argument((0.15, 0.2), optional((*RANGE, (0.0, 0.2)))),
     },
     "solver.regions.regions": lambda: {
-        "model": argument(model(), (*OBJECT, stop())),
+        "system": argument(model(), OBJECT),
         "x_axis": argument("omega", (*NAME, "f_e"), "p_axis", "omega"),
         "p_axis": argument("f_e", (*NAME, "omega")),
         "x_range": argument((0.5, 0.8), (*RANGE, (0.0, 0.8)), "omega"),

@@ -38,9 +38,9 @@ def balance_arguments(balance) -> dict:
     return {"problem": argument(problem(balance), OBJECT)}
 
 
-def about(*, ends: bool = True, name: str = "model") -> dict:
+def about(*, ends: bool = True) -> dict:
     """A gear pair over the frequency."""
-    found = {name: argument(model(), OBJECT), "axis": argument("omega", NAME)}
+    found = {"system": argument(model(), OBJECT), "axis": argument("omega", NAME)}
     if ends:
         found["low"] = argument(0.5, (*NUMBER, 0.8, 0.9, 0.0, -1.0), "omega", "high")
         found["high"] = argument(0.8, (*NUMBER, 0.5, 0.4))
@@ -49,9 +49,8 @@ def about(*, ends: bool = True, name: str = "model") -> dict:
 
 def over(axis: str, system=model) -> dict:
     """A system over an axis whose values are above 0."""
-    name = "model" if system is model else "system"
     low, high = argument(0.5, (*NUMBER, 0.8, -1.0), "high", axis), argument(0.8, (*NUMBER, 0.5, 0.4))
-    return {name: argument(system(), OBJECT), "axis": argument(axis, NAME), "low": low, "high": high}
+    return {"system": argument(system(), OBJECT), "axis": argument(axis, NAME), "low": low, "high": high}
 
 
 def span(balance=None):
@@ -183,9 +182,15 @@ CALLS = {
         ),
     },
     "solver.all_solutions": lambda: {
-        "model": argument(model(), OBJECT),
+        "system": argument(model(), OBJECT),
         "omega": argument(0.6, POSITIVE),
         "amplitude_max": argument(100.0, POSITIVE),
+    },
+    "solver.free_vibration": lambda: {
+        "system": argument(model(), OBJECT),
+        "highest": argument(3.0 * GRID + 1.0, array(3.0 * GRID + 1.0, 0.0 * GRID, empty=True)),
+        "order": argument(2, (*COUNT, 0, 65)),
+        "mode": argument(1, (*COUNT, 2)),
     },
     "solver.backbone": lambda: {
         "model": argument(model(), (*OBJECT, model().replace(f_pm=0.0)), "f_pm"),
@@ -258,7 +263,7 @@ CALLS = {
         **balance_arguments(GALERKIN),
         "p": argument(0.6, NUMBER),
     },
-    "solver.Galerkin.problem": lambda: {"self": GALERKIN, **about(name="system")},
+    "solver.Galerkin.problem": lambda: {"self": GALERKIN, **about()},
 }
 
 #: Calls over other axes and with other systems: what is called, and with what.
@@ -270,7 +275,7 @@ FURTHER = {
     "a backlash": (
         "solver.enumerate_row",
         lambda: {
-            "model": argument(model(), OBJECT),
+            "system": argument(model(), OBJECT),
             "axis": argument("b", NAME),
             "grid": argument(GRID, array(GRID, -GRID, empty=True), "b"),
             "omega": argument(0.6, (None, *WRONG_OMEGA)),
@@ -279,7 +284,7 @@ FURTHER = {
     "a row of damping": (
         "solver.sweep_row",
         lambda: {
-            "model": argument(model(), OBJECT),
+            "system": argument(model(), OBJECT),
             "axis": argument("xi_mesh", NAME),
             "grid": argument(GRID[:3], array(GRID[:3], -GRID[2::-1]), "xi_mesh"),
             "omega": argument(0.6, (None, *WRONG_OMEGA)),

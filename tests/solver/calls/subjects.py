@@ -5,7 +5,7 @@ import functools
 import numpy as np
 
 import solver
-from solver import ContactSystem, Continuation, GearPair, Model, Newton, sweep_row
+from solver import ContactSystem, Continuation, GearPair, GearTeeth, Model, Newton, ToothMesh, sweep_row
 from solver.boundaries import boundary_curves, row_events
 from solver.regions import regions
 from tests.public import OBJECT, POSITIVE, optional
@@ -24,6 +24,9 @@ PAIR |= dict(inertia=(5e-4, 2e-3), support_stiffness=1e8, support_damping=100.0,
 PAIR |= dict(mesh_damping_ratio=0.05, half_backlash=5e-5, torque=100.0, mesh_stiffness_harmonics=((2e7, 0.0),))
 PAIR |= dict(error_harmonics=((5e-6, 0.0),), load_torque=None, torque_fluctuation=0.0, reference_length=None)
 
+TEETH = dict(teeth=20, module=4e-3, bore=0.03, pressure_angle=20.0, addendum=1.0, dedendum=1.25, profile_shift=0.1)
+TEETH |= dict(edge_radius=None, youngs_modulus=206e9, poisson=0.3)
+
 CORRECTOR, STEPS = Newton(), Continuation(max_points=400)
 
 
@@ -35,6 +38,16 @@ def model() -> Model:
 @functools.cache
 def pair() -> GearPair:
     return GearPair(**PAIR)
+
+
+@functools.cache
+def teeth() -> GearTeeth:
+    return GearTeeth(**TEETH)
+
+
+@functools.cache
+def tooth_mesh() -> ToothMesh:
+    return ToothMesh(teeth(), teeth(), 0.02)
 
 
 @functools.cache

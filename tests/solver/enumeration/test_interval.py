@@ -11,7 +11,7 @@ from solver.contact.dead_zone import describing_functions
 from solver.enumeration import interval
 from solver.enumeration.coefficients import enclosed_coefficients
 from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes
-from solver.harmonic.describing_function import coefficients
+from solver.harmonic.condensed import coefficients
 from solver.model.packing import axis_vectors
 from tests.conftest import MODELS
 
@@ -95,6 +95,10 @@ def _law(cosine, beta):
     return force / _PI, gain / _PI
 
 
+#: Nothing but the contact holds lambda, and there are two flanks.
+GEAR = (0.0, 0.0, 1.0)
+
+
 def test_rounding_of_the_contact_law_stays_within_a_quarter_of_its_margin():
     rng = np.random.default_rng(1)
     worst = 0.0
@@ -104,7 +108,7 @@ def test_rounding_of_the_contact_law_stays_within_a_quarter_of_its_margin():
         small = 10.0 ** rng.uniform(-14, 0)
         cosine = rng.choice([rng.uniform(-1.0, top), top - small, small - 1.0])
         cosine = min(max(cosine, -1.0), top)
-        force, gain, margin, _ = contact_law(cosine, beta)
+        force, gain, margin, _, _ = contact_law(cosine, beta, GEAR)
         exact_force, exact_gain = _law(cosine, beta)
         worst = max(worst, abs(force - exact_force) / margin, abs(gain - exact_gain) / margin)
     assert worst < 0.25
@@ -118,7 +122,7 @@ def test_contact_law_agrees_with_the_describing_functions():
         if b - mean >= amplitude:
             continue
         force, gain = describing_functions(mean, amplitude, b)[:2]
-        law = contact_law((b - mean) / amplitude, b / amplitude)
+        law = contact_law((b - mean) / amplitude, b / amplitude, GEAR)
         assert law[0] == pytest.approx(force / amplitude, abs=1e-13)
         assert law[1] == pytest.approx(gain, abs=1e-13)
 
@@ -135,8 +139,8 @@ def test_gain_over_bounds_gain_and_slopes_on_rectangles():
         guess = rng.choice([np.nan, cosine, rng.uniform(-1.0, 1.0)])
         phi_bounds, beta_bounds = (phi - before[0] - 1e-15, phi + after[0] + 1e-15), (beta - before[1], beta + after[1])
         slack = rng.choice([0.0, 1e-12, 1e-3 * width])
-        gains, cosines = gain_over(phi_bounds, beta_bounds, guess, slack)
-        by_force, by_gap = gain_slopes(phi_bounds, beta_bounds, cosines, slack)
+        gains, cosines = gain_over(phi_bounds, beta_bounds, GEAR, guess, slack)
+        by_force, by_gap = gain_slopes(phi_bounds, beta_bounds, cosines, GEAR, slack)
         assert gains[0] <= gain <= gains[1]
         assert cosines[0] <= cosine <= cosines[1]
         assert by_force[0] >= 0.0 and by_gap[1] <= 0.0
@@ -151,12 +155,12 @@ def test_gain_over_bounds_gain_and_slopes_on_rectangles():
 
 
 def test_gain_over_at_the_edges():
-    assert gain_over((1.0, np.inf), (0.0, np.inf), np.nan, 0.0)[0] == (1.0, 1.0)
-    low, high = gain_over((0.0, 0.0), (1.0, 5.0), np.nan, 0.0)[0]
+    assert gain_over((1.0, np.inf), (0.0, np.inf), GEAR, np.nan, 0.0)[0] == (1.0, 1.0)
+    low, high = gain_over((0.0, 0.0), (1.0, 5.0), GEAR, np.nan, 0.0)[0]
     assert low == 0.0 and high < 1e-12
-    low, high = gain_over((0.3, 0.3), (0.0, 0.0), np.nan, 0.0)[0]
+    low, high = gain_over((0.3, 0.3), (0.0, 0.0), GEAR, np.nan, 0.0)[0]
     assert low > 1.0 - 1e-14 and high == 1.0
-    assert gain_over((np.nan, np.nan), (0.0, 1.0), np.nan, 0.0)[0] == (0.0, 1.0)
+    assert gain_over((np.nan, np.nan), (0.0, 1.0), GEAR, np.nan, 0.0)[0] == (0.0, 1.0)
 
 
 @pytest.mark.parametrize("omega", [0.05, 0.6, 1.0, 1.3, 2.5])

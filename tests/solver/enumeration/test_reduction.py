@@ -5,9 +5,11 @@ import pytest
 
 from solver import all_solutions
 from solver.contact.dead_zone import describing_functions
+from solver.enumeration.condensed import condensed_over
 from solver.enumeration.gain_equation import gain_at, motion_over, slope_over
 from solver.enumeration.reduction import ROWS, determinant_over, numerators_at, reduce_balance
-from solver.harmonic.describing_function import coefficients, evaluate
+from solver.harmonic.condensed import coefficients
+from solver.harmonic.describing_function import evaluate
 from solver.model.packing import axis_vectors
 from tests.conftest import MODELS
 from tests.solver.enumeration.test_solutions import random_model
@@ -20,13 +22,13 @@ def _case(seed):
     model = random_model(rng, name, alpha=rng.uniform(0.0, 1.5), xi_mesh=rng.choice([0.05, 0.005]))
     omega = rng.uniform(0.1, 2.0)
     reduced = np.empty((ROWS, 2))
-    assert reduce_balance(*axis_vectors(model, "omega"), omega, reduced)
+    assert reduce_balance(condensed_over(model, "omega", np.array([omega]), None)[0], reduced)
     return rng, model, omega, reduced
 
 
 def _polynomials(model, omega, t):
     """n, q and l at gains t, from the balance's coefficients."""
-    (D, A, P_1, P_2, F, e), _, (c, f_pm, _), _ = coefficients(*axis_vectors(model, "omega"), omega)
+    (D, A, P_1, P_2, F, e), _, (c, f_pm, *_), _ = coefficients(*axis_vectors(model, "omega"), omega)
     A, Q, G = A - P_1 * e.conjugate() / (2 * c), P_2 - P_1 * e / (2 * c), F - P_1 * f_pm / c
     q = np.abs(D + t * A) ** 2 - t**2 * abs(Q) ** 2
     line = np.conj(D + t * A) * G - t * Q * G.conjugate()
@@ -55,7 +57,7 @@ def test_bounds_hold_over_intervals(seed):
         width = 10.0 ** rng.uniform(-6, 0)
         left = rng.uniform(0.0, 1.0 - width) if width < 1.0 else 0.0
         right = min(left + width, 1.0)
-        _, gain, slope, regular = slope_over(reduced, left, right, np.nan)
+        gain, slope, regular = slope_over(reduced, left, right, np.nan)
         q_low, q_high = determinant_over(reduced, left, right)
         mean, cosine, sine, amplitude = motion_over(reduced, left, right, np.nan)
         regulars += regular
@@ -66,7 +68,7 @@ def test_bounds_hold_over_intervals(seed):
             assert gain[0] - 1e-9 <= h + t <= gain[1] + 1e-9
             assert q_low - 1e-12 <= q <= q_high + 1e-12
             bounds, near = gain_at(reduced, t, np.nan)
-            assert bounds[0] - 1e-9 <= h <= bounds[1] + 1e-9 and bounds[1] - bounds[0] < 1e-9
+            assert bounds[0] - 1e-9 <= h + t <= bounds[1] + 1e-9 and bounds[1] - bounds[0] < 1e-9
             for value, (low, high) in zip((n, q, abs(line)), numerators_at(reduced, t), strict=True):
                 assert low - 1e-12 <= value <= high + 1e-12
             motion = line / q
@@ -99,7 +101,7 @@ def test_determinant_of_the_jacobian(seed):
         _, jacobian = evaluate(model, omega, [mean, cosine, sine])
         _, q, _ = _polynomials(model, omega, gain)
         left, right = max(gain - 1e-9, 0.0), min(gain + 1e-9, 1.0)
-        slope = slope_over(reduced, left, right, np.nan)[2]
+        slope = slope_over(reduced, left, right, np.nan)[1]
         if gain == 1.0:
             slope = (-1.0, -1.0)
         assert np.linalg.det(jacobian) == pytest.approx(-model.rotation * q * contact * np.mean(slope), rel=1e-4)

@@ -96,6 +96,8 @@ def test_every_number_of_a_hand_worked_example():
     assert table["omega"].shown == pytest.approx(11321.6, rel=1e-5)
     assert table["mesh_frequency"].shown == pytest.approx(3773.87, rel=1e-5)
     assert table["f_pm"].shown == pytest.approx(921.403, rel=1e-5)
+    # 5e-5 m x 23711.9 rad/s; 4e8 N/m x 5e-5 m
+    assert (table["velocity"].shown, table["force"].shown) == pytest.approx((1.18559466, 20000.0), rel=1e-8)
     assert (table["b"].shown, table["f_e"].shown, table["alpha"].shown) == pytest.approx((50.0, 50.0, 400.0))
 
 

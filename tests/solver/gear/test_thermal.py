@@ -20,7 +20,7 @@ from solver.gear.thermal_laws import (
     VogelViscosity,
     law_of,
 )
-from solver.harmonic.describing_function import coefficients
+from solver.harmonic.condensed import coefficients
 from solver.model.packing import axis_vectors
 from solver.model.parameter_path import add_path, place_on, plane_vectors
 from tests.conftest import consistent, published

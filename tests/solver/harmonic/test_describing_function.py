@@ -6,7 +6,8 @@ from hypothesis import assume, given, settings
 
 from solver import first_order_problem
 from solver.harmonic import describing_function
-from solver.harmonic.describing_function import coefficients, evaluate, linear_solution
+from solver.harmonic.condensed import coefficients
+from solver.harmonic.describing_function import evaluate, linear_solution
 from solver.model.packing import AXES, axis_vectors
 from tests.conftest import published
 from tests.solver.independent import difference, linear_response, projected_balance
@@ -99,8 +100,8 @@ def test_derivatives_of_the_coefficients_along_frequency(model, omega):
     values, slopes, constants, constant_slopes = coefficients(*vectors, omega)
     expected = difference(lambda x: coefficients(*vectors, x)[0], omega, 1e-4)
     np.testing.assert_allclose(slopes, expected, rtol=0, atol=1e-7 * max(1.0, *np.abs(expected), *np.abs(values)))
-    assert constants == (model.rotation, model.f_pm, model.b)
-    assert constant_slopes == (0.0, 0.0, 0.0)
+    assert constants == (model.rotation, model.f_pm, model.b, model.b, 0.0, 1.0)
+    assert constant_slopes == (0.0,) * 6
 
 
 @given(models(), frequencies, motions)

@@ -68,8 +68,9 @@ def test_a_gear_is_an_instance_of_a_contact_system(axis, model, omega, balance, 
     np.testing.assert_allclose(*steps, rtol=0, atol=1e-9 * max(1.0, np.max(np.abs(steps[0]))))
     signs = [np.sign(np.linalg.det(jacobian[:, :-1])) for _, jacobian in (mine, theirs)]
     assert signs[0] == signs[1]
-    p = {"omega": omega, "gap": model.b + 0.01, "alpha": model.alpha, "excitation": 0.9}[axis]
-    assume(away_from_grazing(balance, u, p, -p) if axis == "gap" else away_from_grazing(balance, u, model.b, -model.b))
+    p = {"omega": omega, "gap": model.b + 0.01, "alpha": model.alpha}.get(axis, 0.9)
+    b = {"gap": p, "gap_scale": p * model.b}.get(axis, model.b)
+    assume(away_from_grazing(balance, u, b, -b))
     problem = balance.problem(system, axis, 0.01, 2.01, omega)
     y = np.append(u, p)
     _, jacobian = evaluated(problem, y)

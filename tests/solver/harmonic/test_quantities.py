@@ -47,7 +47,8 @@ def sampled(model: Model, omega: float, motion) -> Quantities:
     for j in range(6):
         cosine, sine, drag = parts[1, j], parts[2, j], 2.0 * model.xi_support[j] * omega
         spring = wave(model.k_support[j] * parts[:, j])
-        supports.append(np.max(np.abs(spring + wave([0.0, drag * sine, -drag * cosine]))))
+        force_on_it = spring + wave([0.0, drag * sine, -drag * cosine])
+        supports.append(np.max(np.abs(force_on_it)) / model.kappa[j // 3])
     free = np.abs(deflection) <= model.b
     meet = np.flatnonzero(np.roll(free, 1) & ~free)
     return Quantities(
@@ -168,6 +169,10 @@ def test_shapes_other_axes_and_motions_that_are_none():
     assert math.isnan(
         Quantities(*balance_quantities(balance, published(f_pm=0.0), "omega", 0.8, motions[0, 0])).dynamic_factor
     )
+    undamped = published(k_support=0.25, xi_support=0.0)
+    resonant = Quantities(*balance_quantities(balance, undamped, "omega", 0.5, motions[0, 0]))
+    assert math.isnan(resonant.support_force) and math.isnan(resonant.error_rms)
+    assert resonant.rms == pytest.approx(math.hypot(0.1, 0.2) / math.sqrt(2.0), rel=1e-12)
     for arguments, name in (
         ((balance, model, "omega", 0.8, [1.0, 2.0]), "motions"),
         ((balance, "gear", "omega", 0.8, motions[0, 0]), "model"),

@@ -152,10 +152,6 @@ def test_what_is_not_allowed_of_the_balance():
     with pytest.raises(ParameterError) as error:
         solve(published(), np.ones(5), 0.6, balance=Galerkin(3))
     assert error.value.name == "guess"
-    spring = ContactSystem([[1.0]], [[0.1]], [[0.0]], [1.0], [1.0], 1.0)
-    with pytest.raises(ParameterError) as error:
-        solve(spring, np.ones(3), 0.6, balance=solver.DescribingFunction())
-    assert error.value.name == "balance"
     with pytest.raises(ParameterError) as error:
         solve(published(), np.ones(3), 0.6, max_iterations=0)
     assert error.value.name == "max_iterations"

@@ -55,8 +55,8 @@ def first_order_state(model: Model, omega: float, which: int = -1):
     return system, orbit_state(system, omega, [found.mean[which], found.cos[which], found.sin[which]])
 
 
-def scipy_motion(system: ContactSystem, omega: float, state, stop: float):
-    """End state and switch times with DOP853, restarted at every switch that its events find."""
+def field_of(system: ContactSystem, omega: float):
+    """dz/dtau of z = (y, y'), as SciPy's integrators take it."""
     n = system.degrees
     inverse = np.linalg.inv(system.mass)
     order = max(len(system.load), len(system.inertial_load)) - 1
@@ -71,6 +71,13 @@ def scipy_motion(system: ContactSystem, omega: float, state, stop: float):
         contact = system.contact_force(system.contact @ z[:n])
         force = (system.force + system.varying_force * variation) * contact
         return np.concatenate([z[n:], inverse @ (load - system.damping @ z[n:] - system.stiffness @ z[:n] - force)])
+
+    return field
+
+
+def scipy_motion(system: ContactSystem, omega: float, state, stop: float):
+    """End state and switch times with DOP853, restarted at every switch that its events find."""
+    n, field = system.degrees, field_of(system, omega)
 
     def front(time, z):
         return system.contact @ z[:n] - system.front_gap

@@ -13,6 +13,7 @@ from pipeline.analysis.attractors import rounds, tasks
 from pipeline.plan.plan import Plan
 from pipeline.store import groups, row_groups
 from solver.timedomain import AttractorKind
+from tests.conftest import slow_but
 from tests.made_once import made_once
 from tests.pipeline.analysis.attractors.made_up import World
 from tests.pipeline.planes import assert_same_contents, contents, small_plan, small_store
@@ -107,14 +108,14 @@ def whole(run, world):
     return contents(made_once("attractors-made-up", make) / "plane.zarr")
 
 
-@pytest.mark.parametrize("blocks", [1, 10])
+@pytest.mark.parametrize("blocks", [pytest.param(1, marks=pytest.mark.slow), 10])
 def test_the_size_of_blocks_does_not_matter(run, whole, monkeypatch, blocks):
     monkeypatch.setattr(grid_module, "_BLOCKS", blocks)
     assert run()[0] == 0
     assert_same_contents(contents(run.path), whole)
 
 
-@pytest.mark.parametrize("writes", [3, 12])
+@pytest.mark.parametrize("writes", [pytest.param(3, marks=pytest.mark.slow), 12])
 def test_an_interrupted_run_is_gone_on_with(run, whole, monkeypatch, writes):
     """It ends before a block is written, of round 0 or of a later one."""
     honest, left = row_groups.write_whole, [writes]
@@ -136,7 +137,7 @@ def test_an_interrupted_run_is_gone_on_with(run, whole, monkeypatch, writes):
     assert code == 0 and "nothing to do" in out
 
 
-@pytest.mark.parametrize("array", ["kind", "rounds", "message", "label"])
+@pytest.mark.parametrize(("array",), slow_but([("kind",)], [("kind",), ("rounds",), ("message",), ("label",)]))
 def test_a_damaged_chunk_is_found_and_repaired(run, whole, array):
     assert run()[0] == 0
     (file, *_) = sorted((run.path / "attractors" / array).rglob("c/1*"))
@@ -164,7 +165,7 @@ def test_what_is_sound_of_a_damaged_group_is_kept(run, whole, monkeypatch):
     assert_same_contents(contents(run.path), whole)
 
 
-@pytest.mark.parametrize("round", [0, 1, 2])
+@pytest.mark.parametrize("round", [pytest.param(0, marks=pytest.mark.slow), 1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_row_that_raises_is_recorded_with_its_reason(run, world, round):
     row = {0: 7, 1: 2, 2: 3}[round]
     world.raising[row] = round

@@ -290,9 +290,8 @@ def test_any_point(stores, x, p):
         (["tolerances={f_e: -0.1}"], "margins.tolerances.f_e = -0.1 is not allowed: it must be a number, at least 0"),
         (["tolerances={f_e: 0.4}"], "margins.tolerances.f_e = 0.4 is not allowed: it must be so small that f_e = 0.2"),
         (["tolerances={b: 1.5}"], "margins.tolerances.b = 1.5 is not allowed: it must be so small that b = 1 +- it"),
-        (["tolerances={alpha: x}"], "margins.tolerances.alpha = x is not allowed: it must be a number, at least 0"),
+        (["tolerances={alpha: x}"], "margins.tolerances.alpha = 'x' is not allowed: it must be a number"),
         (["tolerances=[1]"], "margins.tolerances = [1] is not allowed: it must be numbers by name"),
-        (["reach=1"], "margins.reach = 1.0 is not allowed: it must be from 1.1 to 100"),
     ],
 )
 def test_what_is_not_allowed(stores, given_, message):
@@ -317,7 +316,7 @@ def test_the_stage(stores, tmp_path, capsys):
         f"store.root={path.parent}",
         "store.name=omega_fe",
         "stages=[margins]",
-        "figures.dpi=60",
+        "figures.dpi=30",
         "figures.formats=[png]",
         "margins.point=[0.9,0.1]",
         "margins.range=[0.8,1.0]",
