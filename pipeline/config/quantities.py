@@ -25,6 +25,8 @@ class Quantity:
         Mathematical text, without the dollar signs.
     scale : str or None
         What turns it into a physical value, one of `solver.Scales`; None of a ratio, which has no unit.
+    signed : bool
+        Whether it may be below 0: axes of the others begin there.
     """
 
     name: str
@@ -32,6 +34,7 @@ class Quantity:
     label: str
     symbol: str
     scale: str | None = "length"
+    signed: bool = False
 
     @property
     def slot(self) -> Slot | None:
@@ -43,16 +46,29 @@ class Quantity:
         """Unit of the stored values: all are dimensionless."""
         return "1"
 
+    @property
+    def reference(self) -> str:
+        """What the dimensionless value is in units of, as mathematical text; empty of a ratio."""
+        return {None: "", "length": "b_c", "velocity": r"b_c \Omega_n", "force": "k_m b_c"}[self.scale]
+
 
 _ALL = (
     Quantity("amplitude", "amplitude of the fundamental of the mesh displacement", "amplitude", r"\lambda_a"),
-    Quantity("lowest", "lowest mesh displacement over the period", "lowest displacement", r"\lambda_{min}"),
-    Quantity("highest", "highest mesh displacement over the period", "highest displacement", r"\lambda_{max}"),
-    Quantity("mean", "mean of the mesh displacement", "mean", r"\lambda_m"),
+    Quantity(
+        "lowest", "lowest mesh displacement over the period", "lowest displacement", r"\lambda_{min}", signed=True
+    ),
+    Quantity(
+        "highest", "highest mesh displacement over the period", "highest displacement", r"\lambda_{max}", signed=True
+    ),
+    Quantity("mean", "mean of the mesh displacement", "mean", r"\lambda_m", signed=True),
     Quantity("rms", "root mean square of the varying part of the mesh displacement", "RMS", r"\lambda_{rms}"),
     Quantity("peak_to_peak", "peak to peak of the mesh displacement", "peak to peak", r"\lambda_{pp}"),
-    Quantity("error_lowest", "lowest dynamic transmission error", "lowest transmission error", r"\psi_{min}"),
-    Quantity("error_highest", "highest dynamic transmission error", "highest transmission error", r"\psi_{max}"),
+    Quantity(
+        "error_lowest", "lowest dynamic transmission error", "lowest transmission error", r"\psi_{min}", signed=True
+    ),
+    Quantity(
+        "error_highest", "highest dynamic transmission error", "highest transmission error", r"\psi_{max}", signed=True
+    ),
     Quantity(
         "error_rms",
         "root mean square of the varying part of the dynamic transmission error",
@@ -71,7 +87,7 @@ _ALL = (
         "impact_velocity",
         "largest speed of the mesh displacement where teeth meet again",
         "impact velocity",
-        r"\lambda'_i",
+        "v_i",
         "velocity",
     ),
     Quantity("support_force", "largest force of a support", "support force", "F_b", "force"),

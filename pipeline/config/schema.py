@@ -7,6 +7,7 @@ from typing import Any
 from omegaconf import MISSING
 
 from pipeline.config.allowed import allowed
+from pipeline.config.quantities import QUANTITIES
 
 __all__ = ["Configuration"]
 
@@ -248,6 +249,8 @@ class Figures:
     stability: str = allowed(names=("static", "dynamic"))
     window: list[float] | None = MISSING
     units: str = allowed(names=("dimensionless", "physical"))
+    quantity: str | None = allowed(names=tuple(QUANTITIES))
+    of: str = allowed(names=("worst", "mildest"))
 
 
 @dataclass

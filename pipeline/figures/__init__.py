@@ -5,13 +5,24 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from pipeline.config.quantities import AMPLITUDE
 from pipeline.figures.options import check_options
 from pipeline.plane.stored import read_stored
 
 __all__ = ["NAMES", "OF_ROWS", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra"]
 
 #: Figures of a plane, those that take longest first.
-NAMES = ("map", "curves", "map-window", "multipliers", "attractors", "verification", "basins", "backbone")
+NAMES = (
+    "map",
+    "map-quantity",
+    "curves",
+    "map-window",
+    "multipliers",
+    "attractors",
+    "verification",
+    "basins",
+    "backbone",
+)
 
 #: Those that need the rows of the plane and nothing that later stages add.
 OF_ROWS = ("curves", "multipliers", "backbone")
@@ -27,6 +38,8 @@ def draw(
     stability: str = "static",
     units: str = "dimensionless",
     multipliers: list[float] | None = None,
+    quantity: str | None = None,
+    of: str = "worst",
     only: Sequence[str] | None = None,
 ) -> list[Path]:
     """Draw the map, the amplitude-frequency curves and the backbone of a stored plane, and a part of the map if asked.
@@ -52,13 +65,20 @@ def draw(
         Of the axes: "dimensionless", or "physical" with the dimensionless value on the opposite side.
     multipliers : list of float or None
         Parameter values along whose branches Floquet multipliers are drawn; None draws none.
+    quantity : str or None
+        One of `pipeline.config.quantities.QUANTITIES`: its map is drawn in addition, and curves of it instead of those
+        of the amplitude.
+    of : str
+        Where several motions coexist that a label counts, that map shows the "worst", the largest value, or the
+        "mildest", the smallest.
     only : sequence of str, optional
         Names of the figures that are drawn; all there are unless given.
 
     Returns
     -------
     list of Path
-        map, map-window, curves, multipliers, attractors, verification, basins and backbone, each in all formats;
+        map, map-<quantity>-<of>, map-window, curves or curves-<quantity>, multipliers, attractors, verification, basins
+        and backbone, each in all formats;
         "-dynamic" stands behind the names of those of dynamic stability. Attractors and verification are drawn where
         the store has the group `attractors`, basins where it has `places`. The backbone is left out where the plane's
         rows do not run over the mesh frequency, or without mean load. Of a volume, layers: maps of up to five of them.
@@ -69,12 +89,12 @@ def draw(
         If the options are not allowed for this plane, or there is no store of ours.
     """
     plane = read_stored(store_path, stability == "dynamic", units == "physical")
-    check_options(plane.plan, curves, formats, dpi, window, stability, units, multipliers)
+    check_options(plane.plan, curves, formats, dpi, window, stability, units, multipliers, quantity, of)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
         if plane.plan.parameter2 is not None:
             return _draw_layers(plane, folder, formats, dpi)
-        return _draw(plane, folder, curves, formats, dpi, window, multipliers, only)
+        return _draw(plane, folder, curves, formats, dpi, window, multipliers, quantity, of, only)
 
 
 def draw_named(store_path: Path, folder: Path, options: dict, names: Sequence[str]) -> dict[str, list[Path]]:
@@ -161,7 +181,7 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(plane, folder, curves, formats, dpi, window, multipliers, only) -> list[Path]:
+def _draw(plane, folder, curves, formats, dpi, window, multipliers, quantity, of, only) -> list[Path]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from pipeline.figures.backbone import draw_backbone, has_backbone
     from pipeline.figures.curves import draw_curves
@@ -172,7 +192,14 @@ def _draw(plane, folder, curves, formats, dpi, window, multipliers, only) -> lis
     drawers = {"map": lambda: draw_map(plane)}
     if window is not None:
         drawers["map-window"] = lambda: draw_window(plane, window)
-    drawers["curves"] = lambda: draw_curves(plane, curves)
+    shown = quantity or AMPLITUDE.name
+    drawers["curves"] = lambda: draw_curves(plane, curves, shown)
+    files = {} if shown == AMPLITUDE.name else {"curves": f"curves-{shown}"}
+    if quantity is not None:
+        from pipeline.figures.quantity_map import draw_quantity_map
+
+        drawers["map-quantity"] = lambda: draw_quantity_map(plane, quantity, of)
+        files["map-quantity"] = f"map-{quantity}-{of}"
     if multipliers is not None:
         from pipeline.figures.multipliers import draw_multipliers
 
@@ -186,7 +213,7 @@ def _draw(plane, folder, curves, formats, dpi, window, multipliers, only) -> lis
     with own_style():
         for name, drawn in drawers.items():
             if only is None or name in only:
-                paths += write_figure(drawn(), plane, folder, name, formats, dpi)
+                paths += write_figure(drawn(), plane, folder, files.get(name, name), formats, dpi)
     return paths
 
 

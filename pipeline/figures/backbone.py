@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, balance_text, write_heading
-from pipeline.figures.naming import axis_label, mesh_energies
+from pipeline.figures.naming import axis_label, mesh_energies, symbol
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units, titled
 from pipeline.plan.numerics import model_at
@@ -106,8 +106,10 @@ def draw_backbone(plane: StoredPlane) -> Drawing:
     bar.set(xticks=[], ylabel=axis_label(row_axis.name, plane.attributes[row_axis.name]))
     bar.yaxis.tick_right()
     bar.yaxis.set_label_position("right")
-    if shown:
-        show_bar_units(bar, plane, row_axis.name)
+    if shown and row_axis.name in plane.scales:
+        scale = plane.scales[row_axis.name]
+        bar.set_title(symbol(row_axis.name), loc="right")
+        show_bar_units(bar, scale).set_ylabel(f"{scale.name} ({scale.unit})")
     keys = {"backbone: undamped, free, order 1": Line2D([], [], color="black", **_LINE)}
     found = np.isfinite(peaks[..., 0])
     stable = "dynamically stable" if plane.dynamic else "stable"

@@ -20,6 +20,7 @@ from pipeline.figures.layout import (
     WIDTH,
     ZOOM_HEIGHT,
     enlarged,
+    from_zero,
     mark_window,
     shares_of,
     zoom_places,
@@ -27,6 +28,7 @@ from pipeline.figures.layout import (
 from pipeline.figures.map_legend import LINES, Entry, draw_legend, legend_height
 from pipeline.figures.naming import axis_label
 from pipeline.figures.panels import cell_borders, lines_of
+from pipeline.figures.physical_axes import lift, show_units, spare, titled
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.stored import StoredPlane
 
@@ -58,25 +60,28 @@ def draw_cells(plane: StoredPlane, entries: Sequence[Entry], paint: Callable[[Ax
     sweep, parameter = plane.plan.sweep, plane.plan.parameter
     windows = coexistence_windows(plane.pieces, sweep.low, sweep.high)
     tall = max(HEIGHT, legend_height(list(entries)))
-    bottom = BOTTOM + (ZOOM_HEIGHT + BETWEEN if windows else 0.0)
-    height = bottom + tall + TOP + HEAD + _LINE
+    names, above = (sweep.name, parameter.name), lift(plane)
+    bottom = BOTTOM + (ZOOM_HEIGHT + BETWEEN + above if windows else 0.0)
+    height = bottom + tall + TOP + HEAD + _LINE + above
     figure = Drawing((WIDTH, height))
-    main = figure.add_axes(shares_of((LEFT, bottom, PANEL, tall), height))
+    main = figure.add_axes(shares_of((LEFT, bottom, PANEL - spare(plane), tall), height))
     x, y = (tuple(cell_borders(axis)[[0, -1]].tolist()) for axis in (sweep, parameter))
     _fill(main, plane, paint, x, y)
     write_heading(figure, plane)
     figure.text(LEFT / WIDTH, 1 - (HEAD + 0.06) / height, head, ha="left", va="top", fontsize=9, weight="bold")
-    labels = tuple(axis_label(name, plane.attributes[name]) for name in (sweep.name, parameter.name))
+    labels = tuple(axis_label(name, plane.attributes[name]) for name in names)
     main.set(xlabel=labels[0], ylabel=labels[1])
+    show_units(main, plane, *names)
     draw_legend(figure, list(entries), LEGEND, bottom + tall, _SHARE)
-    for i, (window, place) in enumerate(zip(windows, zoom_places(len(windows)), strict=True)):
+    for i, (window, place) in enumerate(zip(windows, zoom_places(len(windows), spare(plane)), strict=True)):
         axes = figure.add_axes(shares_of(place, height), sharey=main)
         _fill(axes, plane, paint, window, y)
-        axes.set_title(f"({'abc'[i + 1]})")
+        titled(axes, plane, f"({'bc'[i]})")
         axes.set(xlabel=labels[0], ylabel=labels[1] if i == 0 else "")
         axes.tick_params(labelleft=i == 0)
         axes.locator_params(axis="x", nbins=6)
-        mark_window(main, window, "bc"[i])
+        show_units(axes, plane, *names, sides="bt" + "l" * (i == 0) + "r" * (i == len(windows) - 1))
+        mark_window(main, window, "bc"[i], above / tall)
     return figure
 
 
@@ -84,7 +89,7 @@ def _fill(axes: Axes, plane: StoredPlane, paint: Callable[[Axes], None], x, y) -
     axes.set(xlim=x, ylim=y)
     paint(axes)
     with_lines(axes, plane, x, y)
-    axes.set(xlim=x, ylim=y)
+    axes.set(xlim=from_zero(x), ylim=from_zero(y))
 
 
 def with_lines(axes: Axes, plane: StoredPlane, x, y) -> None:

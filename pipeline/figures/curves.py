@@ -1,4 +1,4 @@
-"""Amplitude and mean over the swept parameter, for a few rows: stability, impact state, and every event of the rows."""
+"""A quantity and the mean over the swept parameter, for a few rows: stability, impact state, every event."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,10 +6,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import from_zero
-from pipeline.figures.naming import STATE_NAMES, axis_label, value_text
+from pipeline.figures.naming import STATE_NAMES, axis_label, quantity_text, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
 from pipeline.plane.row_curves import RowCurves, curves_at
@@ -73,7 +74,7 @@ def chosen_values(plane: StoredPlane, values: list[float] | None) -> list[float]
     return list(dict.fromkeys(float(value) for value in values))
 
 
-def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
+def draw_curves(plane: StoredPlane, values: list[float] | None, quantity: str = AMPLITUDE.name) -> Drawing:
     """Draw the curves at some values of the row parameter, a line of two panels each.
 
     Parameters
@@ -81,6 +82,8 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
     plane : StoredPlane
     values : list of float or None
         None: a quarter, half and three quarters of the axis. What is no row of the plane is solved.
+    quantity : str
+        One of `pipeline.config.quantities.QUANTITIES`; the mean is drawn beside it, and beside the mean the amplitude.
 
     Returns
     -------
@@ -88,7 +91,8 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
     """
     rows = [curves_at(plane, value) for value in chosen_values(plane, values)]
     sweep = plane.plan.sweep
-    keys = _legend_keys(plane, rows)
+    names = (quantity, AMPLITUDE.name if quantity == "mean" else "mean")
+    keys = _legend_keys(plane, rows, names)
     bottom = _BOTTOM + _PITCH * -(-len(keys) // _COLUMNS) + 0.08
     top = _TOP + HEAD + (0.0 if plane.scales is None else LIFT)
     height = bottom + len(rows) * (_HEIGHT + _BETWEEN) - _BETWEEN + top
@@ -96,21 +100,24 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
     write_heading(figure, plane)
     aside = 0.0 if plane.scales is None else _ASIDE
     width = (_WIDTH - _LEFT - _RIGHT - _BESIDE - 2 * aside) / 2
-    limits = _limits(rows)
+    limits = _limits(rows, names)
     for line, row in enumerate(rows):
         low = height - top - (line + 1) * _HEIGHT - line * _BETWEEN
-        for column, (name, label) in enumerate(_QUANTITIES.items()):
+        for column, name in enumerate(names):
             left = _LEFT + column * (width + aside + _BESIDE)
             axes = figure.add_axes((left / _WIDTH, low / height, width / _WIDTH, _HEIGHT / height))
-            axes.set(xlim=from_zero((sweep.low, sweep.high)), ylim=limits[line][name], ylabel=label)
+            axes.set(xlim=from_zero((sweep.low, sweep.high)), ylim=limits[line][name])
+            axes.set_ylabel(quantity_text(QUANTITIES[name]))
             axes.locator_params(nbins=5)
             axes.tick_params(labelbottom=line == len(rows) - 1)
             if line == len(rows) - 1:
                 axes.set_xlabel(axis_label(sweep.name, plane.attributes[sweep.name]))
             if plane.over_frequency:
-                _draw_frequencies(axes, row, name, limits[line]["amplitude"][1])
+                _draw_frequencies(axes, row, name, limits[line].get("amplitude", (0.0, 0.0))[1])
             if row.pieces:
                 _draw_row(axes, row, name)
+                if column == 0:
+                    _draw_exits(axes, row, name)
                 _enlarge_crowded(figure, axes, row, name)
             else:
                 why = _NOTHING[row.status]
@@ -119,7 +126,7 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
                 text = value_text(plane.plan.parameter.name, row.value, plane.scales)
                 titled(axes, plane, text, below_axis=line > 0)
             sides = "lr" + "t" * (line == 0) + "b" * (line == len(rows) - 1)
-            show_units(axes, plane, sweep.name, "length", sides)
+            show_units(axes, plane, sweep.name, QUANTITIES[name].scale, sides)
     figure.legend(
         keys.values(),
         keys.keys(),
@@ -132,11 +139,10 @@ def draw_curves(plane: StoredPlane, values: list[float] | None) -> Drawing:
 
 
 _NOTHING = {PENDING: "row not computed", COMPLETE: "no branch found", FAILED: "row failed"}
-_QUANTITIES = {"amplitude": r"amplitude $\lambda_a$", "mean": r"mean $\lambda_m$"}
 
 
 def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None:
-    x, y = row.points["position"], row.points[name]
+    x, y = row.points["position"], row.values(name)
     for kind, (_, style) in LINES.items():
         pieces = [
             piece for piece, lasting in zip(row.pieces, row.lasting, strict=True) if line_of(piece, lasting) == kind
@@ -157,17 +163,19 @@ def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None
         here = np.isin(row.points["event"], events)
         if np.any(here):
             axes.plot(x[here], y[here], **style)
-    if name == "amplitude":
-        places = _exits(row, axes.get_ylim()[1])
-        if places:
-            axes.plot(places, np.ones(len(places)), transform=axes.get_xaxis_transform(), clip_on=False, **_EXIT)
+
+
+def _draw_exits(axes: Axes, row: RowCurves, name: str) -> None:
+    places = _exits(row, name, axes.get_ylim()[1])
+    if places:
+        axes.plot(places, np.ones(len(places)), transform=axes.get_xaxis_transform(), clip_on=False, **_EXIT)
 
 
 def _draw_frequencies(axes: Axes, row: RowCurves, name: str, top: float) -> None:
-    """Linear natural frequencies, and the backbone up to the amplitude `top`."""
+    """Linear natural frequencies, and where amplitudes are drawn the backbone up to the amplitude `top`."""
     for frequency in row.modes:
         axes.axvline(frequency, **_FREQUENCY)
-    if row.model.f_pm != 0.0:
+    if top > 0.0 and row.model.f_pm != 0.0:
         free = backbone(row.model, np.linspace(0.0, top, _AMPLITUDES))
         for frequency in (free.lower, free.upper):
             axes.plot(frequency, getattr(free, name), **_BACKBONE)
@@ -178,7 +186,7 @@ def _enlarge_crowded(figure: Drawing, axes: Axes, row: RowCurves, name: str) -> 
     size = axes.get_position().size * figure.get_size_inches()
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     scale = np.array([right - left, high - low])
-    curve = (np.column_stack([row.points["position"], row.points[name]]) - (left, low)) / scale * size
+    curve = (np.column_stack([row.points["position"], row.values(name)]) - (left, low)) / scale * size
     shown = np.all((curve >= 0.0) & (curve <= size), axis=1)
     events = curve[np.isin(row.points["event"], [kind for kinds, _ in MARKS.values() for kind in kinds]) & shown]
     blocked = [curve[shown]]
@@ -239,17 +247,17 @@ def _filled(box: np.ndarray) -> np.ndarray:
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
 
-def _exits(row: RowCurves, top: float) -> list[float]:
+def _exits(row: RowCurves, name: str, top: float) -> list[float]:
     """Where branches that end at the amplitude ceiling leave through the top of the axis."""
-    places = []
+    places, values = [], row.values(name)
     for number, end, reason in row.ends:
         if reason is not EndReason.AMPLITUDE_CEILING:
             continue
         of_branch = np.flatnonzero(row.points["branch"] == number)
         # From the end that ran away inwards, the first point within the axis.
         inwards = of_branch if end == 0 else of_branch[::-1]
-        within = inwards[row.points["amplitude"][inwards] <= top]
-        if within.size:
+        within = inwards[values[inwards] <= top]
+        if within.size and values[inwards[0]] > top:
             places.append(float(row.points["position"][within[0]]))
     return places
 
@@ -263,22 +271,30 @@ def _runaway(row: RowCurves) -> list[int]:
     return [number for number, _, reason in row.ends if reason is EndReason.AMPLITUDE_CEILING]
 
 
-def _limits(rows: list[RowCurves]) -> list[dict[str, tuple[float, float]]]:
+def _limits(rows: list[RowCurves], names: tuple[str, ...]) -> list[dict[str, tuple[float, float]]]:
     """Axis limits by row and quantity: the same for all rows, except where a branch runs away to the ceiling."""
-    extents = [_extent(row) if row.pieces else None for row in rows]
+    extents = [_extent(row, names) if row.pieces else None for row in rows]
     shared = [extent for row, extent in zip(rows, extents, strict=True) if extent and not _runaway(row)]
-    tops, lows, highs = zip(*(shared or [(1.0, 0.0, 1.0)]), strict=True)
-    common = (max(tops), min(lows), max(highs))
+    lows, highs = zip(*(np.transpose(extent) for extent in shared or [[(0.0, 1.0)] * len(names)]), strict=True)
+    common = list(zip(np.fmin.reduce(lows), np.fmax.reduce(highs), strict=True))
     limits = []
     for row, extent in zip(rows, extents, strict=True):
-        top, low, high = extent if extent and _runaway(row) else common
-        margin = 0.06 * ((high - low) or 1.0)
-        limits.append({"amplitude": (0.0, 1.06 * top or 1.0), "mean": (low - margin, high + margin)})
+        ends = extent if extent and _runaway(row) else common
+        limits.append({name: _with_margin(name, *pair) for name, pair in zip(names, ends, strict=True)})
     return limits
 
 
-def _extent(row: RowCurves) -> tuple[float, float, float]:
-    """Largest amplitude, least and largest mean that the axes should show.
+def _with_margin(name: str, low: float, high: float) -> tuple[float, float]:
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return 0.0, 1.0
+    if not QUANTITIES[name].signed:
+        return 0.0, 1.06 * high or 1.0
+    margin = 0.06 * ((high - low) or 1.0)
+    return low - margin, high + margin
+
+
+def _extent(row: RowCurves, names: tuple[str, ...]) -> list[tuple[float, float]]:
+    """Least and largest value of every quantity that the axes should show.
 
     A branch that runs away to the amplitude ceiling is shown a little beyond the last event on it.
     """
@@ -287,11 +303,15 @@ def _extent(row: RowCurves) -> tuple[float, float, float]:
     if not np.any(bounded):
         bounded = points["amplitude"] <= 10.0 * np.median(points["amplitude"])
     top = points["amplitude"][bounded].max() * (1.25 if away else 1.0)
-    mean = points["mean"][points["amplitude"] <= top]
-    return float(top), float(mean.min()), float(mean.max())
+    shown, extents = points["amplitude"] <= top, []
+    for name in names:
+        values = row.values(name)[shown]
+        high = top if name == AMPLITUDE.name else np.fmax.reduce(values)
+        extents.append((float(np.fmin.reduce(values)), float(high)))
+    return extents
 
 
-def _legend_keys(plane: StoredPlane, rows: list[RowCurves]) -> dict[str, Line2D]:
+def _legend_keys(plane: StoredPlane, rows: list[RowCurves], names: tuple[str, ...]) -> dict[str, Line2D]:
     """Text and key of everything that these rows show."""
     kinds = {line_of(piece, lasting) for row in rows for piece, lasting in zip(row.pieces, row.lasting, strict=True)}
     states = [ImpactState(code) for code in sorted({piece.impact for row in rows for piece in row.pieces})]
@@ -307,6 +327,6 @@ def _legend_keys(plane: StoredPlane, rows: list[RowCurves]) -> dict[str, Line2D]
         keys[rf"runs on to the ceiling $\lambda_a$ = {ceiling:g}"] = Line2D([], [], **_EXIT)
     if plane.over_frequency and np.any(plane.resonances):
         keys["linear natural frequency"] = Line2D([], [], **_FREQUENCY)
-        if any(row.model.f_pm for row in rows):
+        if AMPLITUDE.name in names and any(row.model.f_pm for row in rows):
             keys["backbone"] = Line2D([], [], **_BACKBONE)
     return keys

@@ -18,7 +18,7 @@ from pipeline.figures.curves import LINES, line_of
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import from_zero
-from pipeline.figures.naming import axis_label, value_text
+from pipeline.figures.naming import axis_label, symbol, value_text
 from pipeline.figures.palette import hex_colour, text_colour
 from pipeline.figures.physical_axes import LIFT, show_units
 from pipeline.plane.resonances import mesh_shares
@@ -88,7 +88,10 @@ def draw_diagram(plane: StoredPlane, followed: Followed, curves: RowCurves) -> D
     low = height - top
     for direction in DIRECTIONS:
         low -= _STRIP
-        draw_kinds(axes_at(low, _STRIP), followed.runs[direction], width, _NAMES[direction])
+        strip = axes_at(low, _STRIP)
+        draw_kinds(strip, followed.runs[direction], width, _NAMES[direction])
+        if lifted and direction == DIRECTIONS[0] and sweep.name in plane.scales:
+            strip.secondary_xaxis("top").set_xlabel(symbol(sweep.name))
         low -= 0.03
     low -= 0.03
     panels = []
@@ -99,7 +102,7 @@ def draw_diagram(plane: StoredPlane, followed: Followed, curves: RowCurves) -> D
     _draw_sections(panels[0], followed)
     _draw_extremes(panels[1], followed)
     _draw_rms(panels[2], followed, curves)
-    labels = (r"$\lambda$ at phase 0", r"$\lambda_{min}$, $\lambda_{max}$", r"RMS $\lambda_{rms}$")
+    labels = (r"Poincaré points $\lambda$", r"extremes $\lambda_{min}$, $\lambda_{max}$", r"RMS $\lambda_{rms}$")
     for place, (axes, label) in enumerate(zip(panels, labels, strict=True)):
         axes.set_ylabel(label)
         axes.locator_params(axis="y", nbins=6)
@@ -110,6 +113,7 @@ def draw_diagram(plane: StoredPlane, followed: Followed, curves: RowCurves) -> D
         if last:
             axes.set_xlabel(axis_label(sweep.name, plane.attributes[sweep.name]))
         show_units(axes, plane, sweep.name, "length", "lr" + "b" * last)
+        axes.tick_params(axis="x", top=False)
     figure.legend(
         keys.values(),
         keys.keys(),

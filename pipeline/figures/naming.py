@@ -1,6 +1,7 @@
 """How parameters are written in figures."""
 
 from pipeline.config.physical import TEMPERATURE
+from pipeline.config.quantities import Quantity
 from pipeline.plan.numerics import frame_of, model_at
 from pipeline.plan.plan import Plan
 from pipeline.plane.resonances import mesh_shares
@@ -8,7 +9,16 @@ from pipeline.plane.stored import StoredPlane
 from pipeline.run.sheets import number_text
 from solver import ImpactState, Scales
 
-__all__ = ["STATE_NAMES", "axis_label", "fixed_parameters", "gear_text", "mesh_energies", "symbol", "value_text"]
+__all__ = [
+    "STATE_NAMES",
+    "axis_label",
+    "fixed_parameters",
+    "gear_text",
+    "mesh_energies",
+    "quantity_text",
+    "symbol",
+    "value_text",
+]
 
 _SYMBOLS = {
     "omega": r"\Omega",
@@ -48,6 +58,11 @@ STATE_NAMES = {
 def symbol(name: str) -> str:
     """The article's symbol of a parameter, as mathematical text."""
     return f"${_SYMBOLS[name]}$"
+
+
+def quantity_text(quantity: Quantity) -> str:
+    """A quantity of motions with its symbol."""
+    return f"{quantity.label} ${quantity.symbol}$"
 
 
 def axis_label(name: str, attributes: dict) -> str:

@@ -22,6 +22,8 @@ def check_options(
     stability: str = "static",
     units: str = "dimensionless",
     multipliers: list[float] | None = None,
+    quantity: str | None = None,
+    of: str = "worst",
 ) -> None:
     """Raise unless these figures can be drawn of this plane.
 
@@ -42,6 +44,10 @@ def check_options(
         "dimensionless" or "physical"; the latter needs a gear in physical units.
     multipliers : list of float or None
         Parameter values along whose branches Floquet multipliers are drawn.
+    quantity : str or None
+        One of `pipeline.config.quantities.QUANTITIES`, drawn over the plane and along the curves.
+    of : str
+        "worst" or "mildest".
 
     Raises
     ------
@@ -50,7 +56,8 @@ def check_options(
     """
     row = plan.parameter
     if plan.parameter2 is not None:
-        for key, value in (("curves", curves), ("window", window), ("units", units), ("multipliers", multipliers)):
+        asked = {"curves": curves, "window": window, "units": units, "multipliers": multipliers, "quantity": quantity}
+        for key, value in asked.items():
             if value not in (None, "dimensionless"):
                 raise ConfigurationError(
                     f"figures.{key} = {value} is not allowed for a volume: with plane.layer=VALUE, a value of "
@@ -68,7 +75,8 @@ def check_options(
     if not formats:
         names = sentence_of(Figures, "formats").removeprefix("one of ")
         raise ConfigurationError(f"figures.formats = [] is not allowed: it must be a list of {names}")
-    for name, value in (("formats", formats), ("dpi", dpi), ("stability", stability), ("units", units)):
+    words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
+    for name, value in {"formats": formats, "dpi": dpi, **words}.items():
         check_one(Figures, f"figures.{name}", value)
     if units == "physical" and plan.physical is None:
         raise ConfigurationError(

@@ -7,10 +7,11 @@ one. The numbers were fitted so that all sixteen labels with n <= 3 and states 0
 """
 
 import math
+from functools import cache
 
 import numpy as np
 
-__all__ = ["NOT_COMPUTED", "hex_colour", "label_colour", "state_colour", "text_colour"]
+__all__ = ["NOT_COMPUTED", "hex_colour", "label_colour", "sequential_colours", "state_colour", "text_colour"]
 
 Colour = tuple[int, int, int]
 
@@ -50,6 +51,13 @@ _LINES = {
     "0m": (45.0, 55.0, 310.0),
 }
 
+#: Nodes of lightness, chroma and hue along the colours of a quantity.
+_SEQUENTIAL = (
+    ((0.0, 96.0), (1.0, 34.0)),
+    ((0.0, 24.0), (0.3, 30.0), (0.8, 30.0), (1.0, 36.0)),
+    ((0.0, 102.0), (1.0, 285.0)),
+)
+
 
 def label_colour(label: str) -> Colour:
     """Colour of an n/I label, the same in every plane.
@@ -82,6 +90,21 @@ def label_colour(label: str) -> Colour:
 def state_colour(symbol: str) -> Colour:
     """Colour of curves in the impact state that labels write as `symbol`."""
     return _rgb(*_LINES[symbol])
+
+
+@cache
+def sequential_colours() -> np.ndarray:
+    """Colours of a quantity from its lowest to its highest value, (256, 3) uint8: from pale yellow to dark blue.
+
+    Lightness falls evenly, so that it reads the same in grey, and so do all CIE distances between neighbours.
+    """
+    share = np.linspace(0.0, 1.0, 4001)
+    lightness, chroma, hue = (np.interp(share, *np.transpose(nodes)) for nodes in _SEQUENTIAL)
+    places = np.column_stack([lightness, chroma * np.cos(np.radians(hue)), chroma * np.sin(np.radians(hue))])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
+    even = np.interp(np.linspace(0.0, along[-1], 256), along, share)
+    parts = (np.interp(even, share, part) for part in (lightness, chroma, hue))
+    return np.array([_rgb(*place) for place in zip(*parts, strict=True)], dtype=np.uint8)
 
 
 def text_colour(colour: Colour) -> str:

@@ -4,6 +4,7 @@ from matplotlib.axes import Axes
 
 from pipeline.figures.naming import symbol
 from pipeline.plane.stored import StoredPlane
+from solver import Scale
 
 __all__ = ["LIFT", "lift", "show_bar_units", "show_units", "spare", "titled"]
 
@@ -39,7 +40,8 @@ def show_units(axes: Axes, plane: StoredPlane, x: str | None = None, y: str | No
         Its limits set.
     plane : StoredPlane
     x, y : str or None
-        Parameters along the axes, or "length" for displacements; one without a unit keeps its axis as it is.
+        Parameters along the axes, or "length", "velocity" and "force" for quantities of motions; one without a unit
+        keeps its axis as it is.
     sides : str
         Of b, l (physical) and t, r (dimensionless): which sides have tick labels and names.
     """
@@ -59,19 +61,17 @@ def show_units(axes: Axes, plane: StoredPlane, x: str | None = None, y: str | No
         other = secondary(places[low], functions=_functions(scale.shown))
         if low in sides:
             other_axis = other.xaxis if low == "b" else other.yaxis
-            what = label.partition(" $")[0] if name == "length" else scale.name
+            what = scale.name if name in plane.attributes else label.partition(" $")[0]
             other_axis.set_label_text(f"{what} ({scale.unit})" if what else "")
         other.tick_params(**{f"label{places[low]}": low in sides})
 
 
-def show_bar_units(bar: Axes, plane: StoredPlane, name: str) -> None:
-    """Of a colour bar: physical values at the right, dimensionless ones at the left."""
-    if name in plane.scales:
-        scale = plane.scales[name]
-        bar.yaxis.tick_left()
-        bar.set_ylabel("")
-        bar.set_title(symbol(name), loc="right")
-        bar.secondary_yaxis("right", functions=_functions(scale.shown)).set_ylabel(f"{scale.name} ({scale.unit})")
+def show_bar_units(bar: Axes, scale: Scale) -> Axes:
+    """Of a colour bar of dimensionless values, which go to its left: physical ones at the right, on an axis of their
+    own."""
+    bar.yaxis.tick_left()
+    bar.set_ylabel("")
+    return bar.secondary_yaxis("right", functions=_functions(scale.shown))
 
 
 def _functions(size: float):

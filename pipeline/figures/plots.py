@@ -9,6 +9,7 @@ from pathlib import Path
 from pipeline.analysis.attractors.options import check_box
 from pipeline.config.allowed import sentence_of
 from pipeline.config.compose import compose
+from pipeline.config.quantities import AMPLITUDE
 from pipeline.config.schema import Attractors, Figures
 from pipeline.errors import ConfigurationError
 from pipeline.figures.options import check_options
@@ -34,8 +35,15 @@ class Plots:
     path: Path
     plan: Plan
 
-    def map(self, window: Sequence[float] | None = None, stability: str = "static", units: str = "dimensionless"):
-        """The n/I map, or a part of it alone.
+    def map(
+        self,
+        window: Sequence[float] | None = None,
+        stability: str = "static",
+        units: str = "dimensionless",
+        quantity: str | None = None,
+        of: str = "worst",
+    ):
+        """The n/I map, or a part of it alone; or a quantity of the motions over the plane.
 
         Parameters
         ----------
@@ -45,6 +53,12 @@ class Plots:
             Which motions labels count: "static" or "dynamic".
         units : str
             Of the axes: "dimensionless" or "physical".
+        quantity : str, optional
+            What is drawn instead of labels, such as "dynamic_factor", "rms" or "support_force": any quantity that
+            `plane.motions_at` tells, by its name.
+        of : str
+            Where several motions coexist that the label counts: "worst", the largest value, or "mildest", the
+            smallest.
 
         Returns
         -------
@@ -58,21 +72,28 @@ class Plots:
             If the window is no four numbers.
         """
         window = None if window is None else finite_array("window", window, (4,)).tolist()
-        self._check(None, window, stability, units)
+        self._check(None, window, stability, units, quantity, of)
+        if quantity is not None and window is not None:
+            raise ConfigurationError(f"window = {window} is not allowed: quantities are drawn over the whole plane")
         from pipeline.figures.drawing import own_style
         from pipeline.figures.map import draw_map, draw_window
+        from pipeline.figures.quantity_map import draw_quantity_map
 
         plane = self._read(stability, units)
         with own_style():
+            if quantity is not None:
+                return draw_quantity_map(plane, quantity, of)
             return draw_map(plane) if window is None else draw_window(plane, window)
 
-    def curves(self, units: str = "dimensionless", **values: float | Sequence[float]):
-        """Amplitude and mean over the sweep axis at some values of the row parameter.
+    def curves(self, units: str = "dimensionless", quantity: str | None = None, **values: float | Sequence[float]):
+        """A quantity and the mean over the sweep axis at some values of the row parameter.
 
         Parameters
         ----------
         units : str
             As for `map`.
+        quantity : str, optional
+            As for `map`; the amplitude of the fundamental unless given.
         **values : float or sequence of float
             Of the row parameter, by its name, such as `f_e=0.2` or `f_e=[0.1, 0.2]`, solved where no row has them; a
             quarter, half and three quarters of the way unless given.
@@ -94,13 +115,13 @@ class Plots:
         chosen = values.get(name)
         if chosen is not None:
             chosen = finite_array(name, chosen, None).ravel().tolist()
-        self._check(chosen, None, "static", units)
+        self._check(chosen, None, "static", units, quantity)
         from pipeline.figures.curves import draw_curves
         from pipeline.figures.drawing import own_style
 
         plane = self._read("static", units)
         with own_style():
-            return draw_curves(plane, chosen)
+            return draw_curves(plane, chosen, quantity or AMPLITUDE.name)
 
     def backbone(self, units: str = "dimensionless"):
         """Backbones of the free vibration, and the largest stable amplitude near each resonance over the rows.
@@ -274,13 +295,14 @@ class Plots:
         given = float(given) if isinstance(given, Real) and not isinstance(given, int) else given
         return dataclasses.replace(getattr(compose(typed).config, key), value=given)
 
-    def _check(self, curves, window, stability: str, units: str) -> None:
-        for name, value in (("stability", stability), ("units", units)):
-            if not isinstance(value, str):
+    def _check(self, curves, window, stability: str, units: str, quantity: str | None = None, of: str = "worst"):
+        words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
+        for name, value in words.items():
+            if not isinstance(value, str) and (name, value) != ("quantity", None):
                 raise ConfigurationError(
                     f"figures.{name} = {value!r} is not allowed: it must be {sentence_of(Figures, name)}"
                 )
-        check_options(self.plan, curves, ["png"], 100, window, stability, units)
+        check_options(self.plan, curves, ["png"], 100, window, stability, units, None, quantity, of)
 
     def _read(self, stability: str, units: str):
         from pipeline.plane.stored import read_stored

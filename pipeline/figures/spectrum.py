@@ -17,9 +17,10 @@ from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import from_zero
 from pipeline.figures.naming import axis_label, value_text
-from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units
+from pipeline.figures.physical_axes import LIFT, show_units
 from pipeline.plane.resonances import mesh_shares
 from pipeline.plane.stored import StoredPlane
+from solver import Scale
 
 __all__ = ["draw_spectrum"]
 
@@ -83,13 +84,17 @@ def draw_spectrum(plane: StoredPlane, spectra: Spectra) -> Drawing:
     bar = axes_at(_LEFT + width + aside + 0.38, bottom, _BAR, _HEIGHT)
     figure.colorbar(mesh, cax=bar)
     bar.set_ylabel(label)
+    by_frequency = options.axis == "frequency"
+    axes.set_ylabel(r"frequency over $\Omega_n$" if by_frequency else "order of the mesh frequency")
+    show_units(axes, plane, sweep.name, sides="bt")
     if plane.scales is not None:
-        show_bar_units(bar, plane, scale)
-    if options.axis == "frequency":
-        axes.set_ylabel("frequency over $\\Omega_n$")
-    else:
-        axes.set_ylabel("order of the mesh frequency")
-    show_units(axes, plane, sweep.name, "mesh_frequency" if options.axis == "frequency" else None, "blrt")
+        bar.yaxis.tick_left()
+        bar.set_ylabel("")
+        _second_axis(bar, "right", plane.scales[scale], label)
+        if by_frequency:
+            axes.yaxis.tick_right()
+            axes.yaxis.set_label_position("right")
+            _second_axis(axes, "left", plane.scales["mesh_frequency"], "frequency")
     figure.legend(
         keys.values(),
         keys.keys(),
@@ -99,6 +104,12 @@ def draw_spectrum(plane: StoredPlane, spectra: Spectra) -> Drawing:
         columnspacing=1.4,
     )
     return figure
+
+
+def _second_axis(axes: Axes, side: str, scale: Scale, name: str) -> None:
+    """An axis in physical units at one side."""
+    other = axes.secondary_yaxis(side, functions=(lambda y: y * scale.shown, lambda y: y / scale.shown))
+    other.set_ylabel(f"{name} ({scale.unit})")
 
 
 def _top(spectra: Spectra) -> float:
@@ -145,25 +156,30 @@ def _draw_orders(axes: Axes, spectra: Spectra, inside: bool) -> None:
         text = f"{order:g}" if whole else f"{half}/2"
         if y[-1] <= top:
             axes.annotate(text, (right, y[-1]), offset, ha=side, va="center", **style)
-        elif y[0] < top and not inside:
-            axes.annotate(text, (float(np.interp(top, y, values)), top), (0, 1.5), ha="center", **style)
+        elif y[0] < top:
+            # Inside, on the line itself.
+            place, above = (0.96 * top, -2.5) if inside else (top, 1.5)
+            axes.annotate(text, (float(np.interp(place, y, values)), place), (0, above), ha="center", **style)
 
 
 def _draw_natural(axes: Axes, spectra: Spectra) -> None:
     """Linear natural frequencies, named by their share of mesh strain energy."""
     model, values = spectra.followed.model, spectra.values
     top = axes.get_ylim()[1]
-    for frequency, share in zip(model.mesh_modes(), mesh_shares(model), strict=True):
+    for mode, (frequency, share) in enumerate(zip(model.mesh_modes(), mesh_shares(model), strict=True)):
         y = np.full(values.size, frequency)
         if spectra.options.axis == "order":
             y = frequency / spectra.omega
         axes.plot(values, y, path_effects=_HALO, **_NATURAL)
-        at = int(np.argmax(y < 0.93 * top))
+        # Over orders the lower line is named at its left, where the upper one is not.
+        beside = mode == 0 and spectra.options.axis == "order" and spectra.followed.plan.sweep.name == "omega"
+        at = int(np.argmax(y < (0.3 if beside else 0.93) * top))
         axes.annotate(
             f"{100.0 * share:.0f} % mesh",
             (values[at], y[at]),
-            (4, 2),
+            (-4, -7) if beside else (4, 2),
             textcoords="offset points",
+            ha="right" if beside else "left",
             fontsize=7,
             color=_NATURAL["color"],
             path_effects=_HALO,

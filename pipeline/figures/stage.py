@@ -18,7 +18,7 @@ def _options(job: Job) -> dict:
     options = job.settings.config.figures
     return {
         name: getattr(options, name)
-        for name in ("curves", "formats", "dpi", "window", "stability", "units", "multipliers")
+        for name in ("curves", "formats", "dpi", "window", "stability", "units", "multipliers", "quantity", "of")
     }
 
 

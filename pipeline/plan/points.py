@@ -1,6 +1,6 @@
 """A point of a plane as users write it: two values in the order of the axes or by name, with or without units."""
 
-import math
+import sys
 
 from pipeline.config.physical import place_of
 from pipeline.errors import ConfigurationError, shown
@@ -45,7 +45,7 @@ def number_of(key: str, given, name: str, allowed: str, scales: Scales | None) -
     """A value of parameter `name` as the user wrote it, with or without a unit: the one place where they are read."""
     if isinstance(given, str):
         return place_of(key, name, given, scales)
-    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
+    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= sys.float_info.max:
         raise _refused(key, given, allowed)
     return float(given)
 

@@ -145,6 +145,23 @@ class StoredPlane:
         return np.where(self.domain != 0, np.sum(self._kept, axis=-1), stored) if self.dynamic else stored
 
     @property
+    def counted(self) -> np.ndarray:
+        """The motions that labels count, (P, X, S) bool: the stable ones of complete rows."""
+        return (self._kept if self.dynamic else self.stable == 1) & self.complete[..., None, None]
+
+    def extreme(self, name: str, of: str) -> np.ndarray:
+        """One of `pipeline.config.quantities.QUANTITIES` in every cell, (P, X); nan where no motion is counted.
+
+        Parameters
+        ----------
+        name : str
+        of : str
+            "worst" or "mildest": the largest or the smallest value among the motions that are counted.
+        """
+        values = np.where(self.counted, self.array(name), np.nan)
+        return (np.fmax if of == "worst" else np.fmin).reduce(values, axis=-1)
+
+    @property
     def usable(self) -> np.ndarray:
         """Where there are stable motions to start from, (P, X) bool."""
         return (self.domain != 0) & (self.n_stable > 0)

@@ -55,7 +55,8 @@ _RUNS = (
     "solver.timedomain.row_systems",
 )
 
-#: A single place: its row of the map, and what motions and quantities are read with.
+#: A single place: what motions and quantities are read with. Of first order its solutions are enumerated, of higher
+#: orders its row is solved; shooting tells apart supports of gears that differ.
 _MOTION = (
     *_ATTRACTORS,
     "solver.timedomain.quantities._quantities",
@@ -81,7 +82,15 @@ NEEDED = {
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
     },
     "attractors": dict.fromkeys(_ROWS, _ATTRACTORS),
-    "motion": {balance: (*rows, *_MOTION) for balance, rows in _ROWS.items()},
+    "motion": {
+        "describing_function": (
+            "solver.enumeration.certificates.enumerate_point",
+            "solver.enumeration.certificates.workspace",
+            "solver.stability.assessment._assess",
+            *_MOTION,
+        ),
+        "galerkin": (*_ROWS["galerkin"], *_MOTION),
+    },
     "diagram": {balance: (*_RUNS, *rows) for balance, rows in _ROWS.items()},
     "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.zone_flows._tabulated")),
     "debug": _ROWS,

@@ -21,6 +21,7 @@ import numpy as np
 from solver.contact.dead_zone import contact_functions
 from solver.continuation.problem import Problem
 from solver.harmonic.condensed import CONDENSED, coefficients, gaps, system_coefficients
+from solver.harmonic.galerkin import contacts
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
@@ -251,7 +252,10 @@ def first_order_problem(
     if isinstance(system, Model):
         return Problem(residual_and_jacobian, test_functions, *axis_vectors(system, axis, omega), scale, test_count=5)
     vectors = packed(system, axis, omega, 1, 1)
-    return Problem(system_residual_and_jacobian, system_test_functions, *vectors, scale, test_count=5)
+    # A stop may be so stiff that curves have corners where contact begins.
+    return Problem(
+        system_residual_and_jacobian, system_test_functions, *vectors, scale, test_count=5, contacts=contacts
+    )
 
 
 #: What solves the balance without backlash, by the kernel of its rows.

@@ -6,8 +6,8 @@ followed by integration alone. Where the motion that it was on has ended, it goe
 
 A step is a jump where the way back does not undo it: the motion that is found after the step, started at the value
 before, settles on something else than what was there. (Two motions without a period are told apart by their range.)
-Where a periodic motion is lost the step is taken again in small ones: the run is a slow one, and a motion is not to be
-thrown out of a narrow basin by the step itself.
+Where a periodic motion or a torus is lost, or its range changes much, the step is taken again in small ones: the run is
+a slow one, and a motion is not to be thrown out of a narrow basin by the step itself.
 """
 
 from collections.abc import Callable
@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solver.contact.impact import impact_of_range
 from solver.contact.quantities import Slot
 from solver.model.checks import ParameterError, finite_array, instance_of
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis
-from solver.contact.impact import impact_of_range
 from solver.timedomain.attractor import AttractorKind
 from solver.timedomain.attractor_row import AttractorSearch
 from solver.timedomain.cell_search import AMPLITUDE, NUMBERS, WINDOW, Cell, pursue, seek
@@ -32,9 +32,9 @@ __all__ = ["SlowRun", "slow_run"]
 
 # Sections of a motion that repeats differ by less than this share of the largest.
 _SAME = 1e-5
-# Between two motions without a period a step is a jump if the range of lambda changes by more than this share of it.
+# The range of lambda changes much where its ends move by more than this share of it.
 _FAR = 0.1
-# A step over which a periodic motion is lost is taken again in so many.
+# A step over which a periodic motion or a torus is lost is taken again in so many.
 _FINER = 16
 
 
@@ -58,7 +58,7 @@ class SlowRun:
         Largest Lyapunov exponent per unit of tau and its standard error; of periodic motions from the multipliers.
     jumps : (X,) array
         Where the motion jumped on the way to this value: the middle of the step, which is a small one where a periodic
-        motion ended; nan where it did not jump.
+        motion or a torus ended; nan where it did not jump.
     from_rest : (X,) bool array
         Where the motion started at rest: at the first value unless a state was given, and where there was none to go on
         from.
@@ -124,11 +124,13 @@ class _Runner:
     def step(self, before: _Settled, systems: RowSystems, i: int) -> tuple[_Settled, float]:
         """What follows in cell i of a row, and at which value the motion jumped on the way; nan if it did not."""
         after = self.settle(systems, i, before.state)
-        if not self._jumped(before, after):
+        jumped = self._jumped(before, after)
+        if not (jumped or _far(before, after)):
             return after, np.nan
-        if not AttractorKind.PERIOD_1 <= before.kind <= AttractorKind.PERIOD_LONGER:
-            return after, 0.5 * (before.value + after.value)
-        # Perhaps the step alone was too large for a narrow basin; if not, the place becomes known more closely.
+        if not AttractorKind.PERIOD_1 <= before.kind <= AttractorKind.QUASI_PERIODIC:
+            return after, 0.5 * (before.value + after.value) if jumped else np.nan
+        # Perhaps the step alone was too large for a narrow basin, or for the way back to tell; if not, the place
+        # becomes known more closely.
         values, at = np.linspace(before.value, after.value, _FINER + 1)[1:], np.nan
         finer = self.systems_at(values)
         for k in range(_FINER):
@@ -144,12 +146,17 @@ class _Runner:
             return (before.state is None) != (after.state is None)
         if min(before.kind, after.kind) > AttractorKind.PERIOD_LONGER:
             # Samples of sections tell two such motions that are near each other apart less surely than their ranges.
-            ranges = [one.numbers[[Slot.LOWEST, Slot.HIGHEST]] for one in (before, after)]
-            return bool(np.max(np.abs(ranges[1] - ranges[0])) > _FAR * np.ptp(ranges[0]))
+            return _far(before, after)
         states, slots = before.systems.adapted(before.i, after.state[None]).copy(), np.empty(1, np.int64)
         none, nobody = np.empty((0, states.shape[1])), np.empty(0, np.int64)
         seek(before.cell, 1, none, nobody, none, states, slots, np.empty((self.search.room, NUMBERS)))
         return int(slots[0]) != before.slot
+
+
+def _far(before: _Settled, after: _Settled) -> bool:
+    """Whether the ranges of lambda of two motions differ by more than a tenth of the larger; not where one has none."""
+    ranges = np.array([one.numbers[[Slot.LOWEST, Slot.HIGHEST]] for one in (before, after)])
+    return bool(np.max(np.abs(ranges[1] - ranges[0])) > _FAR * np.max(np.ptp(ranges, axis=1)))
 
 
 def _shorten(sections: np.ndarray) -> None:

@@ -28,6 +28,9 @@ __all__ = [
     "traced_store",
 ]
 
+#: Whatever a test calls its copy.
+_WHOLE = "whole.zarr"
+
 
 def cluster(kind: str, **changes) -> Cluster:
     """Cluster settings as conf/cluster has them, two workers where they are local."""
@@ -54,11 +57,9 @@ def small_plan(*overrides: str, columns: int = 41, rows: int = 5) -> Plan:
 def small_store(path: Path, plan: Plan, blocks=None) -> Path:
     """A store with the template and the given blocks; unless told, a copy of one with all, swept once in a session."""
     if blocks is None:
-        whole = made_once(
-            f"{path.stem}-{plan.digest}", lambda folder: small_store(folder / path.name, plan, plan.blocks)
-        )
-        return shutil.copytree(whole / path.name, path)
-    store.create(path, plan, path.stem, "configuration: test\n")
+        whole = made_once(f"swept-{plan.digest}", lambda folder: small_store(folder / _WHOLE, plan, plan.blocks))
+        return shutil.copytree(whole / _WHOLE, path)
+    store.create(path, plan, "plane", "configuration: test\n")
     for block in blocks:
         sweep_block(str(path), plan, block)
     return path
@@ -68,10 +69,9 @@ def traced_store(path: Path, plan: Plan) -> Path:
     """A copy of a whole store with its boundaries, traced once in a session."""
 
     def trace(folder: Path) -> None:
-        boundaries.trace(small_store(folder / path.name, plan), plan)
+        boundaries.trace(small_store(folder / _WHOLE, plan), plan)
 
-    whole = made_once(f"traced-{path.stem}-{plan.digest}", trace)
-    return shutil.copytree(whole / path.name, path)
+    return shutil.copytree(made_once(f"traced-{plan.digest}", trace) / _WHOLE, path)
 
 
 def retold(path: Path, **changes) -> None:

@@ -93,6 +93,7 @@ CALLS = {
     "pipeline.figures.plots.Plots.curves": lambda plane: {
         "self": plane.plot,
         "units": argument("dimensionless", WRONG_WORDS),
+        "quantity": argument("rms", [word for word in WRONG_WORDS if word is not None]),
         "f_e": argument(0.2, (*(v for v in NUMBER if v is not None and v != [1.0]), -0.1, 5.0, []), "curves"),
     },
     "pipeline.figures.plots.Plots.diagram": lambda plane: {
@@ -115,6 +116,8 @@ CALLS = {
         "window": argument((0.5, 0.8, 0.1, 0.2), optional(array((0.5, 0.8, 0.1, 0.2), (0.8, 0.5, 0.1, 0.2), [1.0]))),
         "stability": argument("static", WRONG_WORDS),
         "units": argument("dimensionless", WRONG_WORDS),
+        "quantity": argument(None, [word for word in WRONG_WORDS if word is not None]),
+        "of": argument("worst", WRONG_WORDS),
     },
     "pipeline.figures.plots.Plots.motion": lambda plane: {
         "self": plane.plot,

@@ -17,6 +17,7 @@ PUBLIC = public(MODULES)
 #: Classes of results: users read them and do not make them.
 RESULTS = {
     "solver.Backbone",
+    "solver.FreeVibration",
     "solver.Curve",
     "solver.CycleFit",
     "solver.Row",

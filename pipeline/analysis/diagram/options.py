@@ -1,14 +1,13 @@
 """What may be asked of the stages `diagram` and `spectrum`, checked before anything is computed."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.config.physical import value_of
 from pipeline.config.schema import Diagram, Spectrum
 from pipeline.errors import ConfigurationError, shown
 from pipeline.plan.plan import Plan
+from pipeline.plan.points import number_of
 from pipeline.plan.scales import scales_of
 
 __all__ = ["FEWEST_COLUMNS", "SpectrumOptions", "Way", "spectrum_of", "way_of"]
@@ -73,11 +72,9 @@ def way_of(key: str, options: Diagram | Spectrum, plan: Plan) -> Way:
     """
     row, sweep = plan.parameter, plan.sweep
     allowed = f"a value of {row.name} within {row.low:g} ... {row.high:g}"
-    if options.value is None:
-        raise _refused(f"{key}.value", options.value, allowed)
-    value = value_of(f"{key}.value", row.name, options.value, scales_of(plan))
-    if not (math.isfinite(value) and row.low <= value <= row.high):
-        raise _refused(f"{key}.value", options.value, allowed)
+    value = number_of(f"{key}.value", options.value, row.name, allowed, scales_of(plan))
+    if not row.low <= value <= row.high:
+        raise ConfigurationError(f"{key}.value = {shown(repr(options.value))} is not allowed: it must be {allowed}")
     if options.columns is None and sweep.num >= FEWEST_COLUMNS:
         columns = sweep.values
     else:
@@ -89,7 +86,3 @@ def spectrum_of(options: Spectrum, plan: Plan) -> SpectrumOptions:
     """The spectra that the settings describe; raises ConfigurationError as `way_of`."""
     way = way_of("spectrum", options, plan)
     return SpectrumOptions(way, options.direction, options.of, options.axis, float(options.orders), options.periods)
-
-
-def _refused(key: str, given, allowed: str) -> ConfigurationError:
-    return ConfigurationError(f"{key} = {shown(repr(given))} is not allowed: it must be {allowed}")

@@ -29,7 +29,9 @@ def row_name(plan: Plan, way: Way, *further: str) -> str:
 def diagram_sheets(followed: Followed, curves: RowCurves, stem: str) -> dict[str, str]:
     """Name of a file -> CSV: steps of both runs with every quantity, their Poincaré points, the map's branches."""
     sweep, scales = followed.plan.sweep.name, scales_of(followed.plan)
-    steps = _Table(("direction", sweep, "kind", "impact", *(one.name for one in _OF), "lyapunov", "jump"), scales)
+    steps = _Table(
+        ("direction", sweep, "kind", "impact", *(one.name for one in _OF), "lyapunov", "jump"), scales, {"jump": sweep}
+    )
     points = _Table(("direction", sweep, "displacement"), scales, {"displacement": "length"})
     for direction in DIRECTIONS:
         run = followed.runs[direction]

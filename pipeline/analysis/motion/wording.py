@@ -60,7 +60,7 @@ def _of_attractor(motion: Motion, found: Motions) -> str:
 
 def _lasting(motion: Motion) -> str:
     if motion.kind.periodic:
-        return f"stable, |μ| = {number_text(motion.multiplier)}"
+        return f"stable, |μ| = {number_text(motion.multiplier, 4)}"
     if motion.kind is AttractorKind.PERIOD_LONGER:
         return "repeats after more than eight periods"
     if motion.kind is AttractorKind.QUASI_PERIODIC:
@@ -70,7 +70,7 @@ def _lasting(motion: Motion) -> str:
 
 
 def _of_map_motion(motion: MapMotion) -> str:
-    size = "" if math.isnan(motion.multiplier) else f", |μ| = {number_text(motion.multiplier)}"
+    size = "" if math.isnan(motion.multiplier) else f", |μ| = {number_text(motion.multiplier, 4)}"
     kind = motion.instability
     if kind is Instability.CONTRADICTORY:
         parts = [

@@ -14,10 +14,10 @@ from pipeline import store
 from pipeline.__main__ import main
 from solver import domain_label, sweep_row
 from tests.conftest import published
-from tests.pipeline.planes import contents
+from tests.pipeline.planes import assert_same_contents, contents
 
 PLANES = {"omega_b": "b", "omega_alpha": "alpha", "omega_fe": "f_e", "omega_fpm": "f_pm"}
-SMALL = ["plane.sweep.num=60", "plane.parameter.num=9", "figures.formats=[png]", "figures.dpi=80"]
+SMALL = ["plane.sweep.num=40", "plane.parameter.num=5", "figures.formats=[png]", "figures.dpi=30"]
 
 
 def run(folder: Path, *arguments: str, **options) -> subprocess.CompletedProcess:
@@ -35,9 +35,7 @@ def here(folder: Path, *arguments: str) -> int:
 def planes(tmp_path_factory):
     """All four planes by one command, tables included."""
     folder = tmp_path_factory.mktemp("planes")
-    result = run(
-        folder, "-m", f"plane={','.join(PLANES)}", "stages=[sweep,boundaries,tables]", "cluster.workers=2", *SMALL
-    )
+    result = run(folder, "-m", f"plane={','.join(PLANES)}", "stages=[sweep,tables]", "cluster.workers=2", *SMALL)
     assert result.returncode == 0, result.stderr
     return folder, result
 
@@ -47,15 +45,15 @@ def test_all_four_planes(planes):
     assert result.stderr == ""
     for name, parameter in PLANES.items():
         plane = xr.open_zarr(folder / f"outputs/store/{name}.zarr").load()
-        assert plane.sizes[parameter] == 9 and plane.sizes["omega"] == 60
+        assert plane.sizes[parameter] == 5 and plane.sizes["omega"] == 40
         assert np.all(plane.status == store.COMPLETE) and np.all(plane.n_stable >= 1)
-        value = float(plane[parameter][7])
+        value = float(plane[parameter][3])
         row = sweep_row(published(**{parameter: value}), "omega", plane.omega.values)
-        np.testing.assert_array_equal(plane.domain[7], row.domain)
-        np.testing.assert_array_equal(plane["mean"][7, :, : row.mean.shape[1]], row.mean)
+        np.testing.assert_array_equal(plane.domain[3], row.domain)
+        np.testing.assert_array_equal(plane["mean"][3, :, : row.mean.shape[1]], row.mean)
         assert "1/0" in {domain_label(int(code)) for code in np.unique(plane.domain)}
         (log,) = folder.glob(f"outputs/runs/{name}/*/run.log")
-        assert "9 rows" in log.read_text() and (log.parent / "config.yaml").is_file()
+        assert "5 rows" in log.read_text() and (log.parent / "config.yaml").is_file()
     for number in (1, 2, 3):
         for kind in ("csv", "md", "tex"):
             assert (folder / f"outputs/tables/table{number}.{kind}").stat().st_size > 100
@@ -73,7 +71,7 @@ def test_nothing_else_is_written(planes):
     folder, _ = planes
     assert [path.name for path in folder.iterdir()] == ["outputs"]
     made = sorted(path.name for path in (folder / "outputs").iterdir())
-    assert made == ["boundaries", "runs", "store", "tables"]
+    assert made == ["runs", "store", "tables"]
 
 
 def test_a_second_run_finds_the_work_done_and_draws(planes, capsys):
@@ -81,11 +79,12 @@ def test_a_second_run_finds_the_work_done_and_draws(planes, capsys):
     before = contents(folder / "outputs/store/omega_b.zarr")
     stamp = (folder / "outputs/store/omega_b.zarr/mean/c/0/0/0").stat().st_mtime_ns
     assert here(folder, "plane=omega_b", *SMALL) == 0
-    assert capsys.readouterr().out.count("nothing to do") == 2
+    assert capsys.readouterr().out.count("nothing to do") == 1
     assert (folder / "outputs/store/omega_b.zarr/mean/c/0/0/0").stat().st_mtime_ns == stamp
-    assert before.keys() == contents(folder / "outputs/store/omega_b.zarr").keys()
+    after = contents(folder / "outputs/store/omega_b.zarr")
+    assert_same_contents({name: after[name] for name in before}, before)
     for figure in ("map", "curves", "backbone"):
-        assert (folder / f"outputs/figures/omega_b/{figure}.png").stat().st_size > 5000
+        assert (folder / f"outputs/figures/omega_b/{figure}.png").stat().st_size > 2000
 
 
 def test_another_configuration_is_refused_and_overwrite_replaces(planes, capsys):
@@ -127,7 +126,7 @@ def test_a_missing_plane_is_named_with_its_command(tmp_path):
 
 
 def test_broyden_gives_the_same_plane(tmp_path):
-    small = ["plane.sweep.num=60", "plane.parameter.num=9", "stages=[sweep]"]
+    small = ["plane.sweep.num=60", "plane.parameter.num=6", "stages=[sweep]"]
     for name in ("newton", "broyden"):
         assert here(tmp_path, "plane=omega_alpha", *small, f"solver.corrector={name}", f"store.name={name}") == 0
     newton, broyden = (contents(tmp_path / f"outputs/store/{name}.zarr") for name in ("newton", "broyden"))

@@ -92,15 +92,16 @@ _OUTSIDE = ("../sister.zarr", "..", "../sister.zarr/mean", "boundaries/../../sis
 _ODD = ("", ".", "/", "mean/c", "a/b/c", ".hidden", "x\x1b[2Jy", "\ud800", "mine", "boundaries/..", "n" * 5000)
 
 
-_LISTED = list(itertools.product([*_OUTSIDE, *_ODD], [_GROUP, _ARRAY]))
+_NAMES = [*_OUTSIDE, *_ODD]
+_LISTED = list(itertools.product(_NAMES, [_GROUP, _ARRAY]))
 _READERS = [stage for stage in _STAGES if stage != "list"]
 
 
 @pytest.mark.parametrize(
     ("name", "document", "stages"),
     [
-        # Every name for one stage and every stage for some names; all for all of them are slow.
-        *((*listed, [_READERS[i % len(_READERS)]]) for i, listed in enumerate(_LISTED)),
+        # Every name for one stage, and every stage for some names; all for all of them are slow.
+        *((name, (_GROUP, _ARRAY)[i % 2], [_READERS[i % len(_READERS)]]) for i, name in enumerate(_NAMES)),
         *(pytest.param(*listed, _READERS, marks=pytest.mark.slow) for listed in _LISTED),
     ],
 )

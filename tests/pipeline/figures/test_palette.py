@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.figures.naming import axis_label
-from pipeline.figures.palette import label_colour, state_colour
+from pipeline.figures.palette import label_colour, sequential_colours, state_colour
 from solver import SCALAR_PARAMETERS, ImpactState, domain_labels
 
 STATES = ("0", "1", "2", "0-1", "0-2", "1-2", "0-1-2")
@@ -54,6 +54,15 @@ def test_every_label_has_a_colour_of_its_own():
     assert len({label_colour(label) for label in labels}) == len(labels)
     assert all(0 <= part <= 255 for label in domain_labels(8).values() for part in label_colour(label))
     assert len({state_colour(state.symbol) for state in ImpactState}) == len(ImpactState)
+
+
+def test_colours_of_quantities_are_even_and_read_in_grey():
+    places = lab(sequential_colours(), EYES["normal"])
+    # Between neighbours 8 bits a channel leave more than that.
+    steps = np.linalg.norm(places[32:] - places[:-32], axis=1)
+    assert steps.max() < 1.15 * steps.min()
+    for eyes in EYES.values():
+        assert np.all(np.diff(lab(sequential_colours(), eyes)[::8, 0]) < -0.5)
 
 
 def test_every_axis_has_a_label():

@@ -58,6 +58,6 @@ def test_values_are_told_in_both(made):
 
 
 def test_drawn_files(made, tmp_path):
-    paths = figures.draw(made, tmp_path, [0.2], ["png"], 60, units="physical")
-    again = figures.draw(made, tmp_path / "again", [0.2], ["png"], 60, units="physical")
+    paths = figures.draw(made, tmp_path, [0.25], ["png"], 30, units="physical")
+    again = figures.draw(made, tmp_path / "again", [0.25], ["png"], 30, units="physical")
     assert [a.read_bytes() for a in paths] == [b.read_bytes() for b in again]

@@ -32,8 +32,10 @@ class Alone:
 @pytest.fixture(scope="module")
 def job(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stage")
-    settings = compose([f"store.root={folder}", f"output.root={folder}", "store.name=plane", "figures.formats=[png]"])
-    plan = small_plan()
+    settings = compose(
+        [f"store.root={folder}", f"output.root={folder}", "store.name=plane", "figures.formats=[png]", "figures.dpi=30"]
+    )
+    plan = small_plan(columns=9, rows=3)
     small_store(settings.store_path, plan)
     return Job(settings, plan)
 

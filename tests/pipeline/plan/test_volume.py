@@ -36,7 +36,7 @@ def run(folder, *arguments):
 def swept(tmp_path_factory):
     """The outputs of one run of the stages sweep and figures."""
     folder = tmp_path_factory.mktemp("volume") / "outputs"
-    assert run(folder, "figures.formats=[png]", "figures.dpi=60") == 0
+    assert run(folder, "figures.formats=[png]", "figures.dpi=30") == 0
     return folder
 
 

@@ -16,7 +16,7 @@ from pipeline.run.progress import Reporter, RowProgress
 from solver import label_parts
 from tests.pipeline.planes import small_plan, small_store
 
-_SMALL = ["plane.sweep.num=60", "plane.parameter.num=6", "cluster=none", "figures.formats=[png]", "figures.dpi=40"]
+_SMALL = ["plane.sweep.num=40", "plane.parameter.num=5", "cluster=none", "figures.formats=[png]", "figures.dpi=30"]
 
 
 @pytest.fixture(scope="module")

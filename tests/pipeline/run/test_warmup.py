@@ -89,6 +89,16 @@ def test_what_a_run_calls_is_listed(tmp_path, options, balance):
     assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
 
 
+@pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
+def test_what_a_place_calls_is_listed(tmp_path, options, balance):
+    """The stage motion solves the balance and integrates at one place."""
+    balanced = [word for word in options if not word.startswith("stages")]
+    status, *_ = ran(tmp_path, [*balanced, "stages=[sweep]"])
+    status, _, _, used, _ = ran(tmp_path, [*balanced, "stages=[motion]", "motion.at=[.6,.2]", "figures.formats=[png]"])
+    missed = set(used) - {f"{k.__module__}.{k.__name__}" for k in kernels_of(kernels_for(["motion"], balance))}
+    assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("options", RUNS)
 def test_a_first_run_compiles_what_it_needs_and_nothing_else(tmp_path, options):

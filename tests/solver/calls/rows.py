@@ -186,6 +186,12 @@ CALLS = {
         "omega": argument(0.6, POSITIVE),
         "amplitude_max": argument(100.0, POSITIVE),
     },
+    "solver.free_vibration": lambda: {
+        "system": argument(model(), OBJECT),
+        "highest": argument(3.0 * GRID + 1.0, array(3.0 * GRID + 1.0, 0.0 * GRID, empty=True)),
+        "order": argument(2, (*COUNT, 0, 65)),
+        "mode": argument(1, (*COUNT, 2)),
+    },
     "solver.backbone": lambda: {
         "model": argument(model(), (*OBJECT, model().replace(f_pm=0.0)), "f_pm"),
         "amplitudes": argument(GRID, array(GRID, -GRID, empty=True)),

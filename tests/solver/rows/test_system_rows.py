@@ -190,3 +190,30 @@ def test_quantities_are_those_of_sampled_motions(system, omega, share):
         else:
             assert np.isnan(found[Slot.DYNAMIC_FACTOR])
         assert np.isnan(found[Slot.SUPPORT_FORCE])
+
+
+@pytest.mark.parametrize("stiffness", [10.0, 100.0, 1e3, 1e4])
+def test_two_masses_with_a_stop_of_any_stiffness(stiffness):
+    """M = I, K = [[1, -1], [-1, 2]], C = 0.06 K: where the free motion reaches the stop does not depend on the stop."""
+    chain = np.array([[1.0, -1.0], [-1.0, 2.0]])
+    system = ContactSystem(
+        np.eye(2), 0.03 * chain, chain, [1.0, 0.0], [stiffness, 0.0], 1.0, load=[[0.0, 0.0], [0.0, 0.1]]
+    )
+    row = sweep_row(system, "omega", np.linspace(0.3, 2.0, 200))
+    assert not row.notes and np.all(row.certified == 1)
+    assert len(folds(row)) == 2 and folds(row)[0] == pytest.approx(0.653442, abs=1e-5)
+
+
+def test_many_degrees_of_freedom_damped_in_no_proportion():
+    rng, n = np.random.default_rng(0), 10
+    root, contact = rng.normal(size=(n, n)), rng.normal(size=n)
+    stiffness = root @ root.T + np.eye(n)
+    damping = 0.01 * stiffness + np.diag(0.01 * rng.random(n))
+    load = [rng.normal(size=n), rng.normal(size=n)]
+    system = ContactSystem(np.eye(n), damping, stiffness, contact, 5.0 * contact, 0.5, 0.5, load=load)
+    row = sweep_row(system, "omega", np.linspace(0.5, 5.0, 80))
+    assert not row.notes and np.all(row.certified == 1)
+    # Order 1 of the other balance is the same where the stiffness does not vary.
+    other = sweep_row(system, "omega", np.linspace(0.5, 5.0, 80), balance=Galerkin(1), seeds=LiftedSeeds(30))
+    np.testing.assert_array_equal(row.n_solutions, other.n_solutions)
+    np.testing.assert_allclose(row.motions, other.motions, rtol=0, atol=1e-7)

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver import ImpactState, gear_system
-from solver.timedomain import AttractorKind, SlowRun, find_attractors, shoot, slow_run
+from solver.timedomain import AttractorKind, AttractorSearch, SlowRun, find_attractors, shoot, slow_run
 from tests.conftest import consistent, published
 from tests.solver.timedomain.systems import field_of, mathieu, oscillator
 
@@ -54,6 +54,17 @@ def test_the_hysteresis_of_the_upper_resonance_ends_at_saddle_nodes():
     assert np.all(np.abs(ways[0] - ways[1])[within] > 0.1)
     below = up.values < ends[1]
     np.testing.assert_allclose(ways[0][below], ways[1][below], rtol=1e-9)
+
+
+def test_large_steps_meet_the_same_jumps():
+    """In steps of 0.02, wider than the upper hysteresis, as by shooting: four saddle-nodes, and a subcritical period
+    doubling at 0.65016; between them tori and motions of four periods are met."""
+    values, search = np.linspace(0.5, 1.3, 41), AttractorSearch(transient=1500, watched=10000)
+    up = slow_run(published(), "omega", values, search=search)
+    down = slow_run(published(), "omega", values[::-1], state=up.state[-1], search=search)
+    for run, places in ((up, (0.6173089, 0.6501561, 1.2301969)), (down, (1.2194472, 0.5259298))):
+        for place in places:
+            assert np.nanmin(np.abs(run.jumps - place)) <= 0.5 * 0.02 / 16 + 1e-6, place
 
 
 def test_hysteresis_is_where_attractors_have_it():
