@@ -97,9 +97,9 @@ def draw(
         return _draw(plane, folder, curves, formats, dpi, window, multipliers, quantity, of, only)
 
 
-def draw_named(store_path: Path, folder: Path, options: dict, name: str) -> list[Path]:
-    """`draw` one figure, as a task of a worker; nothing if the plane has none of this name."""
-    return draw(store_path, folder, **options, only=[name])
+def draw_named(store_path: Path, folder: Path, options: dict, names: Sequence[str]) -> dict[str, list[Path]]:
+    """`draw` some figures, as a task of a worker: name -> its paths, none if the plane has none of this name."""
+    return {name: draw(store_path, folder, **options, only=[name]) for name in names}
 
 
 def draw_design(

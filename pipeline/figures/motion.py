@@ -1,7 +1,6 @@
 """Every motion at one point, a card each: time history, mesh force, phase portrait, spectrum; equal axes everywhere."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,6 +13,7 @@ from pipeline.analysis.motion.wording import card_name, quantity_line, standing,
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import RIGHT, WIDTH, shares_of
+from pipeline.figures.motion_axes import Units, common_cards, limits_of, units_of
 from pipeline.figures.naming import value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.plane.stored import StoredPlane
@@ -30,29 +30,14 @@ _CARD = _TEXT + _LAMBDA + _GAP + _FORCE + _BELOW
 _TITLE, _LEGEND = 0.27, 0.21
 #: Where a card's description begins, beside its name.
 _DESCRIPTION = 1.42
-#: Periods that are shown of a motion without one, and at most of any; decades of a spectrum.
-_APERIODIC, _MOST, _DECADES = 12, 16, 4.0
+#: Periods that are shown of a motion without one, and at most of any.
+_APERIODIC, _MOST = 12, 16
 #: Drive flank in contact, no contact, back flank in contact.
 _ZONES = tuple(hex_colour(state_colour(state)) for state in ("0", "1", "2"))
 _BAND = {"color": "0.9", "linewidth": 0.0, "zorder": 0}
 _BALANCE = {"color": "black", "linewidth": 0.8, "dashes": (3.0, 2.0), "zorder": 4}
 _POINT = {"linestyle": "none", "marker": "o", "markeredgecolor": "white", "color": "black", "zorder": 6}
 _FAINT = {"color": "0.8", "linewidth": 0.4, "zorder": 0.5}
-
-
-@dataclass(frozen=True)
-class _Units:
-    """What 1 of each quantity is shown as, and the names of the axes."""
-
-    length: float
-    speed: float
-    time: float
-    force: float
-    displacement_label: str
-    speed_label: str
-    time_label: str
-    force_label: str
-    spectrum_label: str
 
 
 def pages(found: Motions) -> list[Sequence[Motion | MapMotion]]:
@@ -69,7 +54,8 @@ def draw_motions(plane: StoredPlane, found: Motions, cards: Sequence[Motion | Ma
     plane : StoredPlane
     found : Motions
     cards : sequence, optional
-        Those of `found` that are drawn, all unless given; the axes are those of all.
+        Those of `found` that are drawn, all unless given; the axes are those of all. Only motions of the map that are
+        far larger than any attractor have axes of their own.
 
     Returns
     -------
@@ -77,76 +63,20 @@ def draw_motions(plane: StoredPlane, found: Motions, cards: Sequence[Motion | Ma
     """
     everything = [*found.attractors, *found.others]
     cards = everything if cards is None else cards
-    units, height = _units(plane, found), HEAD + _TITLE + _LEGEND + _CARD * max(len(cards), 1) + _NAMES
+    units, height = units_of(plane, found), HEAD + _TITLE + _LEGEND + _CARD * max(len(cards), 1) + _NAMES
     figure = Drawing((WIDTH, height))
     write_heading(figure, plane)
     _write_title(figure, plane, found, height)
-    limits = _limits([curves for one in everything for curves in _curves_of(one)], found, units)
-    shown = _shown_periods(everything)
+    common, shown = common_cards(found), _shown_periods(everything)
     for i, card in enumerate(cards):
         top = height - HEAD - _TITLE - _LEGEND - i * _CARD
-        _write_card(figure, plane, found, card, top)
+        fits = card in common
+        limits = limits_of(common if fits else [card], found, units)
+        _write_card(figure, plane, found, card, top, fits)
         _draw_card(figure, found, card, units, limits, shown, top - _TEXT, i == len(cards) - 1)
     if cards:
         _draw_legend(figure, cards, found.model.b, height)
     return figure
-
-
-def _curves_of(card: Motion | MapMotion) -> list[Curves]:
-    of_map = getattr(card, "of_map", None)
-    return [card.curves] if of_map is None else [card.curves, of_map.curves]
-
-
-def _units(plane: StoredPlane, found: Motions) -> _Units:
-    scales, static = plane.scales, abs(found.static_force)
-    if scales is None:
-        return _Units(
-            1.0,
-            1.0,
-            1.0,
-            1.0 / static if static else 1.0,
-            "$λ$",
-            r"$\lambda'$",
-            "time (mesh periods)",
-            "$F/F_s$" if static else "$F$",
-            "amplitude of $λ$",
-        )
-    period = 1e3 / (scales["mesh_frequency"].size * found.omega)
-    return _Units(
-        scales["length"].shown,
-        scales["velocity"].shown,
-        period,
-        scales["force"].shown,
-        f"$λ$ ({scales['length'].unit})",
-        f"$\\lambda'$ ({scales['velocity'].unit})",
-        f"time (ms); mesh period {number_text(period)} ms",
-        "$F$ (N)",
-        f"amplitude of $λ$ ({scales['length'].unit})",
-    )
-
-
-def _limits(curves: list[Curves], found: Motions, units: _Units) -> dict[str, tuple[float, float]]:
-    """Of lambda, its speed, the force and the amplitudes, for all cards."""
-    if not curves:
-        return dict.fromkeys(("displacement", "speed", "force"), (0.0, 1.0)) | {"amplitude": (1e-4, 1.0)}
-
-    def ends(name: str, size: float, *further: float, above: float = 0.06) -> tuple[float, float]:
-        values = [getattr(part, name) for part in curves]
-        low = min([*(float(part.min()) for part in values), *further]) * size
-        high = max([*(float(part.max()) for part in values), *further]) * size
-        room = (high - low) or max(abs(high), 1e-6)
-        return low - 0.06 * room, high + above * room
-
-    b, highest = found.model.b, max(float(part.displacement.max()) for part in curves)
-    largest = max(float(part.amplitudes.max(initial=0.0)) for part in curves) * units.length or 1.0
-    return {
-        # So much of the gap that it is seen.
-        "displacement": ends("displacement", units.length, b - min(0.25 * max(highest - b, 0.0), 2.0 * b)),
-        "speed": ends("speed", units.speed),
-        # K_v is written above.
-        "force": ends("force", units.force, 0.0, found.static_force, above=0.5),
-        "amplitude": (largest * 10.0 ** (0.3 - _DECADES), largest * 10.0**0.3),
-    }
 
 
 def _shown_periods(cards) -> int:
@@ -162,18 +92,19 @@ def _write_title(figure: Drawing, plane: StoredPlane, found: Motions, height: fl
     figure.text(1.0 - RIGHT / WIDTH, y, summary(found), ha="right", va="top", fontsize=8)
 
 
-def _write_card(figure: Drawing, plane: StoredPlane, found: Motions, card: Motion | MapMotion, top: float) -> None:
+def _write_card(figure: Drawing, plane: StoredPlane, found: Motions, card, top: float, fits: bool) -> None:
     height = figure.get_figheight()
     name = f"{card_name(card)}   {card.label}"
     first, second = (1.0 - (height - top + drop) / height for drop in (0.02, 0.18))
     figure.add_artist(Line2D([0.08 / WIDTH, 1.0 - RIGHT / WIDTH], [top / height] * 2, color="0.75", linewidth=0.5))
     figure.text(0.08 / WIDTH, first, name, ha="left", va="top", fontsize=9, weight="bold")
-    figure.text(_DESCRIPTION / WIDTH, first, standing(card, found), ha="left", va="top", fontsize=8)
+    what = standing(card, found) + ("" if fits else ";  axes of its own")
+    figure.text(_DESCRIPTION / WIDTH, first, what, ha="left", va="top", fontsize=8)
     told = quantity_line(card.quantities, plane.scales).replace("K_v", "$K_v$").replace("λ", "$λ$")
     figure.text(_DESCRIPTION / WIDTH, second, told, ha="left", va="top", fontsize=8)
 
 
-def _draw_card(figure, found: Motions, card, units: _Units, limits, shown: int, top: float, last: bool) -> None:
+def _draw_card(figure, found: Motions, card, units: Units, limits, shown: int, top: float, last: bool) -> None:
     height, bottom = figure.get_figheight(), top - _LAMBDA - _GAP - _FORCE
 
     def panel(column: tuple[float, float], low: float, tall: float) -> Axes:
@@ -198,10 +129,11 @@ def _draw_card(figure, found: Motions, card, units: _Units, limits, shown: int, 
             axes.set_xticks(range(0, shown + 1, max(1, shown // 6)))
         for k in range(1, shown):
             axes.axvline(k * units.time, **_FAINT)
-        axes.yaxis.set_label_coords(-0.105, 0.5)
+        axes.yaxis.set_label_coords(-0.12, 0.5)
     time.tick_params(labelbottom=False)
     time.set(ylim=limits["displacement"], ylabel=units.displacement_label)
     force.set(ylim=limits["force"], ylabel=units.force_label)
+    phase.yaxis.set_label_coords(-0.275, 0.5)
     phase.set(xlim=limits["displacement"], ylim=limits["speed"], ylabel=units.speed_label)
     spectrum.set(xlim=(0.0, HIGHEST_ORDER), ylim=limits["amplitude"], yscale="log", ylabel=units.spectrum_label)
     spectrum.set_xticks(range(int(HIGHEST_ORDER) + 1))
@@ -214,7 +146,7 @@ def _draw_card(figure, found: Motions, card, units: _Units, limits, shown: int, 
         spectrum.set_xlabel("order of the mesh frequency")
 
 
-def _draw_solid(curves: Curves, b: float, units: _Units, shown: int, time: Axes, force: Axes, phase: Axes) -> None:
+def _draw_solid(curves: Curves, b: float, units: Units, shown: int, time: Axes, force: Axes, phase: Axes) -> None:
     """What integration gives: its colour tells which flank is in contact."""
     periods, displacement, forces = _over(curves, shown)
     for zone, (x, y) in _parts(periods * units.time, displacement, b):
@@ -228,7 +160,7 @@ def _draw_solid(curves: Curves, b: float, units: _Units, shown: int, time: Axes,
     phase.plot(curves.points[:, 0] * units.length, curves.points[:, 1] * units.speed, **_POINT, **size)
 
 
-def _draw_balance(curves: Curves, units: _Units, shown: int, time, force, phase, spectrum, alone: bool) -> None:
+def _draw_balance(curves: Curves, units: Units, shown: int, time, force, phase, spectrum, alone: bool) -> None:
     """What the harmonic balance gives, dashed."""
     style = {**_BALANCE, "linewidth": 1.0} if alone else _BALANCE
     periods, displacement, forces = _over(curves, shown)
@@ -254,7 +186,7 @@ def _draw_balance(curves: Curves, units: _Units, shown: int, time, force, phase,
     )
 
 
-def _draw_spectrum(curves: Curves, units: _Units, floor: float, axes: Axes) -> None:
+def _draw_spectrum(curves: Curves, units: Units, floor: float, axes: Axes) -> None:
     amplitudes = curves.amplitudes * units.length
     if curves.repeats is None:
         axes.plot(curves.orders, np.maximum(amplitudes, 0.1 * floor), color=_ZONES[0], linewidth=0.6, zorder=3)
@@ -264,7 +196,7 @@ def _draw_spectrum(curves: Curves, units: _Units, floor: float, axes: Axes) -> N
         axes.vlines(curves.orders[lines], 0.1 * floor, amplitudes[lines], color=_ZONES[0], linewidth=width, zorder=3)
 
 
-def _draw_force_marks(card: Motion | MapMotion, found: Motions, units: _Units, axes: Axes) -> None:
+def _draw_force_marks(card: Motion | MapMotion, found: Motions, units: Units, axes: Axes) -> None:
     axes.axhline(0.0, color="0.6", linewidth=0.4, zorder=1)
     factor = card.quantities.dynamic_factor
     if not found.static_force or not np.isfinite(factor):
@@ -312,7 +244,7 @@ def _draw_legend(figure: Drawing, cards, b: float, height: float) -> None:
         handles.append(Line2D([], [], **{**_BALANCE, "zorder": 1}, label="harmonic balance of the map"))
     handles += [
         Line2D([], [], markersize=4.2, markeredgewidth=0.6, **_POINT, label="start of a mesh period"),
-        Patch(facecolor="0.9", label="gap, $|λ| ≤ b$"),
+        *([Patch(facecolor="0.9", label="gap, $|λ| ≤ b$")] if b > 0.0 else []),
     ]
     figure.legend(
         handles=handles,

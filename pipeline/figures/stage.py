@@ -1,6 +1,6 @@
 """The stage figures: pictures of the stored plane; nothing is solved again."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 
@@ -32,9 +32,9 @@ def _folder(job: Job) -> Path:
     return job.settings.output_root / "figures" / job.settings.store_name
 
 
-def _tasks(job: Job, names: Iterable[str]) -> list[tuple]:
-    """Arguments of `pipeline.figures.draw_named` for some figures."""
-    return [(job.store_path, _folder(job), _options(job), name) for name in names]
+def _task(job: Job, names: Sequence[str]) -> tuple:
+    """Arguments of `pipeline.figures.draw_named` for figures that one process draws."""
+    return job.store_path, _folder(job), _options(job), tuple(names)
 
 
 def _begin(job: Job, workforce: Workforce) -> None:
@@ -42,7 +42,8 @@ def _begin(job: Job, workforce: Workforce) -> None:
     from pipeline import figures
 
     if job.plan.parameter2 is None:
-        workforce.begin_beside(figures.draw_named, _tasks(job, figures.OF_ROWS))
+        # One task, so that tracing keeps a core to itself.
+        workforce.begin_beside(figures.draw_named, [_task(job, figures.OF_ROWS)])
 
 
 def _draw(job: Job, workforce: Workforce) -> list[Path]:
@@ -51,11 +52,12 @@ def _draw(job: Job, workforce: Workforce) -> list[Path]:
 
     if not workforce.has_local_workers or job.plan.parameter2 is not None:
         return figures.draw(job.store_path, _folder(job), **_options(job))
-    drawn = {}
-    for task, result in workforce.run_beside(figures.draw_named, _tasks(job, figures.NAMES)):
+    alone = [[name] for name in figures.NAMES if name not in figures.OF_ROWS]
+    tasks, drawn = [_task(job, names) for names in (*alone, figures.OF_ROWS)], {}
+    for _, result in workforce.run_beside(figures.draw_named, tasks):
         if isinstance(result, Exception):
             raise result
-        drawn[task[-1]] = result
+        drawn |= result
     return [path for name in figures.NAMES for path in drawn[name]]
 
 

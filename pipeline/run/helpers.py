@@ -12,7 +12,7 @@ import multiprocessing.forkserver
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 
 from pipeline.run.libraries import load_zarr
@@ -55,25 +55,27 @@ class Helpers:
     def __init__(self, modules: Iterable[str]):
         modules, context = tuple(modules), multiprocessing.get_context("forkserver" if _FORKS else "spawn")
         self._pool = ProcessPoolExecutor(COUNT, mp_context=context, initializer=_begin, initargs=(modules,))
-        self._processes, self._ahead = set(), []
+        self._processes, self._begun = set(), []
+        # To fork a helper waits until all is loaded, for which nobody here has to wait.
+        self._starter = ThreadPoolExecutor(1)
         if _FORKS:
             context.set_forkserver_preload(["pipeline.run.helpers", *modules])
             with deaf_to_interrupts(), main_module_hidden():
-                # It loads; to fork a helper is waited for, so that helpers are forked when there are tasks.
                 multiprocessing.forkserver.ensure_running()
         else:
             self._submit(load, [((),)] * COUNT)
 
     def begin(self, function: Callable, tasks: Iterable[tuple]) -> None:
         """Begin with tasks that `run` will be asked for, unless that has been done."""
-        known = [(one, task) for one, task, _ in self._ahead]
+        known = [(one, task) for one, tasks, _ in self._begun for task in tasks]
         fresh = [task for task in tasks if (function, task) not in known]
-        self._ahead += [(function, *begun) for begun in self._submit(function, fresh)]
+        self._begun.append((function, fresh, self._starter.submit(self._submit, function, fresh)))
 
     def run(self, function: Callable, tasks: Iterable[tuple]) -> Iterator[tuple[tuple, object]]:
         """Call `function(*task)` for every task; yields (task, result) in any order, or (task, exception)."""
         waiting = list(tasks)
-        begun = [(task, future) for one, task, future in self._ahead if one == function and task in waiting]
+        begun = [pair for one, _, started in self._begun if one == function for pair in started.result()]
+        begun = [(task, future) for task, future in begun if task in waiting]
         known = [task for task, _ in begun]
         begun += self._submit(function, [task for task in waiting if task not in known])
         futures = {future: task for task, future in begun}
@@ -101,6 +103,7 @@ class Helpers:
 
     def close(self) -> None:
         """End them, whatever they are at."""
+        self._starter.shutdown(cancel_futures=True)
         self._pool.shutdown(wait=False, cancel_futures=True)
         for process in self._processes:
             process.kill()

@@ -379,6 +379,8 @@ class Galerkin:
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
         """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
 
+        nan for a contact with one flank, of which none is known.
+
         Raises
         ------
         ParameterError
@@ -386,6 +388,8 @@ class Galerkin:
         """
         self._check(problem)
         grid = finite_array("grid", grid, (None,))
+        if not math.isfinite(problem.parameters[BACK_GAP]):
+            return np.full(grid.size, np.nan)
         signs = np.empty(grid.size)
         _linear_degree(problem.parameters, problem.parameter_slope, grid, np.empty(self.unknowns), signs)
         return signs

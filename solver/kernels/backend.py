@@ -1,4 +1,4 @@
-"""What numba makes of kernels. Only this module and `lowering` import numba, when the first kernel is needed.
+"""What numba makes of kernels. Only this module, `lowering` and `plain_code` import numba, at the first kernel.
 
 Numba by itself optimises and compiles every function alone, and then again within each of its callers. Here a kernel is
 typed and lowered once (`_Lowered`); it is optimised and compiled only as part of a unit (`_Unit`), together with all
@@ -6,6 +6,7 @@ that it calls. A unit is what Python calls or hands on, or a kernel that is shar
 that one by its name.
 """
 
+import copy
 import functools
 import hashlib
 import itertools
@@ -26,7 +27,7 @@ from numba.core.serialize import dumps
 from numba.core.typing.typeof import Purpose
 from numba.extending import models, register_model, typeof_impl
 
-from solver.kernels import lowering
+from solver.kernels import lowering, plain_code
 from solver.kernels.lowering import KernelLowering, call_of, calling_kernels, owns_arrays
 from solver.kernels.store import kernel_store
 
@@ -38,7 +39,19 @@ _PATIENCE = 120.0
 _OPTIONS = {"nopython": True, "error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
-class _Lowered(JITCodeLibrary):
+class _Library(JITCodeLibrary):
+    """Code of functions."""
+
+    def _optimize_functions(self, ll_module):
+        # Numba would make the passes anew for each function, and for those that are declared only.
+        ll_module.data_layout = self._codegen._data_layout
+        passes, builder = self._codegen._function_pass_manager()
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                passes.run(function, builder)
+
+
+class _Lowered(_Library):
     """A kernel's code before optimisation, with that of what it calls."""
 
     def finalize(self):
@@ -48,7 +61,7 @@ class _Lowered(JITCodeLibrary):
         self._finalized = True
 
 
-class _Unit(JITCodeLibrary):
+class _Unit(_Library):
     """A kernel's code and all that it calls, which cannot be seen from outside."""
 
     def _optimize_final_module(self):
@@ -78,6 +91,34 @@ _PASSES = (
     KernelLowering,
     typed_passes.NoPythonBackend,
 )
+
+
+class _Typing(typing.Context):
+    """Numba's knowledge of types, which remembers what a call with arguments of certain types was found to be.
+
+    Numba looks for it anew at every call in every function, and several times in each.
+    """
+
+    @classmethod
+    def of(cls, context: typing.Context):
+        """The same knowledge: what either one learns the other one knows."""
+        result = copy.copy(context)
+        result.__class__, result._known = cls, {}
+        return result
+
+    def resolve_function_type(self, func, args, kws):
+        arguments = (*args, *dict(kws).values())
+        if not all(isinstance(one, numba.types.Type) for one in arguments):  # a constant index
+            return super().resolve_function_type(func, args, kws)
+        call = func, arguments, tuple(dict(kws))
+        if (signature := self._known.get(call)) is None:
+            signature = self._known[call] = super().resolve_function_type(func, args, kws)
+        return signature
+
+
+@functools.cache
+def _typing() -> _Typing:
+    return _Typing.of(cpu_target.typing_context)
 
 
 class _Compiler(compiler.CompilerBase):
@@ -138,7 +179,7 @@ def _lower(kernel, signature) -> compiler.CompileResult:
     cpu_target.options.parse_as_flags(flags, {**_OPTIONS, **options})
     flags.no_compile = True
     library = _Lowered(context.codegen(), kernel.__qualname__)
-    made = _Compiler(cpu_target.typing_context, context, library, signature.args, signature.return_type, flags, {})
+    made = _Compiler(_typing(), context, library, signature.args, signature.return_type, flags, {})
     made.content = kernel.content
     return made.compile_extra(kernel.__wrapped__)
 
@@ -316,7 +357,7 @@ def _surroundings() -> str:
     """What compiled code depends on beside the kernel."""
     settings = [getattr(numba.config, name) for name in ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK")]
     versions = sys.version, numba.__version__, llvmlite.__version__, np.__version__
-    sources = [Path(file).read_bytes() for file in (__file__, lowering.__file__)]
+    sources = [Path(file).read_bytes() for file in (__file__, lowering.__file__, plain_code.__file__)]
     return repr((versions, cpu_target.target_context.codegen().magic_tuple(), settings, sources))
 
 

@@ -8,10 +8,12 @@ have to: the others read and fill what their callers own.
 import copy
 
 from numba import types
-from numba.core import callconv, cgutils, compiler_machinery, lowering, typed_passes
+from numba.core import callconv, cgutils, compiler_machinery, typed_passes
 from numba.core.cpu import CPUContext
 from numba.core.imputils import user_function
 from numba.core.registry import cpu_target
+
+from solver.kernels.plain_code import PlainCode
 
 __all__ = ["KernelLowering", "call_of", "calling_kernels", "owns_arrays"]
 
@@ -67,7 +69,7 @@ def calling_kernels(context: CPUContext) -> CPUContext:
     return result
 
 
-class _Lower(lowering.Lower):
+class _Lower(PlainCode):
     """Writes the code of a kernel, which is called as kernels are."""
 
     @property
@@ -87,9 +89,25 @@ class _Lower(lowering.Lower):
         for pointer_type, pointer in self._references(typ, val):
             super().decref(pointer_type, pointer)
 
+    def delvar(self, name):
+        if self._is_counted(self.typeof(name)):
+            super().delvar(name)
+
+    def storevar(self, value, name, argidx=None):
+        kind = self.typeof(name)
+        if self._is_counted(kind) or name in self._singly_assigned_vars:
+            super().storevar(value, name, argidx)
+        else:
+            # Numba would first load what is given up.
+            self._alloca_var(name, kind)
+            self.builder.store(value, self.getvar(name))
+
+    def _is_counted(self, typ) -> bool:
+        return self.context.enable_nrt and self.context.data_model_manager[typ].contains_nrt_meminfo()
+
     def _references(self, typ, val):
         """Pointers to what counts references to the arrays of a value: numba would take arrays apart to find them."""
-        if not self.context.enable_nrt or not self.context.data_model_manager[typ].contains_nrt_meminfo():
+        if not self._is_counted(typ):
             return
         if isinstance(typ, types.Array):
             yield types.MemInfoPointer(typ.dtype), self.builder.extract_value(val, 0)

@@ -41,9 +41,16 @@ class Scheduler:
         return self
 
     def __exit__(self, *_):
-        for process in reversed(self.processes):
+        self.end_workers()
+        self.process.kill()
+        self.process.wait(30)
+
+    def end_workers(self) -> None:
+        """End those that were added."""
+        for process in self.processes[1:]:
             process.kill()
             process.wait(30)
+        del self.processes[1:]
 
     def add_worker(self, sources: Path = ROOT, **environment: str) -> subprocess.Popen:
         """One more worker, without a nanny that would start it again; its bevelmap is that of a folder."""

@@ -1,5 +1,6 @@
 """What is drawn of a motion: lambda, its speed and the mesh force in time, Poincaré points, and the spectrum."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,7 @@ from solver import Model, gear_system
 from solver.timedomain import advance, trajectory
 from solver.timedomain.orders import order_spectrum
 
-__all__ = ["APERIODIC", "HIGHEST_ORDER", "Curves", "harmonic_curves", "integrated_curves"]
+__all__ = ["APERIODIC", "HIGHEST_ORDER", "Curves", "harmonic_curves", "integrated_curves", "own_period"]
 
 #: Samples of a period, and periods of a motion without one: those whose path is drawn, those of its spectrum (as many
 #: as its quantities are taken over), and its Poincaré points.
@@ -74,6 +75,30 @@ def _sections(model: Model, omega: float, state: np.ndarray) -> np.ndarray:
     system = gear_system(model)
     states = advance(system, omega, state, _POINTS, tolerance=1e-12).states[0]
     return np.stack([states[:, system.degrees - 1], states[:, -1]], axis=1)
+
+
+def own_period(motion: np.ndarray, period: int) -> tuple[np.ndarray, int]:
+    """A motion of a balance over the fewest periods after which it repeats, and their number.
+
+    Parameters
+    ----------
+    motion : (2 H + 1,) array
+        Lambda_0, c_1, s_1, ... over `period` forcing periods.
+    period : int
+
+    Examples
+    --------
+    >>> own_period(np.array([1.0, 0.0, 0.0, 0.3, 0.1]), 2)
+    (array([1. , 0.3, 0.1]), 1)
+    """
+    sizes = np.hypot(motion[1::2], motion[2::2])
+    # Newton's method leaves that much of harmonics that are not there.
+    there = np.flatnonzero(sizes > 1e-7 * max(1.0, float(np.max(np.abs(motion))))) + 1
+    times = math.gcd(period, *there.tolist())
+    kept = np.arange(times, sizes.size + 1, times)
+    return np.concatenate(
+        [motion[:1], np.stack([motion[2 * kept - 1], motion[2 * kept]], axis=1).ravel()]
+    ), period // times
 
 
 def harmonic_curves(model: Model, omega: float, motion: np.ndarray, repeats: int) -> Curves:

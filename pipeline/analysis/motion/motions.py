@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.analysis.attractors.credibility import Cells, partners
 from pipeline.analysis.attractors.places import search_place
 from pipeline.analysis.attractors.wording import attractor_name, bound
-from pipeline.analysis.motion.curves import APERIODIC, Curves, harmonic_curves, integrated_curves
+from pipeline.analysis.motion.curves import APERIODIC, Curves, harmonic_curves, integrated_curves, own_period
 from pipeline.config.schema import Attractors
 from pipeline.plan.numerics import point_of
 from pipeline.plan.plan import Plan
@@ -194,15 +194,16 @@ def _partners(of_map: SolvedMotions, period: int, row: AttractorRow, size: float
 
 
 def _described(of_map: SolvedMotions, i: int, period: int, model: Model, omega: float, leads: str | None) -> MapMotion:
+    unknowns, repeats = own_period(of_map.unknowns[i], period)
     return MapMotion(
         i + 1,
-        attractor_name(period, int(of_map.impact[i])),
+        attractor_name(repeats, int(of_map.impact[i])),
         bool(of_map.stable[i] == 1),
         Instability(int(of_map.instability[i])),
-        float(of_map.multiplier[i]),
+        float(of_map.multiplier[i]) ** (repeats / period),
         leads,
         Quantities(*of_map.quantities[i].tolist()),
-        harmonic_curves(model, omega, of_map.unknowns[i], period),
+        harmonic_curves(model, omega, unknowns, repeats),
     )
 
 

@@ -11,7 +11,7 @@ from pipeline.errors import ConfigurationError
 from tests.pipeline.faults.runs import KEPT, ROWS, complete, continued, finished, same, start, until
 from tests.pipeline.schedulers import Scheduler
 
-#: Seconds in which a run ends that waits for three at a time; without a bound it would never.
+#: Seconds in which a run ends that waits for two at a time; without a bound it would never.
 _END = 60.0
 
 
@@ -22,18 +22,18 @@ def scheduler(tmp_path):
 
 
 def arguments(scheduler):
-    return "cluster=scheduler", f"cluster.address={scheduler.address}", "cluster.timeout=3"
+    return "cluster=scheduler", f"cluster.address={scheduler.address}", "cluster.timeout=2"
 
 
 def test_a_scheduler_that_is_suspended_before_the_run_is_refused(tmp_path, scheduler):
     scheduler.process.send_signal(signal.SIGSTOP)
     run = start(tmp_path, *arguments(scheduler)).end(_END)
     assert run.code == 2 and run.err.count("\n") == 1, run.err
-    assert f"cluster.address = {scheduler.address!r} is not allowed" in run.err and "within 3 s" in run.err
+    assert f"cluster.address = {scheduler.address!r} is not allowed" in run.err and "within 2 s" in run.err
     assert not (tmp_path / "outputs").exists()
 
 
-@pytest.mark.parametrize("workers", [0, 1])
+@pytest.mark.parametrize("workers", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_one_that_is_suspended_during_the_run_ends_it(workers, tmp_path, scheduler, undisturbed, capsys):
     """While tasks are computed and gathered, and while the run waits for a worker."""
     for _ in range(workers):
@@ -47,7 +47,7 @@ def test_one_that_is_suspended_during_the_run_ends_it(workers, tmp_path, schedul
     scheduler.process.send_signal(signal.SIGSTOP)
     run.end(_END)
     assert run.code == 1, run.err
-    assert run.err == f"error: the scheduler at {scheduler.address} does not answer within 3 s{KEPT}\n"
+    assert run.err == f"error: the scheduler at {scheduler.address} does not answer within 2 s{KEPT}\n"
     assert (complete(run.path) > 0) == bool(workers)
     continued(tmp_path, capsys)
     same(run.path, undisturbed)
@@ -69,19 +69,19 @@ def test_a_run_that_is_stopped_itself_goes_on(tmp_path, scheduler, undisturbed):
     scheduler.add_worker()
     run = start(tmp_path, "cluster=scheduler", f"cluster.address={scheduler.address}", "cluster.timeout=1")
     until(run, 3)
-    for _ in range(2):
-        run.process.send_signal(signal.SIGSTOP)
-        signal.sigtimedwait([], 2.5)
-        run.process.send_signal(signal.SIGCONT)
+    run.process.send_signal(signal.SIGSTOP)
+    signal.sigtimedwait([], 2.5)
+    run.process.send_signal(signal.SIGCONT)
     run.end()
     assert (run.code, run.err) == (0, ""), run.err
     same(run.path, undisturbed)
 
 
-def test_settings_of_zarr_in_the_environment_change_nothing(tmp_path, undisturbed):
-    """With the first one a run would wait for ever."""
+@pytest.mark.parametrize("words", ["cluster=none", pytest.param("cluster.workers=1", marks=pytest.mark.slow)])
+def test_settings_of_zarr_in_the_environment_change_nothing(words, tmp_path, undisturbed):
+    """With the first one a run would wait for ever, as would its workers."""
     settings = {"ZARR_ASYNC__CONCURRENCY": "0", "ZARR_ASYNC__TIMEOUT": "-1", "ZARR_THREADING__MAX_WORKERS": "x"}
-    run = finished(tmp_path, "cluster.workers=1", environment=settings)
+    run = finished(tmp_path, words, environment=settings)
     assert (run.code, run.err) == (0, ""), run.err
     same(run.path, undisturbed)
 
@@ -95,7 +95,7 @@ def test_a_plane_is_not_opened_where_zarr_would_wait_for_ever(concurrency, undis
         assert open_plane(undisturbed).tree["n_solutions"].shape[0] == ROWS
 
 
-@pytest.mark.parametrize("library", ["zarr", "dask"])
+@pytest.mark.parametrize("library", ["zarr", pytest.param("dask", marks=pytest.mark.slow)])
 def test_a_malformed_configuration_file_of_a_library_is_one_line(library, tmp_path):
     file = tmp_path / "malformed.yaml"
     file.write_text("a: [1")

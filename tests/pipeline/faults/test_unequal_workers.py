@@ -30,10 +30,18 @@ def edited(tmp_path_factory):
     return copy
 
 
+@pytest.fixture(scope="module")
+def started(tmp_path_factory):
+    with Scheduler(tmp_path_factory.mktemp("scheduler")) as process:
+        yield process
+
+
 @pytest.fixture
-def scheduler(tmp_path):
-    with Scheduler(tmp_path) as started:
-        yield started
+def scheduler(started):
+    """The scheduler of the module, without workers; those of a test end with it."""
+    yield started
+    started.end_workers()
+    there(started, 0)
 
 
 def there(scheduler, count):
@@ -116,7 +124,9 @@ def _without_bevelmap(_, __):
     return {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "absent"}, "bevelmap cannot be used there .*No module"
 
 
-@pytest.mark.parametrize("kind", [_of_edited, _of_another_numpy, _without_bevelmap])
+@pytest.mark.parametrize(
+    "kind", [pytest.param(_of_edited, marks=pytest.mark.slow), _of_another_numpy, _without_bevelmap]
+)
 def test_where_all_workers_differ_nothing_is_written(kind, tmp_path, scheduler, edited):
     how, reason = kind(edited, tmp_path / "library")
     scheduler.add_worker(**how)

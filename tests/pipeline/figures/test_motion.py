@@ -155,6 +155,24 @@ def plan_speed():
     return scales_of(plan_of(*MITER))["omega"].shown
 
 
+def test_motions_of_the_map_that_are_far_larger_do_not_hide_attractors():
+    """Near where the first-order branch goes to infinity (docs/physics.md, section 7)."""
+    words = ("gear=consistent", "gear.rotation_coupling=0.93969262", "gear.variation.translation=0")
+    place = (0.5918, 0.47, "plane=omega_alpha", *words)
+    found, (figure, cards) = found_at(*place), drawn(place)
+    assert found.others[-1].quantities.peak_to_peak > 50.0
+    assert cards[0][0].get_ylim()[1] < 4.0 < 50.0 < cards[-1][0].get_ylim()[1]
+    assert texts(figure).count("axes of its own") == len(cards) - 1
+    for motion, (time, *_) in zip((*found.attractors, *found.others), cards, strict=True):
+        assert time.get_ylim()[0] <= motion.quantities.lowest and motion.quantities.highest <= time.get_ylim()[1]
+
+
+def test_what_does_not_move_is_drawn_at_rest():
+    """Nothing excites it: what is left of the motion is rounding, and no axis shows that."""
+    ((_, _, phase, spectrum),) = drawn((0.7, 0.0, *PUBLISHED, "gear.alpha=0"))[1]
+    assert phase.get_ylim()[1] > 1e-3 and spectrum.get_ylim()[1] > 1e-6
+
+
 def test_pages_hold_all_motions_once():
     found = found_at(*TORUS)
     assert [card for page in pages(found) for card in page] == [*found.attractors, *found.others]

@@ -73,7 +73,16 @@ PLANES = [
     *(Plane(gear, "omega", axis, None, 3) for gear in MODELS for axis in ("f_e", "alpha")),
     Plane("antiphase", "omega", "f_e", None, 5),
 ]
-ORDINARY = [plane for plane in PLANES if plane.order > 1 or plane.omega or plane.parameter in ("f_e", "b", "xi_mesh")]
+#: Every gear, every kind of axis, and every order.
+ORDINARY = [
+    *(Plane(gear, "omega", "f_e") for gear in MODELS),
+    Plane("published", "omega", "b"),
+    Plane("antiphase", "omega", "xi_mesh"),
+    Plane("published", "f_e", "b", 0.6),
+    Plane("antiphase", "alpha", "f_e", 0.55),
+    Plane("published", "omega", "f_e", None, 3),
+    Plane("antiphase", "omega", "alpha", None, 3),
+]
 
 
 def _beyond_one(plane, value, x, motion) -> bool:

@@ -77,7 +77,7 @@ def test_distances(stores, name, x, p, further):
     ("name", "design"),
     [
         ("fe", Design(0.62, 0.2, 0.55, 0.68, 0.05, {"b": 0.2})),
-        ("spur", Design(0.5, 0.1, 0.44, 0.56, 0.02, {"alpha": 0.05})),
+        pytest.param("spur", Design(0.5, 0.1, 0.44, 0.56, 0.02, {"alpha": 0.05}), marks=pytest.mark.slow),
         ("spur", Design(0.45, 0.1, 0.45, 0.45, 0.05)),
     ],
 )

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pipeline.analysis.attractors.places import search_place
-from pipeline.analysis.motion.curves import APERIODIC, HIGHEST_ORDER
+from pipeline.analysis.motion.curves import APERIODIC, HIGHEST_ORDER, own_period
 from pipeline.config.compose import compose
 from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from solver import ImpactState, solve
@@ -164,7 +164,8 @@ def test_the_curves_have_the_quantities_of_the_motions(place):
 def test_paths_are_smooth_and_poincare_points_lie_on_them():
     for place in (CHAOS, TORUS, DOUBLE):
         found = found_at(*place)
-        for motion in found.attractors:
+        of_map = (*found.others, *(motion.of_map for motion in found.attractors if motion.of_map))
+        for motion in (*found.attractors, *of_map):
             curves = motion.curves
             step = 2.0 * np.pi / found.omega * (curves.periods[1] - curves.periods[0])
             slope = (curves.displacement[2:] - curves.displacement[:-2]) / (2.0 * step)
@@ -214,6 +215,32 @@ def test_order_5_has_the_motions_of_the_stored_row():
     for motion, unknowns in zip(of_map, row.motions[7], strict=False):
         np.testing.assert_allclose(_harmonics(motion.curves.displacement, 5), unknowns, atol=1e-6)
         assert motion.label == f"1T/{ImpactState(int(row.impact[7, motion.number - 1])).symbol}"
+
+
+def test_a_balance_of_two_periods_tells_what_repeats_after_one():
+    found = found_at(*TORUS, "solver=hb", "solver.order=3", "solver.period=2")
+    of_map = (*found.others, *(motion.of_map for motion in found.attractors if motion.of_map))
+    single = found_at(*TORUS, "solver=hb", "solver.order=3")
+    expected = (*single.others, *(motion.of_map for motion in single.attractors if motion.of_map))
+    assert len(of_map) >= len(expected) > 1
+    for motion in expected:
+        (same,) = [one for one in of_map if one.label == motion.label and one.number == motion.number]
+        assert same.curves.repeats == 1 and same.multiplier == pytest.approx(motion.multiplier, rel=1e-6)
+        np.testing.assert_allclose(same.curves.displacement, motion.curves.displacement, atol=1e-6)
+
+
+def test_own_periods():
+    two = np.array([1.0, 0.2, 0.0, 0.3, 0.1, 0.0, 0.0, 0.05, 0.0])
+    assert own_period(two, 2)[1] == 2 and own_period(two, 1)[1] == 1
+    two[1] = 1e-12
+    motion, repeats = own_period(two, 2)
+    assert repeats == 1 and motion.tolist() == [1.0, 0.3, 0.1, 0.05, 0.0]
+    # Of six periods with harmonics 4 and 6 there are three.
+    six = np.zeros(15)
+    six[[0, 7, 11]] = 1.0, 0.2, 0.1
+    motion, repeats = own_period(six, 6)
+    assert repeats == 3 and motion.tolist() == [1.0, 0.0, 0.0, 0.2, 0.0, 0.1, 0.0]
+    assert own_period(np.array([1.0, 0.0, 0.0]), 4)[1] == 1
 
 
 def test_the_same_place_gives_the_same_numbers():
