@@ -8,12 +8,17 @@ was ended is done here.
 import contextlib
 import importlib
 import multiprocessing
-import multiprocessing.forkserver
 import os
+import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+
+try:
+    from multiprocessing import forkserver
+except ImportError:  # nothing forks on this system
+    forkserver = None
 
 from pipeline.run.libraries import load_zarr
 from pipeline.run.processes import deaf_to_interrupts, main_module_hidden
@@ -22,7 +27,7 @@ __all__ = ["COUNT", "Helpers", "load"]
 
 COUNT = 2
 
-_FORKS = "forkserver" in multiprocessing.get_all_start_methods()
+_FORKS = forkserver is not None and "forkserver" in multiprocessing.get_all_start_methods()
 
 
 def load(modules: Iterable[str]) -> None:
@@ -43,6 +48,20 @@ def _begin(modules: Iterable[str]) -> None:
     load(modules)
 
 
+def _end_server() -> None:
+    """End what forks helpers, and what waits for it to fork one.
+
+    It would end by itself, but not while it loads, and would keep what this process prints into open meanwhile. Python
+    has no public way.
+    """
+    server = forkserver._forkserver
+    if server._forkserver_pid is not None:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(server._forkserver_pid, signal.SIGKILL)
+        with contextlib.suppress(OSError):
+            server._stop()
+
+
 class Helpers:
     """Processes that load modules and then take tasks.
 
@@ -58,10 +77,11 @@ class Helpers:
         self._processes, self._begun = set(), []
         # To fork a helper waits until all is loaded, for which nobody here has to wait.
         self._starter = ThreadPoolExecutor(1)
+        self._ends_server = _FORKS and forkserver._forkserver._forkserver_pid is None
         if _FORKS:
             context.set_forkserver_preload(["pipeline.run.helpers", *modules])
             with deaf_to_interrupts(), main_module_hidden():
-                multiprocessing.forkserver.ensure_running()
+                forkserver.ensure_running()
         else:
             self._submit(load, [((),)] * COUNT)
 
@@ -103,6 +123,8 @@ class Helpers:
 
     def close(self) -> None:
         """End them, whatever they are at."""
+        if self._ends_server:
+            _end_server()
         self._starter.shutdown(cancel_futures=True)
         self._pool.shutdown(wait=False, cancel_futures=True)
         for process in self._processes:

@@ -78,6 +78,15 @@ def test_helpers_are_forked_again_or_done_without_where_what_forks_them_was_kill
     assert _answers(made.run(pow, _TASKS)) == _EXPECTED
 
 
+@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="nothing forks here")
+def test_what_forks_helpers_is_ended_with_them_even_while_it_loads():
+    made = Helpers(["pipeline.figures.ready"])
+    made.begin(pow, _TASKS)
+    server = psutil.Process(forkserver._forkserver._forkserver_pid)
+    made.close()
+    assert not server.is_running()
+
+
 def test_helpers_that_cannot_load_leave_everything_to_this_process():
     made = Helpers(["tests.there_is_no_such_module"])
     assert _answers(made.run(pow, _TASKS)) == _EXPECTED
