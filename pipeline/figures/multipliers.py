@@ -11,6 +11,7 @@ from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import from_zero
 from pipeline.figures.naming import STATE_NAMES, axis_label, value_text
 from pipeline.figures.palette import hex_colour, state_colour
+from pipeline.figures.physical_axes import lift, show_units, titled
 from pipeline.plane.row_curves import RowCurves, curves_at
 from pipeline.plane.stored import StoredPlane
 from solver import Event, ImpactState
@@ -45,13 +46,14 @@ def draw_multipliers(plane: StoredPlane, values: list[float]) -> Drawing:
     rows = [curves_at(plane, float(value)) for value in dict.fromkeys(values)]
     keys = _legend_keys(rows)
     bottom = _BOTTOM + _PITCH * -(-len(keys) // _COLUMNS) + 0.1
-    height = bottom + len(rows) * (_CIRCLE + _BETWEEN) - _BETWEEN + _TOP + HEAD
+    top = _TOP + HEAD + lift(plane)
+    height = bottom + len(rows) * (_CIRCLE + _BETWEEN) - _BETWEEN + top
     figure = Drawing((_WIDTH, height))
     write_heading(figure, plane)
     sweep = plane.plan.sweep
     wide = _WIDTH - _LEFT - _RIGHT - _BESIDE - _CIRCLE
     for line, row in enumerate(rows):
-        low = height - HEAD - _TOP - (line + 1) * _CIRCLE - line * _BETWEEN
+        low = height - top - (line + 1) * _CIRCLE - line * _BETWEEN
         moduli = figure.add_axes((_LEFT / _WIDTH, low / height, wide / _WIDTH, _CIRCLE / height))
         circle = figure.add_axes(((_LEFT + wide + _BESIDE) / _WIDTH, low / height, _CIRCLE / _WIDTH, _CIRCLE / height))
         last = line == len(rows) - 1
@@ -60,8 +62,8 @@ def draw_multipliers(plane: StoredPlane, values: list[float]) -> Drawing:
             ylim=(0.0, _MOST),
             ylabel=r"modulus $|\mu|$",
             xlabel=axis_label(sweep.name, plane.attributes[sweep.name]) if last else "",
-            title=value_text(plane.plan.parameter.name, row.value),
         )
+        titled(moduli, plane, value_text(plane.plan.parameter.name, row.value, plane.scales), below_axis=line > 0)
         circle.set(xlim=(-_MOST, _MOST), ylim=(-_MOST, _MOST), xlabel=r"Re $\mu$" if last else "", ylabel=r"Im $\mu$")
         for axes in (moduli, circle):
             axes.tick_params(labelbottom=last)
@@ -70,6 +72,7 @@ def draw_multipliers(plane: StoredPlane, values: list[float]) -> Drawing:
             _draw_circle(circle, row)
         else:
             moduli.text(0.5, 0.5, "no branch", transform=moduli.transAxes, ha="center", va="center", color="0.4")
+        show_units(moduli, plane, sweep.name, sides="t" * (line == 0) + "b" * last)
     figure.legend(
         keys.values(),
         keys.keys(),

@@ -109,12 +109,7 @@ class Plots:
         solver.ParameterError
             If a value is no finite number.
         """
-        name = self.plan.parameter.name
-        if not values.keys() <= {name}:
-            raise ConfigurationError(f"curves = {values} is not allowed: rows of this plane are chosen by {name}")
-        chosen = values.get(name)
-        if chosen is not None:
-            chosen = finite_array(name, chosen, None).ravel().tolist()
+        chosen = self._rows("curves", values)
         self._check(chosen, None, "static", units, quantity)
         from pipeline.figures.curves import draw_curves
         from pipeline.figures.drawing import own_style
@@ -122,6 +117,40 @@ class Plots:
         plane = self._read("static", units)
         with own_style():
             return draw_curves(plane, chosen, quantity or AMPLITUDE.name)
+
+    def multipliers(self, units: str = "dimensionless", **values: float | Sequence[float]):
+        """Floquet multipliers along the branches at some values of the row parameter.
+
+        Parameters
+        ----------
+        units : str
+            As for `map`.
+        **values : float or sequence of float
+            Of the row parameter, by its name, such as `f_e=0.2` or `f_e=[0.1, 0.2]`, solved where no row has them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ConfigurationError
+            If no value or another parameter is named, or a value lies outside the plane.
+        solver.ParameterError
+            If a value is no finite number.
+        """
+        chosen = self._rows("multipliers", values)
+        if not chosen:
+            raise ConfigurationError(
+                f"multipliers = {values} is not allowed: it must name a value of {self.plan.parameter.name}"
+            )
+        self._check(None, None, "static", units, multipliers=chosen)
+        from pipeline.figures.drawing import own_style
+        from pipeline.figures.multipliers import draw_multipliers
+
+        plane = self._read("static", units)
+        with own_style():
+            return draw_multipliers(plane, chosen)
 
     def backbone(self, units: str = "dimensionless"):
         """Backbones of the free vibration, and the largest stable amplitude near each resonance over the rows.
@@ -295,14 +324,31 @@ class Plots:
         given = float(given) if isinstance(given, Real) and not isinstance(given, int) else given
         return dataclasses.replace(getattr(compose(typed).config, key), value=given)
 
-    def _check(self, curves, window, stability: str, units: str, quantity: str | None = None, of: str = "worst"):
+    def _rows(self, key: str, values: dict) -> list[float] | None:
+        """Values of the row parameter that a figure is asked for by its name; None where there are none."""
+        name = self.plan.parameter.name
+        if not values.keys() <= {name}:
+            raise ConfigurationError(f"{key} = {values} is not allowed: rows of this plane are chosen by {name}")
+        chosen = values.get(name)
+        return None if chosen is None else finite_array(name, chosen, None).ravel().tolist()
+
+    def _check(
+        self,
+        curves,
+        window,
+        stability: str,
+        units: str,
+        quantity: str | None = None,
+        of: str = "worst",
+        multipliers: list[float] | None = None,
+    ):
         words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
         for name, value in words.items():
             if not isinstance(value, str) and (name, value) != ("quantity", None):
                 raise ConfigurationError(
                     f"figures.{name} = {value!r} is not allowed: it must be {sentence_of(Figures, name)}"
                 )
-        check_options(self.plan, curves, ["png"], 100, window, stability, units, None, quantity, of)
+        check_options(self.plan, curves, ["png"], 100, window, stability, units, multipliers, quantity, of)
 
     def _read(self, stability: str, units: str):
         from pipeline.plane.stored import read_stored

@@ -72,7 +72,11 @@ def test_figures_are_shown_whatever_style_is_in_force(plane):
     assert first._repr_png_().startswith(b"\x89PNG")
     with matplotlib.rc_context({"font.size": 20.0, "lines.linewidth": 5.0}):
         assert plane.plot.map()._repr_png_() == first._repr_png_()
-    for wanted, figure in ((2, plane.plot.curves(f_e=0.2)), (6, plane.plot.curves())):
+    for wanted, figure in (
+        (2, plane.plot.curves(f_e=0.2)),
+        (6, plane.plot.curves()),
+        (4, plane.plot.multipliers(f_e=[0.2, 0.23])),
+    ):
         # Insets have no labels of their own.
         assert sum(bool(axes.get_ylabel()) for axes in figure.axes) == wanted
     assert plane.plot.backbone().axes and plane.plot.map(window=(0.5, 0.8, 0.1, 0.3)).axes
@@ -82,6 +86,8 @@ def test_figures_that_are_not_there_are_refused(plane):
     for wrong in (
         lambda: plane.plot.curves(f_e=7.0),
         lambda: plane.plot.curves(b=0.5),
+        lambda: plane.plot.multipliers(),
+        lambda: plane.plot.multipliers(f_e=7.0),
         lambda: plane.plot.map(window=(0.8, 0.5, 0.1, 0.3)),
         lambda: plane.plot.map(stability="both"),
         lambda: plane.plot.backbone(units="physical"),

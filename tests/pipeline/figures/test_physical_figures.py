@@ -6,6 +6,7 @@ from pipeline import figures
 from pipeline.figures.backbone import draw_backbone
 from pipeline.figures.curves import draw_curves
 from pipeline.figures.map import draw_map, draw_window
+from pipeline.figures.multipliers import draw_multipliers
 from pipeline.figures.naming import value_text
 from pipeline.plane.stored import read_stored
 from tests.pipeline.planes import small_plan, small_store
@@ -37,6 +38,19 @@ def test_both_scales_are_on_the_axes(made, draw, y):
     assert below.get_xlabel() == "pinion speed (rpm)" and left.get_ylabel().endswith(" (µm)")
     assert main.xaxis.get_label_position() == "top" and main.yaxis.get_label_position() == "right"
     assert main.get_xlabel() and main.get_ylabel()
+
+
+def test_multipliers_are_drawn_over_both_scales(made):
+    plane = read_stored(made, physical=True)
+    figure = draw_multipliers(plane, [0.1, 0.2])
+    figure.draw_without_rendering()
+    first, last = (axes for axes in figure.axes if axes.child_axes)
+    for axes in (first, last):
+        assert axes.child_axes[0].get_xlim() == pytest.approx(
+            [plane.scales["omega"].shown * x for x in axes.get_xlim()]
+        )
+    assert last.child_axes[0].get_xlabel() == "pinion speed (rpm)" and not first.child_axes[0].get_xlabel()
+    assert first.get_xlabel() and "µm" in first.get_title()
 
 
 def test_dimensionless_figures_have_no_second_scale(made):

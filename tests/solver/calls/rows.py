@@ -158,6 +158,13 @@ CALLS = {
         "y": argument(row().curves[0].points[0], array(row().curves[0].points[0], [1.0] * 3, finite=False)),
         "count": argument(5, (*COUNT, 0)),
     },
+    "solver.Problem.observed_all": lambda: {
+        "self": problem(),
+        "points": argument(
+            row().curves[0].points[:2], array(row().curves[0].points[:2], np.ones((2, 3)), finite=False, empty=True)
+        ),
+        "count": argument(5, (*COUNT, 0)),
+    },
     "solver.Problem.setup": lambda: {"self": problem(), "corrector": argument(CORRECTOR, OBJECT)},
     "solver.Row.branch_impact": lambda: {"self": row(), "curve": argument(row().curves[0], OBJECT)},
     "solver.Row.branch_motions": lambda: {"self": row(), "curve": argument(row().curves[0], OBJECT)},
