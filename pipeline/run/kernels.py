@@ -34,7 +34,7 @@ _ROWS = {
         "solver.harmonic.galerkin._linear_degree",
         "solver.harmonic.galerkin.test_functions",
         "solver.harmonic.galerkin._extremes",
-        "solver.harmonic.galerkin.contacts",
+        "solver.harmonic.contact_extrema.contacts",
         "solver.continuation.correctors._newton",
         "solver.continuation.correctors.correct_all",
     ),
@@ -86,6 +86,7 @@ NEEDED = {
         "describing_function": (
             "solver.enumeration.certificates.enumerate_point",
             "solver.enumeration.certificates.workspace",
+            "solver.enumeration.coefficients.enclose_gear",
             "solver.stability.assessment._assess",
             *_MOTION,
         ),

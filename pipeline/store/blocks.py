@@ -3,6 +3,8 @@
 A block is written from what was computed or from what was read here: nothing that is stored is taken on trust.
 """
 
+import errno
+import os
 from pathlib import Path
 
 import numpy as np
@@ -118,7 +120,16 @@ def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> 
     block : Block
     rows : list of RowValues
         One per row of the block.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the store is gone.
+    StoreError
+        If another one stands in its place.
     """
+    if not (path / METADATA).exists():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     told = document(path / METADATA)
     if told is None or told.get("attributes", {}).get("configuration_hash") != plan.digest:
         # A task of a run that is no more, on a scheduler that goes on.

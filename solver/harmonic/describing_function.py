@@ -21,7 +21,7 @@ import numpy as np
 from solver.contact.dead_zone import contact_functions
 from solver.continuation.problem import Problem
 from solver.harmonic.condensed import CONDENSED, coefficients, gaps, system_coefficients
-from solver.harmonic.galerkin import contacts
+from solver.harmonic.contact_extrema import contacts
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate

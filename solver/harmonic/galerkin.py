@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.contact.spectrum import displacement, extrema, extremes
+from solver.contact.spectrum import extremes
 from solver.continuation.problem import Problem
-from solver.continuation.setup import ANGLE, CONTACT_ROW, FLANK, MARGIN, SENSE
+from solver.harmonic.contact_extrema import contacts
 from solver.harmonic.contact_terms import coefficient, contact_of, modulated
 from solver.harmonic.impedance import base_frequency, impedance
 from solver.kernels import types
@@ -31,7 +31,7 @@ from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
 from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
 
-__all__ = ["Galerkin", "residual_and_jacobian", "contacts", "linear_solution", "test_functions"]
+__all__ = ["Galerkin", "residual_and_jacobian", "linear_solution", "test_functions"]
 
 _F = types.float64
 _COMPLEX = np.complex128
@@ -156,41 +156,6 @@ def test_functions(parameters, parameter_slope, y, values, gradient):
         for k in range(1, n // 2 + 1):
             z *= turn
             gradient[i, 2 * k - 1], gradient[i, 2 * k] = z.real, z.imag
-
-
-@kernel(types.int64(ARRAY, ARRAY, ARRAY, MATRIX))
-def contacts(parameters, parameter_slope, y, rows):
-    """Every local extremum of lambda against each flank that there is; see `solver.continuation.setup.CONTACTS`.
-
-    Parameters
-    ----------
-    parameters, parameter_slope : arrays
-        Parameters at p = 0 and what p adds to them.
-    y : (n + 1,) array
-        (u, p).
-    rows : (k, CONTACT_ROW + n + 1) array
-        Filled as far as there is room.
-    """
-    n = y.shape[0] - 1
-    slope, angles, zones = np.empty(n), np.empty(2 * n + 8), np.empty(2 * n + 8, np.int64)
-    count, written = extrema(y[:n], slope, angles, zones), 0
-    for i in range(count):
-        value = displacement(y[:n], angles[i])[0]
-        turn = complex(math.cos(angles[i]), math.sin(angles[i]))
-        for slot, flank in ((FRONT_GAP, 1.0), (BACK_GAP, -1.0)):
-            if not math.isfinite(parameters[slot]) or written == rows.shape[0]:
-                continue
-            row = rows[written]
-            # Where the slope becomes positive lambda is smallest.
-            row[ANGLE], row[FLANK], row[SENSE] = angles[i], flank, -1.0 if zones[i] == 1 else 1.0
-            row[MARGIN] = value - flank * (parameters[slot] + y[n] * parameter_slope[slot])
-            row[CONTACT_ROW], row[CONTACT_ROW + n] = 1.0, -flank * parameter_slope[slot]
-            z = 1.0 + 0j
-            for k in range(1, n // 2 + 1):
-                z *= turn
-                row[CONTACT_ROW + 2 * k - 1], row[CONTACT_ROW + 2 * k] = z.real, z.imag
-            written += 1
-    return written
 
 
 @kernel(_F(ARRAY, ARRAY, _F, ARRAY))

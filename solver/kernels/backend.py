@@ -242,12 +242,13 @@ def callable_of(kernel, wait: bool):
 
 def is_kept(kernel) -> bool:
     """Whether the cache has what `callable_of` needs."""
+    return numba.config.DISABLE_JIT or all(map(kernel_store().has, entries_of(kernel)))
+
+
+def entries_of(kernel) -> list[str]:
+    """Names of everything in the cache that `callable_of` needs."""
     needed = [(kernel, False), *((shared, True) for shared in _shared_by(kernel))]
-    return numba.config.DISABLE_JIT or all(
-        kernel_store().has(_entry_name(one, declared.numba, is_shared))
-        for one, is_shared in needed
-        for declared in one.signatures
-    )
+    return [_entry_name(one, declared.numba, is_shared) for one, is_shared in needed for declared in one.signatures]
 
 
 def address_of(kernel) -> int:

@@ -119,6 +119,11 @@ CALLS = {
         "quantity": argument(None, [word for word in WRONG_WORDS if word is not None]),
         "of": argument("worst", WRONG_WORDS),
     },
+    "pipeline.figures.plots.Plots.multipliers": lambda plane: {
+        "self": plane.plot,
+        "units": argument("dimensionless", WRONG_WORDS),
+        "f_e": argument(0.2, (*(v for v in NUMBER if v != [1.0]), -0.1, 5.0, []), "multipliers"),
+    },
     "pipeline.figures.plots.Plots.motion": lambda plane: {
         "self": plane.plot,
         "units": argument("dimensionless", WRONG_WORDS),

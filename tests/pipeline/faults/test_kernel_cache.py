@@ -22,7 +22,7 @@ def cache(tmp_path):
     warm(kernels)
     folder = tmp_path / "cache/bevelmap"
     folder.mkdir(mode=0o700, parents=True)
-    for name in (backend._entry_name(kernel, declared.numba) for kernel in kernels for declared in kernel.signatures):
+    for name in {name for kernel in kernels for name in backend.entries_of(kernel)}:
         shutil.copy(kernel_store().folder / name, folder)
     return folder
 
