@@ -52,14 +52,17 @@ def _end_server() -> None:
     """End what forks helpers, and what waits for it to fork one.
 
     It would end by itself, but not while it loads, and would keep what this process prints into open meanwhile. Python
-    has no public way.
+    has no public way. Its lock is held over both steps: another thread would take a server that was killed for one
+    that failed and start the next, and that one is not killed but waited for, as long as anything it forked lives.
     """
     server = forkserver._forkserver
-    if server._forkserver_pid is not None:
+    with server._lock:
+        if server._forkserver_pid is None:
+            return
         with contextlib.suppress(ProcessLookupError):
             os.kill(server._forkserver_pid, signal.SIGKILL)
         with contextlib.suppress(OSError):
-            server._stop()
+            server._stop_unlocked()
 
 
 class Helpers:
@@ -126,6 +129,8 @@ class Helpers:
         if self._ends_server:
             _end_server()
         self._starter.shutdown(cancel_futures=True)
+        if self._ends_server:  # once more: the starter may have found none and started one
+            _end_server()
         self._pool.shutdown(wait=False, cancel_futures=True)
         for process in self._processes:
             process.kill()

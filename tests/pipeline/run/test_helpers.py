@@ -87,6 +87,22 @@ def test_what_forks_helpers_is_ended_with_them_even_while_it_loads():
     assert not server.is_running()
 
 
+@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="nothing forks here")
+def test_what_forks_helpers_is_not_started_again_between_its_end_and_theirs(monkeypatch):
+    """Helpers that such a one forked would keep it alive, and whoever waits for its end, for good."""
+    made, kill = Helpers(["json"]), os.kill
+
+    def kill_and_begin(*arguments):
+        monkeypatch.undo()
+        kill(*arguments)
+        made.begin(pow, _TASKS)
+        time.sleep(0.5)
+
+    monkeypatch.setattr(os, "kill", kill_and_begin)
+    made.close()
+    assert forkserver._forkserver._forkserver_pid is None
+
+
 def test_helpers_that_cannot_load_leave_everything_to_this_process():
     made = Helpers(["tests.there_is_no_such_module"])
     assert _answers(made.run(pow, _TASKS)) == _EXPECTED
