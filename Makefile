@@ -5,8 +5,11 @@ READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs-ready
 
 LOWEST := .venv-lowest
+RELEASE := .venv-release
+# Where the wheel of a release is tried, as far as they are here.
+PYTHONS ?= python3.11 python3.12 python3.13
 
-.PHONY: map warmup test test-slow check format docs lowest bench clean
+.PHONY: map warmup test test-slow check format docs lowest release bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -35,12 +38,14 @@ format: $(READY)
 	$(VENV)/bin/ruff format .
 	$(VENV)/bin/ruff check --fix .
 
-# The documentation site, in docs/_build. Sphinx is installed for it alone. Warnings are errors.
+# The documentation site, in docs/_build; its gallery is written to docs/gallery first. Sphinx is installed for it alone.
+# Warnings are errors.
 $(DOCS_READY): $(READY)
 	$(VENV)/bin/pip install --quiet --constraint constraints.txt --editable '.[docs]'
 	touch $@
 
 docs: $(DOCS_READY)
+	rm -rf docs/gallery
 	$(VENV)/bin/python -m sphinx -E -W --keep-going --quiet -b html docs docs/_build
 
 # The lowest versions that pyproject.toml allows, in an environment of their own: a map, its boundaries and its figures.
@@ -51,9 +56,19 @@ lowest:
 	NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -m pipeline \
 		plane.sweep.num=40 plane.parameter.num=8 'stages=[sweep,boundaries,figures,check,list]' output.root=$(LOWEST)/outputs
 
+# The source distribution and the wheel, in dist/, and a map with what that wheel installs in an empty environment.
+release:
+	rm -rf dist build
+	$(PYTHON) -m venv --clear $(RELEASE)
+	$(RELEASE)/bin/pip install --quiet build twine
+	$(RELEASE)/bin/python -m build --quiet
+	$(RELEASE)/bin/twine check --strict dist/*
+	rm -rf build $(RELEASE)
+	for python in $(PYTHONS); do tests/try_wheel $$python dist/*.whl || exit; done
+
 # QUICK=1 leaves out what takes long.
 bench: $(READY)
 	$(VENV)/bin/python -m benchmarks $(if $(QUICK),quick)
 
 clean:
-	rm -rf $(VENV) $(LOWEST)
+	rm -rf $(VENV) $(LOWEST) $(RELEASE) build dist docs/gallery
