@@ -378,13 +378,13 @@ def test_conf_is_found_from_a_wheel_the_repository_and_beside_a_foreign_pipeline
 
 
 def _files_in(installed: Path) -> set[str]:
-    """What a wheel brings, but for what describes it."""
+    """What a wheel brings, without its own description."""
     names = {file.relative_to(installed).as_posix() for file in installed.rglob("*") if file.is_file()}
     return {name for name in names if ".dist-info/" not in name}
 
 
 def _files_to_ship() -> set[str]:
-    """Every module of both packages, the style of figures, and conf/ under the name that installed programs look for."""
+    """Every module of both packages, the style of figures, and conf/ where installed programs look for it."""
     kinds = {"solver": (".py",), "pipeline": (".py", ".mplstyle"), "conf": (".yaml",)}
     files = [file for top, ends in kinds.items() for file in (ROOT / top).rglob("*") if file.suffix in ends]
     names = {file.relative_to(ROOT).as_posix() for file in files}
