@@ -9,6 +9,7 @@ that grows out of the linear one is added. On a multiple of the forcing period, 
 branches are switched where one crosses.
 """
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -29,8 +30,8 @@ __all__ = ["Branches", "LiftedSeeds", "LinearSeeds", "ProvenSeeds", "Seeds", "pr
 _PROBES, _PASSES, _SAME = 97, 4, 1e-6
 #: Of guesses at order H: every so many values of the axis, amplitudes in units of lambda's size, and number of phases.
 _EVERY, _AMPLITUDES, _PHASES = 14, (0.7, 1.6), 4
-#: Amplitudes of the subharmonics that are added to known motions.
-_SUBHARMONICS = (0.2, 0.6)
+#: Amplitudes of the subharmonics that are added to known motions, and the smallest step where such are followed.
+_SUBHARMONICS, _SMALLEST_STEP = (0.2, 0.6), 1e-5
 
 
 @dataclass(frozen=True)
@@ -254,7 +255,11 @@ class LiftedSeeds:
         probes = np.linspace(span.low, span.high, self.columns)
         order = [0, self.columns - 1, *range(1, self.columns - 1)]
         if span.balance.period > 1:
-            span = span.for_subharmonics()
+            # Where subharmonics vanish the curve is singular: no use in creeping up to it.
+            settings = dataclasses.replace(
+                span.continuation, smallest_step=max(span.continuation.smallest_step, _SMALLEST_STEP)
+            )
+            span = dataclasses.replace(span, continuation=settings)
         coverage = CorrectedCoverage(span, probes)
         try:
             motions = proven_solutions(span, probes).motions

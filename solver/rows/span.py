@@ -1,7 +1,7 @@
 """What is continued in a row: one balance of one system over one axis, and how its branches are traced."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,9 +13,6 @@ from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 
 __all__ = ["BROKEN", "RowError", "RowSpan", "ends_for", "ends_notes", "runs"]
-
-#: The smallest step where motions of several forcing periods are followed.
-_SMALLEST_STEP = 1e-5
 
 
 class RowError(ArithmeticError):
@@ -51,14 +48,6 @@ class RowSpan:
     def problem(self) -> Problem:
         """The balance over the axis."""
         return self.balance.problem(self.system, self.axis, self.low, self.high, self.omega)
-
-    def for_subharmonics(self) -> "RowSpan":
-        """The same for motions of several forcing periods.
-
-        Where subharmonics vanish the curve is singular: no use in creeping up to it.
-        """
-        smallest = max(self.continuation.smallest_step, _SMALLEST_STEP)
-        return replace(self, continuation=replace(self.continuation, smallest_step=smallest))
 
     def corrected(self, starts: np.ndarray, iterations: int = 20) -> np.ndarray:
         """What Newton's method reaches from starts y = (u, p) at the same p, (k, n + 1); nan where nothing."""

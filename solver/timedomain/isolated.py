@@ -150,8 +150,6 @@ def isolated_branches(
             continue
         own = Galerkin(balance.order, period)
         span = RowSpan(own, row.system, row.axis, low, high, omega, continuation)
-        if period > 1:
-            span = span.for_subharmonics()
         coverage = CorrectedCoverage(span, values)
         if period == 1:
             for curve in row.curves:

@@ -7,8 +7,8 @@ from solver import ContactSystem, Event, Galerkin, LiftedSeeds, LinearSeeds, sol
 from solver.rows.phases import shifted
 from solver.stability import Instability, assess
 from solver.timedomain import AttractorKind, find_attractors, isolated_branches, orbit_state, shoot
+from tests.cases.kahraman_singh import SPUR
 from tests.conftest import published
-from tests.solver.rows.test_system_rows import SPUR
 
 #: Between two springs four times as stiff as its own, off the middle.
 HELD = ContactSystem([[1.0]], [[0.07]], [[0.3]], [1.0], [4.0], 1.0, 1.0, load=[[0.55], [0.17]])
