@@ -42,6 +42,7 @@ def _draw(axes) -> None:
     draw_row(axes, row)
     for branch in isolated_branches(row, np.linspace(0.3, 3.2, 60)).branches:
         draw_branch(axes, row.system, branch.balance, branch.curve, SUBHARMONIC)
+    axes.set_ylim(3.8, 10.0)
 
 
 CASE = Case(
@@ -76,5 +77,6 @@ CASE = Case(
         ),
     ),
     draw=_draw,
-    caption=r"Largest $x$ at order 9, $\varepsilon = 0.1$; blue: motions of several periods; dashed where unstable.",
+    caption=r"Largest $x$ at order 9 below the peak, $\varepsilon = 0.1$; blue: motions of several periods; dashed:"
+    " unstable.",
 )

@@ -39,6 +39,7 @@ def _draw(axes) -> None:
     draw_row(axes, row)
     for branch in branches:
         draw_branch(axes, row.system, branch.balance, branch.curve, SUBHARMONIC)
+    axes.set_ylim(0.0, 4.0)
 
 
 CASE = Case(

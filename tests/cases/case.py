@@ -64,7 +64,7 @@ class Case:
     source : str
         Authors, title, place, in Markdown.
     equations : str
-        In Markdown.
+        In Markdown: one formula between $$ and $$, and after it what it needs.
     comparisons : tuple of Comparison
     draw : callable
         Draws the figure in axes.

@@ -39,7 +39,8 @@ def draw_branch(axes: Axes, system, balance: Galerkin, curve: Curve, colour: str
     """The largest lambda along a branch over the frequency, dashed where it is unstable."""
     omega, motions = curve.points[:, -1], curve.points[:, :-1]
     highest = balance.extremes(motions)[1]
-    unstable = assess(system, "omega", omega, motions, balance=balance).kind != Instability.NONE
+    found = assess(system, "omega", omega, motions, balance=balance, static=curve.stable)
+    unstable = found.kind != Instability.NONE
     edges = np.flatnonzero(np.diff(unstable.astype(int))) + 1
     for part in np.split(np.arange(omega.size), edges):
         # With the next point, so that no gap is left.

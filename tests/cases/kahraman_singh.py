@@ -136,7 +136,6 @@ CASE = Case(
             "Attractors of seven rows of the plane, and the branches found from every fourth cell of them.",
             (Number("cells outside of all branches", 0, 0),),
             _outside_of_branches,
-            slow=True,
         ),
     ),
     draw=_draw,

@@ -35,7 +35,7 @@ def test_a_section_has_every_number_with_its_accuracy_and_ours():
     for case in CASES:
         found = [[number.value for number in comparison.numbers] for comparison in case.comparisons]
         text = cases.section(case, found, "")
-        assert case.title in text and case.source in text and case.equations in text
+        assert case.title in text and case.source in text and case.equations.split("$$")[1] in text
         rows = [line for line in text.splitlines() if line.startswith("| ") and "---" not in line]
         numbers = [number for comparison in case.comparisons for number in comparison.numbers]
         assert len(rows) == len(numbers) + len(case.comparisons)

@@ -34,7 +34,10 @@ def section(case: Case, ours: Sequence[Sequence[float]], picture: str) -> str:
     picture : str
         Its figure as SVG, or nothing.
     """
-    lines = [f"## {case.title}", "", f"*Source.* {case.source}", "", case.equations, ""]
+    _, formula, rest = case.equations.split("$$")
+    lines = [f"## {case.title}", "", f"*Source.* {case.source}", "", "$$", formula, "$$", ""]
+    if rest.strip():
+        lines += [rest.strip()[0].upper() + rest.strip()[1:], ""]
     if case.remark:
         lines += [case.remark, ""]
     for comparison, found in zip(case.comparisons, ours, strict=True):
@@ -58,7 +61,7 @@ def _digits(value: float, number: Number) -> str:
 
 
 def _accuracy(number: Number) -> str:
-    return f"{number.accuracy:g}" if number.accuracy else "exact"
+    return f"{number.accuracy:g}".replace("e-0", "e-") if number.accuracy else "exact"
 
 
 def figure(case: Case) -> str:
