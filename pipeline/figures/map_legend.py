@@ -23,12 +23,12 @@ __all__ = [
     "FAILED_ROWS",
     "LINES",
     "MARKS",
-    "MODES",
     "OPEN_CELLS",
     "Entry",
     "draw_legend",
     "legend_entries",
     "legend_height",
+    "mode_styles",
 ]
 
 #: Line kind -> its style and what the legend says of it.
@@ -59,8 +59,6 @@ _MODE = {
     "zorder": 4,
     "path_effects": [withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
 }
-#: Lower and upper mode.
-MODES = ({**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5))}, {**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5, 1, 1.5))})
 _MARK = {
     "linestyle": "none",
     "markerfacecolor": "white",
@@ -78,6 +76,11 @@ MARKS = {
 
 #: Inches: from line to line, width and height of a key, from key to text, right end of the shares.
 _PITCH, _KEY, _KEY_HEIGHT, _TEXT, _SHARE = 0.15, 0.24, 0.095, 0.32, 1.32
+
+
+def mode_styles(count: int) -> list[dict]:
+    """Line styles of natural frequencies: the first has one dot between its dashes, the second two, and so on."""
+    return [{**_MODE, "linestyle": (0, (6.0, 1.5, *((1.0, 1.5) * (mode + 1))))} for mode in range(count)]
 
 
 @dataclass(frozen=True)
@@ -99,8 +102,8 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
     planes : sequence of StoredPlane
         One, or layers of a volume.
     panels : sequence of Panel
-    modes : (bool, bool)
-        Whether they show the lower and the upper natural frequency.
+    modes : sequence of bool
+        Which natural frequencies they show.
     shares : bool
         Whether each label's share of the plane is told.
     """
@@ -127,7 +130,7 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
         entries.append(Entry("the order is too low"))
     entries += [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
     entries += [Entry(_MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
-    for kind, energy, present in zip(MODES, mesh_energies(planes[0]), modes, strict=True):
+    for kind, energy, present in zip(mode_styles(len(modes)), mesh_energies(planes[0]), modes, strict=True):
         if present:
             entries.append(Entry(f"linear mode, {energy}", line=kind))
     if any(stored_division(plane) is None for plane in planes):
