@@ -23,12 +23,14 @@ __all__ = [
     "FAILED_ROWS",
     "LINES",
     "MARKS",
+    "MARK_NAMES",
     "OPEN_CELLS",
     "Entry",
     "draw_legend",
     "legend_entries",
     "legend_height",
-    "mode_styles",
+    "mode_style",
+    "share_text",
 ]
 
 #: Line kind -> its style and what the legend says of it.
@@ -78,9 +80,9 @@ MARKS = {
 _PITCH, _KEY, _KEY_HEIGHT, _TEXT, _SHARE = 0.15, 0.24, 0.095, 0.32, 1.32
 
 
-def mode_styles(count: int) -> list[dict]:
-    """Line styles of natural frequencies: the first has one dot between its dashes, the second two, and so on."""
-    return [{**_MODE, "linestyle": (0, (6.0, 1.5, *((1.0, 1.5) * (mode + 1))))} for mode in range(count)]
+def mode_style(number: int) -> dict:
+    """Line style of a natural frequency: the first, 1, has one dot between its dashes, the second two, and so on."""
+    return {**_MODE, "linestyle": (0, (6.0, 1.5, *((1.0, 1.5) * number)))}
 
 
 @dataclass(frozen=True)
@@ -129,10 +131,10 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
         entries.append(Entry("stability contradictory:", area=CONTRADICTORY))
         entries.append(Entry("the order is too low"))
     entries += [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
-    entries += [Entry(_MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
-    for kind, energy, present in zip(mode_styles(len(modes)), mesh_energies(planes[0]), modes, strict=True):
+    entries += [Entry(MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
+    for number, (energy, present) in enumerate(zip(mesh_energies(planes[0]), modes, strict=True), start=1):
         if present:
-            entries.append(Entry(f"linear mode, {energy}", line=kind))
+            entries.append(Entry(f"linear mode, {energy}", line=mode_style(number)))
     if any(stored_division(plane) is None for plane in planes):
         entries.append(Entry("areas: cells of the raster"))
     if any((plane.open == 1).any() for plane in planes):
@@ -142,7 +144,7 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
     return entries
 
 
-_MARK_NAMES = {
+MARK_NAMES = {
     SpecialPoint.CUSP: "cusp: two folds end",
     SpecialPoint.FOLD_GRAZING: "fold meets grazing",
     SpecialPoint.ISOLA: "isola: a branch is born",
@@ -150,9 +152,14 @@ _MARK_NAMES = {
 }
 
 
+def share_text(share: float) -> str:
+    """A share of the plane in percent, to two decimals."""
+    return "< 0.01 %" if share < 5e-5 else f"{100.0 * share:.2f} %"
+
+
 def _label_entry(label: str, share: float | None) -> Entry:
     colour = hex_colour(label_colour(label))
-    percent = "" if share is None else "< 0.01 %" if share < 5e-5 else f"{100.0 * share:.2f} %"
+    percent = "" if share is None else share_text(share)
     return Entry(
         label.replace("/-", "/\u2013"), percent, area={"facecolor": colour, "edgecolor": "0.3", "linewidth": 0.4}
     )

@@ -30,6 +30,8 @@ class GearKind:
         Axis -> the key of its section, where that has another name.
     drives : str
         What drives its motion besides the stiffness.
+    lacks : tuple of str
+        Quantities of motions that it does not have, of `pipeline.config.quantities.QUANTITIES`.
     built : callable
         built(numbers) -> the system; of a `ContactSystem` every number that is an axis is 1 in it, or 0 where that
         adds to something, as `ContactSystem.at` takes it.
@@ -39,6 +41,7 @@ class GearKind:
     axes: Mapping[str, str]
     keys: Mapping[str, str]
     drives: str
+    lacks: tuple[str, ...]
     built: Callable[[dict], Model | ContactSystem]
 
     def key(self, parameter: str) -> str:
@@ -125,8 +128,10 @@ def _system(numbers: dict) -> ContactSystem:
     return ContactSystem(**{**arrays, **loads}, **gaps, stiffness_harmonics=harmonics)
 
 
+#: Of a system that is no bevel pair only lambda and the contact force are read.
+_NO_SUPPORTS = ("error_lowest", "error_highest", "error_rms", "error_peak_to_peak", "support_force")
 BEVEL = GearKind(
-    "bevel", {name: name for name in SCALAR_PARAMETERS}, {}, "transmission error", lambda numbers: Model(**numbers)
+    "bevel", {name: name for name in SCALAR_PARAMETERS}, {}, "transmission error", (), lambda numbers: Model(**numbers)
 )
 #: Axes that move the same numbers, so that a plane has one of them.
 APART = (("gap", "gap_scale"), ("damping", "contact_damping"))
@@ -135,15 +140,16 @@ KINDS = {
     kind.name: kind
     for kind in (
         BEVEL,
-        GearKind("spur", _OF_SPUR, {}, "error and load", _spur),
+        GearKind("spur", _OF_SPUR, {}, "error and load", _NO_SUPPORTS, _spur),
         GearKind(
             "rotor",
             _OF_ROTOR,
             {"mean_load": "torque", "contact_damping": "mesh_damping_ratio"},
             "error and torque",
+            _NO_SUPPORTS,
             _rotor,
         ),
-        GearKind("system", _OF_ANY, {}, "load", _system),
+        GearKind("system", _OF_ANY, {}, "load", _NO_SUPPORTS, _system),
     )
 }
 

@@ -9,12 +9,15 @@ from solver.model.gear_model import Harmonics
 from solver.model.packing import dead_zone_ends
 
 __all__ = [
+    "contact_force",
     "contact_system",
     "dead_zone",
     "excitation_harmonics",
     "feels",
+    "force_share",
     "is_loaded_pair",
     "lowest_stiffness",
+    "static_force",
     "stiffness_harmonics",
 ]
 
@@ -47,6 +50,54 @@ def dead_zone(system: Model | ContactSystem) -> tuple[float, float]:
     """Ends of the gap, low and high; low is -inf where there is no back flank."""
     low, high = dead_zone_ends(system, "omega", np.ones(1))
     return float(low[0]), float(high[0])
+
+
+@singledispatch
+def static_force(system) -> float:
+    """The contact force f at rest under the mean load, with the front flank closed; 0 where that does not press it."""
+    raise TypeError(f"{type(system).__name__} is no system")
+
+
+@static_force.register
+def _(system: Model) -> float:
+    return system.f_pm / system.rotation
+
+
+@static_force.register
+def _(system: ContactSystem) -> float:
+    closed = np.linalg.pinv(system.stiffness + np.outer(system.force, system.contact))
+    rest = closed @ (system.load[0].real + system.force * system.front_gap)
+    return max(float(system.contact @ rest) - system.front_gap, 0.0)
+
+
+def contact_force(system: Model | ContactSystem, displacement: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """The mesh force k_t f at displacements lambda and mesh phases `angle` (rad), arrays of one shape.
+
+    Of a `ContactSystem` nan where the stiffness does not vary along the force: there is no one mesh force then.
+    """
+    low, high = dead_zone(system)
+    varied = sum((a * np.cos(l * angle + p) for l, (a, p) in enumerate(stiffness_harmonics(system), start=1)), 0.0)
+    squeezed = np.maximum(displacement - high, 0.0) + np.minimum(displacement - low, 0.0)
+    return (1.0 + force_share(system) * varied) * squeezed
+
+
+@singledispatch
+def force_share(system) -> float:
+    """How much of the stiffness variation enters the mesh force."""
+    raise TypeError(f"{type(system).__name__} is no system")
+
+
+@force_share.register
+def _(system: Model) -> float:
+    return system.variation_translation
+
+
+@force_share.register
+def _(system: ContactSystem) -> float:
+    strength = float(system.force @ system.force)
+    share = float(system.varying_force @ system.force) / strength if strength > 0.0 else 0.0
+    along = np.allclose(system.varying_force, share * system.force, rtol=1e-12, atol=0.0)
+    return share if along else float("nan")
 
 
 @singledispatch
@@ -123,6 +174,5 @@ def _(system: Model) -> float:
 @lowest_stiffness.register
 def _(system: ContactSystem) -> float:
     varied = sum((a * np.cos(l * _ANGLES + p) for l, (a, p) in enumerate(system.stiffness_harmonics, start=1)), 0.0)
-    strength = float(system.force @ system.force)
-    share = float(system.varying_force @ system.force) / strength if strength > 0.0 else 0.0
-    return 1.0 + float(np.min(share * varied))
+    share = force_share(system)
+    return 1.0 if np.isnan(share) else 1.0 + float(np.min(share * varied))
