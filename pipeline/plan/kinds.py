@@ -54,6 +54,15 @@ class GearKind:
         """What the solver calls an axis."""
         return self.axes.get(name, name)
 
+    def value(self, numbers: Mapping, system: Model | ContactSystem, name: str) -> float:
+        """What a parameter is that is no axis of the plane; raises ValueError where it has several values."""
+        if self.name != BEVEL.name:
+            return float(numbers.get(name, system.front_gap if name == "gap" else 1.0))
+        values = {"translation_coupling": system.sigma, "rotation_coupling": system.rotation}
+        value = values[name] if name in values else getattr(system, name)
+        (value,) = set(value) if isinstance(value, tuple) else (value,)
+        return float(value)
+
     def system(self, numbers: Mapping, values: Mapping, varied: Collection[str] = ()) -> Model | ContactSystem:
         """The system at some values of its axes.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from pipeline.config.allowed import check_one
@@ -34,6 +35,7 @@ __all__ = [
     "balance_of",
     "continuation_of",
     "frame_of",
+    "gear_at",
     "model_at",
     "point_of",
     "row_axis",
@@ -41,6 +43,7 @@ __all__ = [
     "row_system",
     "seeds_of",
     "sweep_axis",
+    "system_along",
 ]
 
 #: What a plane is made of.
@@ -98,6 +101,22 @@ def row_system(plan: Plan, row: float) -> System:
     """The system of one row, to be varied along `sweep_axis`; its own value of that is not used."""
     values = _values(plan, row, plan.sweep.low)
     return _on_path(plan, row, kind_of(plan).system(plan.gear, values, (plan.sweep.name,)))
+
+
+def system_along(plan: Plan, row: float, column: float, *names: str) -> tuple[System, *tuple[str, ...]]:
+    """The system through a place, to be varied along some parameters, axes of the plane or not; and what the solver
+    calls these."""
+    kind = kind_of(plan)
+    system = _on_path(plan, row, kind.system(plan.gear, _values(plan, row, column), names))
+    return system, *map(kind.solver_axis, names)
+
+
+def gear_at(plan: Plan, row: float, column: float) -> dict:
+    """The numbers of a plan's gear with those that its axes have at a place."""
+    system = model_at(plan, row, column)
+    if isinstance(system, Model):
+        return asdict(system)
+    return {**plan.gear, **{name: value for name, value in _values(plan, row, column).items() if name != "omega"}}
 
 
 def sweep_axis(plan: Plan) -> str:
