@@ -2,7 +2,7 @@
 
 from matplotlib.colors import to_hex
 
-from pipeline.figures.map_legend import LINES, MODES
+from pipeline.figures.map_legend import LINES, mode_style
 
 __all__ = ["FONT", "HATCHES", "MARKERS", "line_style", "screen_dashes"]
 
@@ -25,7 +25,7 @@ MARKERS = {"CUSP": ("triangle", 9), "FOLD_GRAZING": ("diamond", 9), "ISOLA": ("c
 
 def line_style(kind: str) -> dict:
     """Colour, width and dashes of a line of the map, as properties of a Bokeh line."""
-    style = MODES[int(kind[-1]) - 1] if kind.startswith("mode") else LINES[kind][0]
+    style = mode_style(int(kind.removeprefix("mode "))) if kind.startswith("mode") else LINES[kind][0]
     width = _PIXELS * style["linewidth"]
     return {
         "line_color": to_hex(style["color"]),
