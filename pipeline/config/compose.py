@@ -19,7 +19,7 @@ from pipeline.config.default_name import default_name, is_name
 from pipeline.config.files import check_files
 from pipeline.config.folders import local_folder
 from pipeline.config.schema import Configuration
-from pipeline.config.typed import GROUPS, conf_folder, expand, key_of
+from pipeline.config.typed import GROUPS, SYSTEMS, conf_folder, expand, key_of
 from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["Settings", "compose", "conf_folder", "expand"]
@@ -86,7 +86,8 @@ class Settings:
         kept = [override for override in self.overrides if key_of(override) not in ("plane", "store.name")]
         found = compose([f"plane={plane}", *kept], self.config_dir)
         axes = (found.config.plane.sweep, found.config.plane.parameter, found.config.plane.parameter2)
-        replaced = {f"gear.{axis.name}" for axis in axes if axis is not None} & set(map(key_of, kept))
+        names = {axis.name for axis in axes if axis is not None}
+        replaced = {key for key in map(key_of, kept) if key.startswith("gear.") and key.rpartition(".")[2] in names}
         if not replaced:
             return found
         return compose(
@@ -265,6 +266,10 @@ def _one_line(error: Exception) -> str:
                     f"{key} is not allowed here: this plane has no third axis; plane=omega_b_fe has one, and "
                     "plane.parameter2={name:f_e,min:0,max:0.5,num:11} makes one"
                 )
+            if key.startswith("gear.") and key in _keys():
+                of = key.split(".")[1]
+                example = of if of in SYSTEMS else "miter" if of in ("physical", "thermal") else "published"
+                return f"{key} is not allowed here: this gear has no such key; gear={example} has it"
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
         if " is not Optional" in said:
