@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from solver.kernels.warm import kernels_of, warm
 
-__all__ = ["NEEDED", "kernels_for", "ready_for_attractors", "ready_for_rows"]
+__all__ = ["ISOLATED", "NEEDED", "kernels_for", "ready_for_attractors", "ready_for_isolated", "ready_for_rows"]
 
 _ROWS = {
     "describing_function": (
@@ -46,6 +46,9 @@ _ATTRACTORS = (
     "solver.timedomain.quantities.gauge_at",
     "solver.timedomain.row_systems",
 )
+
+#: Branches from attractors: rows of order H, and the harmonics of motions.
+ISOLATED = (*_ROWS["galerkin"], "solver.timedomain.poincare._measure")
 
 #: A row followed up and down.
 _RUNS = (
@@ -113,3 +116,9 @@ def ready_for_rows(balance: str) -> None:
 def ready_for_attractors() -> None:
     """Compile or load what attractors need, once in this process."""
     warm(kernels_of(_ATTRACTORS))
+
+
+@functools.cache
+def ready_for_isolated() -> None:
+    """Compile or load what branches from attractors need, once in this process."""
+    warm(kernels_of(ISOLATED))
