@@ -75,7 +75,12 @@ def free_vibration(system: Model | ContactSystem, highest, *, order: int = 15, m
     whole_number("order", order, 1, 64)
     bare = reduced(gear_system(system) if isinstance(system, Model) else system)
     bare = dataclasses.replace(
-        bare, damping=0.0 * bare.damping, load=bare.load[:1], inertial_load=0.0 * bare.load[:1], stiffness_harmonics=()
+        bare,
+        damping=0.0 * bare.damping,
+        contact_dashpot=0.0,
+        load=bare.load[:1],
+        inertial_load=0.0 * bare.load[:1],
+        stiffness_harmonics=(),
     )
     whole_number("mode", mode, 0, bare.degrees - 1)
     highest = finite_array("highest", highest, (None,))
@@ -101,7 +106,7 @@ def free_vibration(system: Model | ContactSystem, highest, *, order: int = 15, m
 
 def _law(system: ContactSystem, mean: float, amplitude: float) -> tuple[float, float]:
     """f_0 and N."""
-    far, back = (1.0, system.back_gap) if system.two_sided else (0.0, 0.0)
+    far, back = (system.back_stiffness, system.back_gap) if system.two_sided else (0.0, 0.0)
     return contact_functions(mean, amplitude, system.front_gap, back, far, 0.0, 0.0)[:2]
 
 
