@@ -6,7 +6,14 @@ from collections.abc import Iterable
 from pipeline.plan.kinds import BEVEL
 from solver.kernels.warm import kernels_of, warm
 
-__all__ = ["ISOLATED", "NEEDED", "kernels_for", "ready_for_attractors", "ready_for_isolated", "ready_for_rows"]
+__all__ = [
+    "NEEDED",
+    "kernels_for",
+    "kernels_for_isolated",
+    "ready_for_attractors",
+    "ready_for_isolated",
+    "ready_for_rows",
+]
 
 _ROWS = {
     "describing_function": (
@@ -49,7 +56,7 @@ _ATTRACTORS = (
 )
 
 #: Branches from attractors: rows of order H, and the harmonics of motions.
-ISOLATED = (*_ROWS["galerkin"], "solver.timedomain.poincare._measure")
+_ISOLATED = (*_ROWS["galerkin"], "solver.timedomain.poincare._measure")
 
 #: A row followed up and down.
 _RUNS = (
@@ -120,7 +127,15 @@ _OF_SYSTEMS = {
 
 def kernels_for(stages: Iterable[str], balance: str, kind: str = BEVEL.name) -> list[str]:
     """Names of what stages need for a kind of system, in the order to compile them in."""
-    names = (name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ()))
+    return _of_kind((name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ())), kind)
+
+
+def kernels_for_isolated(kind: str = BEVEL.name) -> list[str]:
+    """The same of what the stage attractors needs besides, where branches are asked for."""
+    return _of_kind(_ISOLATED, kind)
+
+
+def _of_kind(names: Iterable[str], kind: str) -> list[str]:
     return list(dict.fromkeys(name if kind == BEVEL.name else _OF_SYSTEMS.get(name, name) for name in names))
 
 
@@ -137,6 +152,6 @@ def ready_for_attractors() -> None:
 
 
 @functools.cache
-def ready_for_isolated() -> None:
+def ready_for_isolated(kind: str = BEVEL.name) -> None:
     """Compile or load what branches from attractors need, once in this process."""
-    warm(kernels_of(ISOLATED))
+    warm(kernels_of(kernels_for_isolated(kind)))

@@ -17,10 +17,11 @@ import numpy as np
 from pipeline import store
 from pipeline.analysis.attractors.dataset import row_of_values, state_size
 from pipeline.config.quantities import AMPLITUDE, QUANTITIES
+from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import continuation_of, model_at, row_of
 from pipeline.plan.plan import Plan
 from pipeline.run.job import Job, say_failures
-from pipeline.run.kernels import ISOLATED, ready_for_isolated
+from pipeline.run.kernels import kernels_for_isolated, ready_for_isolated
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.sheets import csv_text, write_files
 from pipeline.run.warmup import warm_up
@@ -79,7 +80,7 @@ def isolated_task(plan: Plan, value: float, x: np.ndarray, attractors: Attractor
     order : int
         Harmonics of the mesh frequency.
     """
-    ready_for_isolated()
+    ready_for_isolated(kind_of(plan).name)
     settings, ends = continuation_of(plan.solver), np.array([plan.sweep.low, plan.sweep.high])
     row = row_of(plan, value, Galerkin(order), settings, LiftedSeeds(plan.solver["certify_columns"]), ends)
     omega = value if plan.parameter.name == "omega" else plan.omega
@@ -134,7 +135,7 @@ def run_isolated(job: Job, workforce: Workforce, reporter: Reporter, found: "xar
     done = stored is not None and stored.attrs["made_from"] == origin
     if not done:
         if job.settings.config.cluster.kind != "scheduler":
-            warm_up(list(ISOLATED), reporter)
+            warm_up(kernels_for_isolated(kind_of(plan).name), reporter)
         results = _compute(plan, found, order, workforce, reporter)
         groups.write_group(path, GROUP, _dataset(plan, found, results, order).assign_attrs(made_from=origin))
         stored = read_isolated(path)
@@ -149,9 +150,9 @@ def run_isolated(job: Job, workforce: Workforce, reporter: Reporter, found: "xar
     lines = _branches(plan, stored)
     closed, several = sum(one[3] for one in lines), sum(one[2] > 1 for one in lines)
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
+    count = f"{len(lines)} branch{'' if len(lines) == 1 else 'es'}"
     reporter.line(
-        f"attractors: {len(lines)} branches that rows lack at order {order}, {closed} of them closed,"
-        f" {several} of several periods, {end}"
+        f"attractors: {count} that rows lack at order {order}, {closed} closed and {several} of several periods, {end}"
     )
     reporter.line(f"attractors: {sheet.name} in {folder.resolve()}")
     return 1 if failed.size else 0
