@@ -328,6 +328,7 @@ class Attractors:
     max_periods: int = allowed(FEWEST_PERIODS, 10**7)
     tolerance: float = allowed(0.0, 1.0, above=True)
     delta: float = allowed(0.0, 1.0)
+    branches: int = allowed(0, 32)
     points: Any = MISSING
     box: Any = MISSING
     slice: int = allowed(0, 2000)
