@@ -95,7 +95,8 @@ class Settings:
 
     def yaml(self) -> str:
         """The resolved configuration."""
-        return OmegaConf.to_yaml(OmegaConf.structured(self.config))
+        # Values are typed already: as plain data they are written without being checked once more.
+        return OmegaConf.to_yaml(OmegaConf.create(dataclasses.asdict(self.config)))
 
 
 def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings:
@@ -157,7 +158,8 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
         composed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
         plain = pickle.loads(composed)
         ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
-        typed = OmegaConf.merge(OmegaConf.structured(Configuration), plain)
+        # Both are this call's own, so that neither has to be copied.
+        typed = OmegaConf.unsafe_merge(OmegaConf.structured(Configuration), plain)
         OmegaConf.resolve(typed)
         missing = OmegaConf.missing_keys(typed)
         if missing:

@@ -119,7 +119,7 @@ def told_of_cells(plane: StoredPlane, frame: MapFrame) -> tuple[Told, ...]:
     words = tuple(kind.words for kind in Credibility)
     return (
         Told("integration", evenly(place, columns, rows, frame, plane), texts),
-        Told("label of the cell", evenly(judged, columns, rows, frame, plane), words),
+        Told("verdict", evenly(judged, columns, rows, frame, plane), words),
     )
 
 

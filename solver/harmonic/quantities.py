@@ -30,6 +30,7 @@ from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
 from solver.model.parameters import (
     BACK_GAP,
+    DASHPOT,
     DEGREES,
     F_PM,
     FRONT_GAP,
@@ -78,9 +79,13 @@ def _spread(u):
     return math.sqrt(0.5 * total)
 
 
-@kernel(_F(ARRAY, ARRAY, ARRAY, _F, _F, _F, _F), inner=True)
-def _largest_force(parameters, parameter_slope, u, p, share, level, side):
-    """Largest (1 + share s)(lambda - level) side where side (lambda - level) > 0; 0 if it is nowhere."""
+@kernel(_F(ARRAY, ARRAY, ARRAY, _F, _F, _F, _F, _I, ARRAY), inner=True)
+def _largest_force(parameters, parameter_slope, u, p, share, level, side, count, switches):
+    """Largest (1 + share s)(lambda - level) side, and what a damper of touching teeth adds, where side (lambda - level)
+    > 0; 0 if it is nowhere.
+
+    Such a damper's force begins with a jump, at one of the switches (count,) of contact.
+    """
     order, reach = u.shape[0] // 2, int(parameters[STIFFNESSES]) * int(parameters[PERIOD])
     size = order + reach + 1
     squeezed, product, rest = np.zeros(size + reach, _COMPLEX), np.empty(size, _COMPLEX), np.empty(size, _COMPLEX)
@@ -90,8 +95,11 @@ def _largest_force(parameters, parameter_slope, u, p, share, level, side):
     modulated(parameters, parameter_slope, p, squeezed, product, rest)
     force, slope = np.empty(2 * size - 1), np.empty(2 * size - 1)
     force[0] = side * (squeezed[0] + share * product[0]).real
+    dashpot = parameters[DASHPOT] * base_frequency(parameters, parameter_slope, p)[0]
     for k in range(1, size):
         value = 2.0 * side * (squeezed[k] + share * product[k])
+        if dashpot != 0.0:
+            value += 2.0j * side * k * dashpot * squeezed[k]
         force[2 * k - 1], force[2 * k] = value.real, -value.imag
     room = 4 * size + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
@@ -99,6 +107,11 @@ def _largest_force(parameters, parameter_slope, u, p, share, level, side):
     for i in range(extrema(force, slope, angles, zones)):
         if side * (displacement(u, angles[i])[0] - level) > 0.0:
             largest = max(largest, displacement(force, angles[i])[0])
+    if dashpot != 0.0:
+        for i in range(count):
+            value, slope = displacement(u, switches[i])
+            if side * slope > 0.0 and abs(value - level) < 1e-9 * (1.0 + abs(level)):
+                largest = max(largest, displacement(force, switches[i])[0])
     # Where nothing varies there is no extreme.
     if side * (displacement(u, 0.0)[0] - level) > 0.0:
         largest = max(largest, displacement(force, 0.0)[0])
@@ -181,7 +194,8 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
     share = number_at(gear, slope, p, VARIATION_T)[0]
     static = number_at(gear, slope, p, F_PM)[0] / rotation_coupling(gear, slope, p)[0]
     side = 1.0 if static > 0.0 else -1.0
-    largest = _largest_force(parameters, parameter_slope, u, p, share, front if side > 0.0 else -back, side)
+    level = front if side > 0.0 else -back
+    largest = _largest_force(parameters, parameter_slope, u, p, share, level, side, count, angles)
     values[9] = largest / abs(static) if static != 0.0 else math.nan
 
     force = np.empty(order + 1, _COMPLEX)
@@ -305,11 +319,12 @@ def fill_system_quantities(parameters, parameter_slope, values, motions, found):
         if not math.isfinite(motions[i, 0]):
             continue
         p, u = values[i], motions[i]
-        _read_displacement(parameters, parameter_slope, u, p, angles, zones, found[i])
+        count = _read_displacement(parameters, parameter_slope, u, p, angles, zones, found[i])
         static, share = _static_force(parameters, parameter_slope, p)
         if static > 0.0 and math.isfinite(share):
             front = number_at(parameters, parameter_slope, p, FRONT_GAP)[0]
-            found[i, 9] = _largest_force(parameters, parameter_slope, u, p, share, front, 1.0) / static
+            largest = _largest_force(parameters, parameter_slope, u, p, share, front, 1.0, count, angles)
+            found[i, 9] = largest / static
 
 
 def fill_read(system, balance: Balance, parameters, values: np.ndarray, motions: np.ndarray, found: np.ndarray) -> None:

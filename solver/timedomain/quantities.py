@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.quantities import Quantities, Slot
-from solver.flow.switched_system import FREQUENCY, HIGH, LOW
+from solver.flow.switched_system import DASHPOT, FREQUENCY, HIGH, LOW, strength_of
 from solver.flow.zone_flows import COEFFICIENTS, ZONE_FLOWS, apply_map, change_basis
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -283,6 +283,10 @@ def gather(flows, gauge, steps, count, work, room):
             flank = numbers[HIGH] if z == 1 else numbers[LOW]
             room.powers[0] -= flank
             _multiply(gauge.numbers[0], flows.stiffness[k], room.powers, powers)
+            strength, dashpot = strength_of(flows.system, 1 if z == 1 else -1), numbers[DASHPOT] / half
+            for j in range(COEFFICIENTS):
+                rate = (j + 1.0) * room.powers[j + 1] if j < COEFFICIENTS - 1 else 0.0
+                powers[j] = strength * (powers[j] + dashpot * rate)
             _widen(flows, step, _FORCE, work, room)
             room.powers[0] += flank
         totals[_ZONE] = z

@@ -88,6 +88,8 @@ CALLS = {
             np.ones((2, 2)), array(np.ones((2, 2)), np.ones((2, 3)), np.ones((0, 2)).tolist(), 1j * np.ones((2, 2)))
         ),
         "inertial_load": argument(np.ones((2, 2)), array(np.ones((2, 2)), np.ones((2, 3)), 1j * np.ones((2, 2)))),
+        "back_stiffness": argument(2.0, POSITIVE),
+        "contact_dashpot": argument(0.1, NOT_NEGATIVE),
     },
     "solver.ContactSystem.at": lambda: {
         "self": stop(),
