@@ -133,7 +133,7 @@ def _system(numbers: dict) -> ContactSystem:
     loads = {name: np.array(arrays[name]) @ (1.0, 1.0j) for name in ("load", "inertial_load") if name in arrays}
     back = math.inf if numbers["back_gap"] is None else numbers["back_gap"]
     harmonics = [(0.0, 0.0), *numbers["alpha_harmonics"]]
-    law = {name: numbers[name] for name in ("front_gap", "back_stiffness", "contact_dashpot")}
+    law = {name: numbers[name] for name in ("front_gap", "back_stiffness", "contact_dashpot") if name in numbers}
     return ContactSystem(**{**arrays, **loads}, **law, back_gap=back, stiffness_harmonics=harmonics)
 
 

@@ -55,7 +55,7 @@ def test_motions_of_the_spur_pair_are_those_of_the_reference(spur):
 
 
 def test_a_run_jumps_at_the_folds_of_the_reference(spur):
-    """Physics, section 9: folds 0.598153, 0.835838, 0.437007, 0.455324 at orders up to 63; a run jumps within a step."""
+    """Physics, section 9: folds 0.598153, 0.835838, 0.437007, 0.455324 at orders up to 63; jumps lie within a step."""
     step = 0.01
     run = follow(spur, Way(0.1, tuple(np.arange(0.42, 0.86, step).tolist()), 800)).runs
     jumps = {name: np.sort(one.jumps[np.isfinite(one.jumps)]) for name, one in run.items()}
