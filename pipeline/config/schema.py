@@ -119,6 +119,8 @@ class Spur:
 
     damping_ratio: float = allowed(0.0)
     gap: float = allowed(0.0)
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
     mean_load: float = MISSING
     alpha: float = MISSING
     alpha_phase: float = MISSING
@@ -137,6 +139,8 @@ class Rotor:
     mesh_stiffness: Any = MISSING
     mesh_damping_ratio: float = allowed(0.0)
     half_backlash: Any = MISSING
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
     torque: Any = MISSING
     mass: Any = MISSING
     support_stiffness: Any = MISSING
@@ -167,6 +171,8 @@ class System:
     inertial_load: Any = MISSING
     front_gap: float | None = MISSING
     back_gap: float | None = MISSING
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
     alpha: float = MISSING
     alpha_phase: float = MISSING
     alpha_harmonics: Any = MISSING

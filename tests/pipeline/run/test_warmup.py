@@ -71,9 +71,14 @@ RUNS = [
 ]
 
 
+#: A system that is no bevel pair has kernels of its own.
+SPUR = ["gear=spur", "plane=omega_load"]
+
+
 def ran(folder, options, **environment):
     """A small run in a process of its own: status, names of kernels as in `RUN`, and what it said."""
-    arguments = ["plane=omega_fe", "plane.sweep.num=40", "plane.parameter.num=8", "cluster=none", *options]
+    plane = [] if "gear=spur" in options else ["plane=omega_fe"]
+    arguments = [*plane, "plane.sweep.num=40", "plane.parameter.num=8", "cluster=none", *options]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
     command = [sys.executable, "-c", RUN, *arguments]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=3000)
@@ -86,6 +91,15 @@ def test_what_a_run_calls_is_listed(tmp_path, options, balance):
     """With kernels that are kept, so that it is seen without compiling."""
     status, _, _, used, _ = ran(tmp_path, options)
     listed = kernels_of(kernels_for(["sweep", "boundaries"], balance))
+    missed = set(used) - {f"{kernel.__module__}.{kernel.__name__}" for kernel in listed}
+    assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
+
+
+@pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
+def test_what_a_run_of_another_system_calls_is_listed(tmp_path, options, balance):
+    small = ["plane.sweep.num=30", "plane.parameter.num=3", "plane.sweep.min=0.5"]
+    status, _, _, used, _ = ran(tmp_path, [*options, *SPUR, *small])
+    listed = kernels_of(kernels_for(["sweep", "boundaries"], balance, "spur"))
     missed = set(used) - {f"{kernel.__module__}.{kernel.__name__}" for kernel in listed}
     assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
 
