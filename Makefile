@@ -5,8 +5,8 @@ READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs-ready
 
 LOWEST := .venv-lowest
-RELEASE := .venv-release
-# Where the wheel of a release is tried, as far as they are here.
+# What a release is called, and where its wheel is tried, as far as they are here.
+DIST := dist/bevelmap-$(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 PYTHONS ?= python3.11 python3.12 python3.13
 
 .PHONY: map warmup test test-slow check format docs lowest release bench clean
@@ -38,14 +38,13 @@ format: $(READY)
 	$(VENV)/bin/ruff format .
 	$(VENV)/bin/ruff check --fix .
 
-# The documentation site, in docs/_build; its gallery is written to docs/gallery first. Sphinx is installed for it alone.
-# Warnings are errors.
+# The documentation site, in docs/_build; its gallery is written to docs/gallery first, each example run anew. Warnings
+# are errors. Sphinx is installed for it alone.
 $(DOCS_READY): $(READY)
 	$(VENV)/bin/pip install --quiet --constraint constraints.txt --editable '.[docs]'
 	touch $@
 
 docs: $(DOCS_READY)
-	rm -rf docs/gallery
 	$(VENV)/bin/python -m sphinx -E -W --keep-going --quiet -b html docs docs/_build
 
 # The lowest versions that pyproject.toml allows, in an environment of their own: a map, its boundaries and its figures.
@@ -58,17 +57,15 @@ lowest:
 
 # The source distribution and the wheel, in dist/, and a map with what that wheel installs in an empty environment.
 release:
-	rm -rf dist build
-	$(PYTHON) -m venv --clear $(RELEASE)
-	$(RELEASE)/bin/pip install --quiet build twine
-	$(RELEASE)/bin/python -m build --quiet
-	$(RELEASE)/bin/twine check --strict dist/*
-	rm -rf build $(RELEASE)
-	for python in $(PYTHONS); do tests/try_wheel $$python dist/*.whl || exit; done
+	$(PYTHON) -m venv --clear .venv-release
+	.venv-release/bin/pip install --quiet build twine
+	.venv-release/bin/python -m build
+	.venv-release/bin/twine check --strict $(DIST)*
+	for python in $(PYTHONS); do tests/try_wheel $$python $(DIST)*.whl || exit; done
 
 # QUICK=1 leaves out what takes long.
 bench: $(READY)
 	$(VENV)/bin/python -m benchmarks $(if $(QUICK),quick)
 
 clean:
-	rm -rf $(VENV) $(LOWEST) $(RELEASE) build dist docs/gallery
+	rm -rf .venv .venv-lowest .venv-release build dist docs/gallery

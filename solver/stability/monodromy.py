@@ -2,7 +2,8 @@
 
 A motion u = (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu need not be a true one: it tells when there is contact,
 exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches:
-saltation matrices are identities (docs/physics.md, section 6). Deviations are carried by the integrator's own
+saltation matrices are identities (docs/physics.md, section 6) unless touching teeth have a damper of their own, with
+which each is a constant (`solver.flow.switched_system`). Deviations are carried by the integrator's own
 recurrence (`solver.flow.taylor`).
 
 For kernels (boundaries, test functions) that have the packed parameters of a balance, of either kind:
@@ -39,6 +40,7 @@ from solver.flow.taylor import (
     BLOCKS,
     BlockSeries,
     carry_deviations,
+    change_contact,
     count_blocks,
     new_block_series,
     set_identity,
@@ -78,7 +80,7 @@ class Room(NamedTuple):
 ROOM = types.NamedTuple((SWITCHED_SYSTEM, BLOCK_SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
 
 
-@kernel(ROOM(_I, _I, _I), inner=True)
+@kernel(ROOM(_I, _I, _I), inner=True, shared=True)
 def _room(degrees, stiffnesses, unknowns):
     columns = 2 * degrees
     return Room(
@@ -108,7 +110,7 @@ def new_room(parameters, parameter_slope, p, unknowns):
     return _room(count_degrees(parameters, parameter_slope, p), int(parameters[STIFFNESSES]), unknowns)
 
 
-@kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True)
+@kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True, shared=True)
 def fitted_room(parameters, parameter_slope, p, room):
     """The room, or a new one where the system has another number of coordinates, with the system at p filled in.
 
@@ -155,12 +157,10 @@ def carry_through(count, period, room):
     zone, begin, whole = zones[max(count - 1, 0)], 0.0, True
     for piece in range(count + 1):
         end = angles[piece] if piece < count else _TURN
-        # From one flank to the other at once, as without backlash, is no switch for deviations.
-        if piece < count and (zones[piece] != 0) == (zone != 0):
-            continue
         if whole and end > begin:
             whole = carry_deviations(system, zone, begin * scale, end * scale, room.states, room.series)
         if piece < count:
+            change_contact(system, zone, zones[piece], room.states)
             zone, begin = zones[piece], end
     matrix, states = room.matrix, room.states
     for i in range(matrix.shape[0]):
