@@ -7,7 +7,7 @@ from pipeline.config.schema import Figures
 from pipeline.errors import ConfigurationError
 from pipeline.plan.plan import Plan
 
-__all__ = ["check_options"]
+__all__ = ["check_options", "check_units"]
 
 #: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
 NARROWEST = 1e-5
@@ -78,12 +78,17 @@ def check_options(
     words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
     for name, value in {"formats": formats, "dpi": dpi, **words}.items():
         check_one(Figures, f"figures.{name}", value)
+    check_units(plan, units)
+    if window is not None:
+        _check_window(plan, window)
+
+
+def check_units(plan: Plan, units: str) -> None:
+    """Raise ConfigurationError unless a plane can be shown in these units."""
     if units == "physical" and plan.physical is None:
         raise ConfigurationError(
             "figures.units = 'physical' is not allowed: it must be dimensionless, as this plane's gear is"
         )
-    if window is not None:
-        _check_window(plan, window)
 
 
 def _check_window(plan: Plan, window: list[float]) -> None:
