@@ -5,7 +5,7 @@ from pathlib import Path
 from time import perf_counter
 
 from pipeline.explorer.extra import check_installed
-from pipeline.figures.options import check_units
+from pipeline.figures.options import check_quantity, check_units
 from pipeline.run.job import Job, command, note_unfinished
 from pipeline.run.made import made_from, still_made, write_record
 from pipeline.run.progress import Reporter
@@ -19,6 +19,8 @@ __all__ = ["STAGE"]
 def _check(job: Job) -> None:
     check_installed("page", "bokeh")
     check_units(job.plan, job.settings.config.figures.units)
+    for name in job.settings.config.page.quantities:
+        check_quantity(job.plan, "page.quantities", name)
 
 
 def _options(job: Job) -> dict:

@@ -3,7 +3,7 @@
 from matplotlib.colors import to_hex
 
 from pipeline.explorer.layer_data import Shade
-from pipeline.figures.map_legend import LINES, MODES
+from pipeline.figures.map_legend import LINES, mode_style
 
 __all__ = ["FONT", "MARKERS", "hatch_style", "line_style", "screen_dashes"]
 
@@ -31,7 +31,7 @@ def hatch_style(shade: Shade) -> dict:
 
 def line_style(kind: str) -> dict:
     """Colour, width and dashes of a line of the map, as properties of a Bokeh line."""
-    style = MODES[int(kind[-1]) - 1] if kind.startswith("mode") else LINES[kind][0]
+    style = mode_style(int(kind.removeprefix("mode "))) if kind.startswith("mode") else LINES[kind][0]
     width = _PIXELS * style["linewidth"]
     return {
         "line_color": to_hex(style["color"]),

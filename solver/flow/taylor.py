@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.flow.switched_system import FREQUENCY, HIGH, LOW, SWITCHED_SYSTEM
+from solver.flow.switched_system import DASHPOT, FREQUENCY, HIGH, LOW, STRENGTH, SWITCHED_SYSTEM, strength_of
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
@@ -35,6 +35,7 @@ __all__ = [
     "SERIES",
     "Series",
     "carry_deviations",
+    "change_contact",
     "column_at",
     "column_sizes",
     "count_blocks",
@@ -132,7 +133,7 @@ def fill_sources(system, zone, time, stiffness, g):
             factor = rate / (j + 1)
             cosine, sine = -sine * factor, cosine * factor
     if forced and zone != 0:
-        offset = system.numbers[HIGH] if zone > 0 else system.numbers[LOW]
+        offset = system.numbers[HIGH] if zone > 0 else system.numbers[STRENGTH] * system.numbers[LOW]
         for i in range(n):
             g[0, i] += system.vectors[1, i] * offset
             if harmonics > 0:
@@ -158,8 +159,8 @@ def motion_series(system, zone, time, state, series):
     fill_sources(system, zone, time, series.stiffness, series.g)
     n, order = system.vectors.shape[1], series.stiffness.shape[0] - 1
     y, contact, stiffness = series.y, series.contact, series.stiffness
-    first, second = (n if zone != 0 else 0), 2 * n
-    varied = zone != 0 and system.variation.shape[0] > 0
+    first, strength = n * (zone % 3), strength_of(system, zone)
+    second, varied = first + 3 * n, zone != 0 and system.variation.shape[0] > 0
     contact[0], contact[1] = 0.0, 0.0
     for i in range(n):
         y[0, i], y[1, i] = state[i], state[n + i]
@@ -170,6 +171,7 @@ def motion_series(system, zone, time, state, series):
         if varied:
             for i in range(j + 1):
                 product += stiffness[i] * contact[j - i]
+            product *= strength
         scale = 1.0 / ((j + 2.0) * (j + 1.0))
         total = 0.0
         for i in range(n):
@@ -191,8 +193,8 @@ def _block_series(system, zone, y, contact, stiffness):
     """Fill in the series of one block, y (m + 1, n, 4) and contact (m + 1, 4), from y_0 and y_1."""
     n, order = system.vectors.shape[1], stiffness.shape[0] - 1
     matrices, vectors = system.matrices, system.vectors
-    first, second = (n if zone != 0 else 0), 2 * n
-    varied = zone != 0 and system.variation.shape[0] > 0
+    first, strength = n * (zone % 3), strength_of(system, zone)
+    second, varied = first + 3 * n, zone != 0 and system.variation.shape[0] > 0
     for j in range(2):
         t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
         for i in range(n):
@@ -215,7 +217,7 @@ def _block_series(system, zone, y, contact, stiffness):
         scale = -1.0 / ((j + 2.0) * grade)
         t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
         for i in range(n):
-            q = vectors[2, i]
+            q = strength * vectors[2, i]
             v0, v1, v2, v3 = q * p0, q * p1, q * p2, q * p3
             for l in range(n):
                 spring, drag = matrices[first + i, l], grade * matrices[second + i, l]
@@ -311,6 +313,31 @@ def set_identity(states):
     states[:, :, :] = 0.0
     for i in range(states.shape[1]):
         states[i // 4, i, i % 4] = 1.0
+
+
+@kernel(types.void(SWITCHED_SYSTEM, _I, _I, BLOCKS), inner=True)
+def change_contact(system, before, after, states):
+    """Carry deviations over a switch of contact: those of y' jump where touching teeth have a damper of their own.
+
+    Parameters
+    ----------
+    system : SwitchedSystem
+    before, after : int
+        The zones.
+    states : BLOCKS
+        Overwritten.
+    """
+    jump, vectors = system.numbers[DASHPOT] * (strength_of(system, after) - strength_of(system, before)), system.vectors
+    if jump == 0.0:
+        return
+    n = vectors.shape[1]
+    for block in range(states.shape[0]):
+        for column in range(4):
+            seen = 0.0
+            for i in range(n):
+                seen += vectors[0, i] * states[block, i, column]
+            for i in range(n):
+                states[block, n + i, column] -= jump * vectors[1, i] * seen
 
 
 @kernel(_B(SWITCHED_SYSTEM, _I, _F, _F, BLOCKS, BLOCK_SERIES), inner=True, shared=True)

@@ -6,10 +6,10 @@ chi- (back) is
 
     f_k = sum_m chi_(k-m) L_m - front chi+_k + back chi-_k,    L_0 = Lambda_0, L_m = Lambda_m/2, L_-m = conj L_m
 
-for every k (docs/physics.md, section 4), and q = s f follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows
-are E_0, then Re E_k and -Im E_k with E_k = D_k Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable
-solution has a positive Jacobian determinant. f vanishes where contact switches, so that the derivatives of f are those
-at fixed contact.
+for every k (docs/physics.md, section 4; chi = chi+ + chi-, chi- times the stiffness of the back flank), and q = s f
+follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows are E_0, then Re E_k and -Im E_k with E_k = D_k
+Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable solution has a positive Jacobian determinant. f
+vanishes where contact switches, so that the derivatives of f are those at fixed contact.
 """
 
 import math
@@ -28,7 +28,7 @@ from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import check_axis, packed
+from solver.model.packing import bounded_change, check_axis, packed
 from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
 
 __all__ = ["Galerkin", "residual_and_jacobian", "linear_solution", "test_functions"]
@@ -344,7 +344,7 @@ class Galerkin:
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
         """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
 
-        nan for a contact with one flank, of which none is known.
+        nan where the force is no bounded change of a linear one, as of a contact with one flank: none is known.
 
         Raises
         ------
@@ -353,7 +353,7 @@ class Galerkin:
         """
         self._check(problem)
         grid = finite_array("grid", grid, (None,))
-        if not math.isfinite(problem.parameters[BACK_GAP]):
+        if not bounded_change(problem.parameters):
             return np.full(grid.size, np.nan)
         signs = np.empty(grid.size)
         _linear_degree(problem.parameters, problem.parameter_slope, grid, np.empty(self.unknowns), signs)

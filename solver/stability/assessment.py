@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.continuation.problem import Balance
-from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM
+from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM, strength_of
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_array, finite_number, has_methods, number_array, whole_number
@@ -54,15 +54,15 @@ class Stability:
         return 1.0 - self.modulus
 
 
-@kernel(ARRAY(SWITCHED_SYSTEM), inner=True)
-def _linear_system(system):
-    """All that deviations depend on from a motion that never switches contact, as one array."""
+@kernel(ARRAY(SWITCHED_SYSTEM, _I), inner=True)
+def _linear_system(system, zone):
+    """All that deviations depend on from a motion that never leaves a zone of contact, as one array."""
     parts = (system.matrices, system.vectors, system.variation)
-    size = 1
+    size = 2
     for part in parts:
         size += part.size
     numbers = np.empty(size)
-    numbers[0], at = system.numbers[FREQUENCY], 1
+    numbers[0], numbers[1], at = system.numbers[FREQUENCY], strength_of(system, zone), 2
     for part in parts:
         for i in range(part.shape[0]):
             for j in range(part.shape[1]):
@@ -95,7 +95,7 @@ def _assess(parameters, parameter_slope, values, motions, tolerance, bits, tests
         count = find_switches(motions[k], room)
         zone = 1 if room.zones[0] != 0 else 0
         if count == 0:
-            linear = _linear_system(room.system)
+            linear = _linear_system(room.system, room.zones[0])
             if _equal(linear, closed if zone == 1 else free):
                 bits[k] = known_bits[zone]
                 for i in range(TESTS):

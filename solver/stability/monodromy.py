@@ -2,7 +2,8 @@
 
 A motion u = (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu need not be a true one: it tells when there is contact,
 exactly. f is continuous, so that the monodromy matrix is the product of smooth pieces between contact switches:
-saltation matrices are identities (docs/physics.md, section 6). Deviations are carried by the integrator's own
+saltation matrices are identities (docs/physics.md, section 6) unless touching teeth have a damper of their own, with
+which each is a constant (`solver.flow.switched_system`). Deviations are carried by the integrator's own
 recurrence (`solver.flow.taylor`).
 
 For kernels (boundaries, test functions) that have the packed parameters of a balance, of either kind:
@@ -39,6 +40,7 @@ from solver.flow.taylor import (
     BLOCKS,
     BlockSeries,
     carry_deviations,
+    change_contact,
     count_blocks,
     new_block_series,
     set_identity,
@@ -155,12 +157,10 @@ def carry_through(count, period, room):
     zone, begin, whole = zones[max(count - 1, 0)], 0.0, True
     for piece in range(count + 1):
         end = angles[piece] if piece < count else _TURN
-        # From one flank to the other at once, as without backlash, is no switch for deviations.
-        if piece < count and (zones[piece] != 0) == (zone != 0):
-            continue
         if whole and end > begin:
             whole = carry_deviations(system, zone, begin * scale, end * scale, room.states, room.series)
         if piece < count:
+            change_contact(system, zone, zones[piece], room.states)
             zone, begin = zones[piece], end
     matrix, states = room.matrix, room.states
     for i in range(matrix.shape[0]):

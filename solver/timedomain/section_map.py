@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.flow.switched_system import DASHPOT, strength_of
 from solver.flow.zone_flows import COEFFICIENTS, CUBE, ZONE_FLOWS, apply_map, matrix_at
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -151,9 +152,12 @@ def _multiply(columns, vector, image):
     copy_into(vector, image)
 
 
-@kernel(types.void(ZONE_FLOWS, _I, _I, _F, MATRIX, MAP_ROOM), inner=True)
-def _change_zone(flows, row, after, at, tangents, room):
-    """Describe the motion, and deviations with it, by the flow of another zone, whose row is `after`, from u on."""
+@kernel(types.void(ZONE_FLOWS, _I, _I, _F, _F, MATRIX, MAP_ROOM), inner=True)
+def _change_zone(flows, row, after, at, jump, tangents, room):
+    """Describe the motion, and deviations with it, by the flow of another zone, whose row is `after`, from u on.
+
+    The speeds of deviations jump by -jump M^-1 h delta lambda.
+    """
     size, phi, gamma, state, image = flows.backward.shape[2], room.phi, room.gamma, room.state, room.image
     matrix_at(flows.forward, after, size, at, phi)
     for r in range(size):
@@ -172,6 +176,12 @@ def _change_zone(flows, row, after, at, tangents, room):
         state[r] = total
     for k in range(tangents.shape[0]):
         _multiply(phi, tangents[k], room.vector)
+        if jump != 0.0:
+            seen, vectors = 0.0, flows.system.vectors
+            for i in range(vectors.shape[1]):
+                seen += vectors[0, i] * tangents[k, i]
+            for i in range(vectors.shape[1]):
+                tangents[k, vectors.shape[1] + i] -= jump * vectors[1, i] * seen
         _multiply(gamma, tangents[k], room.vector)
 
 
@@ -216,9 +226,10 @@ def carry_period(flows, state, tangents, steps, ceiling, room):
             for i in range(room.state.shape[0]):
                 steps[step, STATE + i] = room.state[i]
         if side != 0:
+            jump = system.numbers[DASHPOT] * (strength_of(system, zone + side) - strength_of(system, zone))
             zone += side
             after = (zone % 3) * count + k
-            _change_zone(flows, row, after, end, tangents, room)
+            _change_zone(flows, row, after, end, jump, tangents, room)
             row, begin = after, end
             continue
         last = k == count - 1

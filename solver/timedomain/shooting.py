@@ -175,8 +175,11 @@ def orbit_state(
 ) -> np.ndarray:
     """State (2 n,) at tau = 0 that belongs to a harmonic-balance solution for lambda.
 
-    The contact force f of that lambda acts on the linear system, Z(k Omega / p) Y_k = F_k - h f_k - h_v (s f)_k. Where
-    Z is singular (a mean that the contact alone carries) the harmonic of lambda itself is imposed instead.
+    The contact force f of that lambda acts on the linear system,
+
+        Z(k Omega / p) Y_k = F_k - (1 + i (k Omega / p) c_c) h f_k - h_v (s f)_k
+
+    Where Z is singular (a mean that the contact alone carries) the harmonic of lambda itself is imposed instead.
 
     Parameters
     ----------
@@ -216,6 +219,7 @@ def orbit_state(
     loads = np.zeros((highest + 1, system.degrees), dtype=complex)
     loads[::period] = system.load_harmonics(omega, highest // period)
     rates = np.arange(highest + 1) * omega / period
+    plain = plain * (1.0 + 1j * rates * system.contact_dashpot)
     right = loads - plain[:, None] * system.force - varied[:, None] * system.varying_force
     stiffness = system.dynamic_stiffness(rates[:, None, None])
     regular = np.linalg.cond(stiffness) < 1e12
