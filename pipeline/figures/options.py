@@ -87,7 +87,7 @@ def check_options(
 
 
 def check_quantity(plan: Plan, key: str, quantity: str | None) -> None:
-    """Raise ConfigurationError, which names the key, unless motions of the plane's gear have a quantity; None is none."""
+    """Raise ConfigurationError, which names the key, unless motions of the gear have a quantity; None asks for none."""
     lacks = kind_of(plan).lacks
     if quantity in lacks:
         names = ", ".join(name for name in QUANTITIES if name not in lacks)
