@@ -324,6 +324,14 @@ class Figures:
 
 
 @dataclass
+class Page:
+    """What the page of a plane has besides its map; units and `of` are those of the figures."""
+
+    rows: int = allowed(0, 40)
+    quantities: list[str] = allowed(names=tuple(QUANTITIES))
+
+
+@dataclass
 class Attractors:
     """Which cells are integrated, and from how many random starts; see `pipeline.analysis.attractors.options`."""
 
@@ -421,6 +429,7 @@ class Configuration:
     spectrum: Spectrum = MISSING
     margins: Margins = MISSING
     figures: Figures = MISSING
+    page: Page = MISSING
     check: Check = MISSING
     debug: Debug = MISSING
     report: Report = MISSING
