@@ -18,7 +18,7 @@ from pipeline.config.default_name import default_name, is_name
 from pipeline.config.files import check_files
 from pipeline.config.folders import local_folder
 from pipeline.config.schema import Configuration
-from pipeline.config.typed import GROUPS, conf_folder, expand, key_of
+from pipeline.config.typed import GROUPS, SYSTEMS, conf_folder, expand, key_of
 from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["Settings", "compose", "conf_folder", "expand"]
@@ -85,7 +85,8 @@ class Settings:
         kept = [override for override in self.overrides if key_of(override) not in ("plane", "store.name")]
         found = compose([f"plane={plane}", *kept], self.config_dir)
         axes = (found.config.plane.sweep, found.config.plane.parameter, found.config.plane.parameter2)
-        replaced = {f"gear.{axis.name}" for axis in axes if axis is not None} & set(map(key_of, kept))
+        names = {axis.name for axis in axes if axis is not None}
+        replaced = {key for key in map(key_of, kept) if key.startswith("gear.") and key.rpartition(".")[2] in names}
         if not replaced:
             return found
         return compose(
@@ -94,7 +95,8 @@ class Settings:
 
     def yaml(self) -> str:
         """The resolved configuration."""
-        return OmegaConf.to_yaml(OmegaConf.structured(self.config))
+        # Values are typed already: as plain data they are written without being checked once more.
+        return OmegaConf.to_yaml(OmegaConf.create(dataclasses.asdict(self.config)))
 
 
 def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings:
@@ -156,7 +158,8 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
         composed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
         plain = pickle.loads(composed)
         ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
-        typed = OmegaConf.merge(OmegaConf.structured(Configuration), plain)
+        # Both are this call's own, so that neither has to be copied.
+        typed = OmegaConf.unsafe_merge(OmegaConf.structured(Configuration), plain)
         OmegaConf.resolve(typed)
         missing = OmegaConf.missing_keys(typed)
         if missing:
@@ -248,6 +251,10 @@ def _one_line(error: Exception) -> str:
                     f"{key} is not allowed here: this plane has no third axis; plane=omega_b_fe has one, and "
                     "plane.parameter2={name:f_e,min:0,max:0.5,num:11} makes one"
                 )
+            if key.startswith("gear.") and key in _keys():
+                of = key.split(".")[1]
+                example = of if of in SYSTEMS else "miter" if of in ("physical", "thermal") else "published"
+                return f"{key} is not allowed here: this gear has no such key; gear={example} has it"
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
         if " is not Optional" in said:

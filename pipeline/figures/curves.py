@@ -13,6 +13,7 @@ from pipeline.figures.layout import from_zero
 from pipeline.figures.naming import STATE_NAMES, axis_label, quantity_text, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
+from pipeline.plan.traits import is_loaded_pair
 from pipeline.plane.row_curves import RowCurves, curves_at
 from pipeline.plane.segments import Piece
 from pipeline.plane.stored import StoredPlane
@@ -175,8 +176,8 @@ def _draw_frequencies(axes: Axes, row: RowCurves, name: str, top: float) -> None
     """Linear natural frequencies, and where amplitudes are drawn the backbone up to the amplitude `top`."""
     for frequency in row.modes:
         axes.axvline(frequency, **_FREQUENCY)
-    if top > 0.0 and row.model.f_pm != 0.0:
-        free = backbone(row.model, np.linspace(0.0, top, _AMPLITUDES))
+    if top > 0.0 and is_loaded_pair(row.system):
+        free = backbone(row.system, np.linspace(0.0, top, _AMPLITUDES))
         for frequency in (free.lower, free.upper):
             axes.plot(frequency, getattr(free, name), **_BACKBONE)
 
@@ -327,6 +328,6 @@ def _legend_keys(plane: StoredPlane, rows: list[RowCurves], names: tuple[str, ..
         keys[rf"runs on to the ceiling $\lambda_a$ = {ceiling:g}"] = Line2D([], [], **_EXIT)
     if plane.over_frequency and np.any(plane.resonances):
         keys["linear natural frequency"] = Line2D([], [], **_FREQUENCY)
-        if AMPLITUDE.name in names and any(row.model.f_pm for row in rows):
+        if AMPLITUDE.name in names and any(is_loaded_pair(row.system) for row in rows):
             keys["backbone"] = Line2D([], [], **_BACKBONE)
     return keys

@@ -29,24 +29,24 @@ from pipeline.figures.map_legend import (
     FAILED_ROWS,
     LINES,
     MARKS,
-    MODES,
     OPEN_CELLS,
     Entry,
     draw_legend,
     legend_entries,
     legend_height,
+    mode_style,
 )
 from pipeline.figures.naming import axis_label
 from pipeline.figures.palette import hex_colour, label_colour, text_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
 from pipeline.figures.physical_axes import lift, show_units, spare, titled
-from pipeline.figures.region_labels import placed_labels
+from pipeline.figures.region_labels import RegionLabel, placed_labels
 from pipeline.figures.shading import draw_dots, draw_lines
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 
-__all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel", "write_labels"]
+__all__ = ["draw_map", "draw_window", "fill", "label_places", "modes_within", "with_main_panel", "write_labels"]
 
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
@@ -137,12 +137,12 @@ def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entr
 
 
 def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
-    """Which of the two natural frequencies a panel shows, (2,) bool."""
+    """Which natural frequencies a panel shows, (m,) bool."""
     if not plane.over_frequency:
-        return np.zeros(2, dtype=bool)
+        return np.zeros(plane.modes.shape[1], dtype=bool)
     inside = (plane.rows >= panel.y[0]) & (plane.rows <= panel.y[1])
     levels = np.concatenate([panel.y, plane.rows[inside]])
-    places = np.stack([np.interp(levels, plane.rows, mode) for mode in plane.modes.T])
+    places = np.array([np.interp(levels, plane.rows, mode) for mode in plane.modes.T]).reshape(-1, levels.size)
     return np.any((places >= panel.x[0]) & (places <= panel.x[1]), axis=1)
 
 
@@ -171,19 +171,18 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
         mark(axes, marked & ~dark, panel.x, panel.y)
         mark(axes, marked & dark, panel.x, panel.y, "white")
     if plane.over_frequency:
-        for kind, frequency in zip(MODES, plane.modes.T, strict=True):
+        for number, frequency in enumerate(plane.modes.T, start=1):
             # To the borders of the first and last row, where the frequency is that of the row.
             x, y = np.pad(frequency, 1, mode="edge"), np.concatenate([rows[:1], plane.rows, rows[-1:]])
-            axes.plot(x, y, **kind)
+            axes.plot(x, y, **mode_style(number))
     axes.set(xlim=from_zero(panel.x), ylim=from_zero(panel.y))
 
 
-def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequence[tuple[float, float]] = ()) -> None:
-    """Write n/I into the regions of a filled panel; beside narrow ones, unless they are enlarged elsewhere."""
+def label_places(
+    panel: Panel, plane: StoredPlane, size: tuple[float, float], enlarged_in: Sequence[tuple[float, float]] = ()
+) -> list[RegionLabel]:
+    """Where n/I is written in a panel of so many inches; in shares of the panel."""
     width, height = panel.x[1] - panel.x[0], panel.y[1] - panel.y[0]
-    # What is drawn reaches to zero where the panel does not.
-    size = axes.get_position().size * axes.figure.get_size_inches()
-    size = size * (width / np.ptp(axes.get_xlim()), height / np.ptp(axes.get_ylim()))
     blocked = []
     for places in panel.marks.values():
         for x, y in (places - (panel.x[0], panel.y[0])) / (width, height):
@@ -197,7 +196,16 @@ def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequ
     windows = [tuple((np.array(window) - panel.x[0]) / width) for window in enlarged_in]
     parts = panel.code.astype(np.int32) | panel.unstable << 17 | panel.contradictory << 18
     names = {code: label.replace("/-", "/\u2013") for code, label in plane.labels.items()}
-    for label in placed_labels(panel.code, parts, names, tuple(size), blocked, windows):
+    return placed_labels(panel.code, parts, names, size, blocked, windows)
+
+
+def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequence[tuple[float, float]] = ()) -> None:
+    """Write n/I into the regions of a filled panel; beside narrow ones, unless they are enlarged elsewhere."""
+    width, height = panel.x[1] - panel.x[0], panel.y[1] - panel.y[0]
+    # What is drawn reaches to zero where the panel does not.
+    size = axes.get_position().size * axes.figure.get_size_inches()
+    size = size * (width / np.ptp(axes.get_xlim()), height / np.ptp(axes.get_ylim()))
+    for label in label_places(panel, plane, tuple(size), enlarged_in):
         place, *ends = (
             (panel.x[0] + across * width, panel.y[0] + up * height)
             for across, up in (label.place, label.leads_to or label.place)

@@ -3,8 +3,10 @@
 import math
 
 from pipeline.config.allowed import check_one, sentence_of
+from pipeline.config.quantities import QUANTITIES
 from pipeline.config.schema import Figures
 from pipeline.errors import ConfigurationError
+from pipeline.plan.kinds import kind_of
 from pipeline.plan.plan import Plan
 
 __all__ = ["check_options"]
@@ -78,6 +80,11 @@ def check_options(
     words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
     for name, value in {"formats": formats, "dpi": dpi, **words}.items():
         check_one(Figures, f"figures.{name}", value)
+    if quantity in kind_of(plan).lacks:
+        names = ", ".join(name for name in QUANTITIES if name not in kind_of(plan).lacks)
+        raise ConfigurationError(
+            f"figures.quantity = {quantity!r} is not allowed: this gear has none; it must be one of {names}"
+        )
     if units == "physical" and plan.physical is None:
         raise ConfigurationError(
             "figures.units = 'physical' is not allowed: it must be dimensionless, as this plane's gear is"

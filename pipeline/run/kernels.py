@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Iterable
 
+from pipeline.plan.kinds import BEVEL
 from solver.kernels.warm import kernels_of, warm
 
 __all__ = ["NEEDED", "kernels_for", "ready_for_attractors", "ready_for_rows"]
@@ -98,15 +99,32 @@ NEEDED = {
 }
 
 
-def kernels_for(stages: Iterable[str], balance: str) -> list[str]:
-    """Names of what stages need, in the order to compile them in."""
-    return list(dict.fromkeys(name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ())))
+#: What is called in place of a bevel pair's kernel where another system is solved.
+_OF_SYSTEMS = {
+    "solver.enumeration.coefficients.enclose_gear": "solver.enumeration.system_coefficients.enclose_system",
+    "solver.harmonic.quantities.fill_quantities": "solver.harmonic.quantities.fill_system_quantities",
+    "solver.harmonic.describing_function.residual_and_jacobian": (
+        "solver.harmonic.describing_function.system_residual_and_jacobian"
+    ),
+    "solver.harmonic.describing_function.test_functions": "solver.harmonic.describing_function.system_test_functions",
+    "solver.continuation.setup.no_contacts": "solver.harmonic.contact_extrema.contacts",
+    "solver.boundaries.first_order._bifurcation_balance": "solver.boundaries.first_order._system_bifurcation_balance",
+    "solver.boundaries.first_order._fold_balance": "solver.boundaries.first_order._system_fold_balance",
+    "solver.boundaries.first_order._grazing_balance": "solver.boundaries.first_order._system_grazing_balance",
+    "solver.boundaries.first_order._test_functions": "solver.boundaries.first_order._system_test_functions",
+}
+
+
+def kernels_for(stages: Iterable[str], balance: str, kind: str = BEVEL.name) -> list[str]:
+    """Names of what stages need for a kind of system, in the order to compile them in."""
+    names = (name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ()))
+    return list(dict.fromkeys(name if kind == BEVEL.name else _OF_SYSTEMS.get(name, name) for name in names))
 
 
 @functools.cache
-def ready_for_rows(balance: str) -> None:
+def ready_for_rows(balance: str, kind: str = BEVEL.name) -> None:
     """Compile or load what rows need, once in this process: a row's time is its own."""
-    warm(kernels_of(kernels_for(["sweep"], balance)))
+    warm(kernels_of(kernels_for(["sweep"], balance, kind)))
 
 
 @functools.cache

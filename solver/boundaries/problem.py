@@ -69,6 +69,8 @@ _DIFFERENCE = 1e-5
 
 
 _KINDS = frozenset(map(int, Event))
+#: Axes that move the same numbers: what one adds depends on the other.
+_TOGETHER = ({"gap", "gap_scale"}, {"damping", "contact_damping"})
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ class Plane:
                 not isinstance(axis, str) or axis not in allowed
             ):
                 raise ParameterError(name, axis, f"one of {', '.join(allowed)}")
-        if self.x_axis == self.p_axis or {self.x_axis, self.p_axis} == {"gap", "gap_scale"}:
+        if self.x_axis == self.p_axis or {self.x_axis, self.p_axis} in _TOGETHER:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
             object.__setattr__(self, name, value_range(name, getattr(self, name)))

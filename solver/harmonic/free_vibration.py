@@ -2,9 +2,10 @@
 
 Without damping a free vibration may be started at rest, so that it is even in time: lambda = Lambda_0 + sum_k c_k
 cos k theta, theta = Omega tau, and of the Galerkin balance (`solver.harmonic.galerkin`) only the rows E_0 and Re E_k
-are left. With the largest displacement given, lambda(0) = A, they are as many equations as the unknowns (Lambda_0,
-c_1 ... c_H, Omega). Newton's method starts from the first order: with the gain N of a motion of amplitude a, and the
-mean that carries the load, Omega^2 is an eigenvalue of M^-1 (K + N h w^T).
+are are left. With the largest displacement given, lambda(0) = A, they are as many equations as the unknowns (Lambda_0,
+c_1 ... c_H, Omega). Newton's method starts from the first order, and where that is too far off harmonics are added one
+by one. At first order, with the gain N of a motion of amplitude a and the mean that carries the load, Omega^2 is an
+eigenvalue of M^-1 (K + N h w^T).
 """
 
 import dataclasses
@@ -110,6 +111,8 @@ def free_vibration(system: Model | ContactSystem, highest, *, order: int = 15, m
         for start in (first, before):
             if found is None and start is not None:
                 found, status[i] = _settled(bare, highest[i], start, order)
+        if found is None and first is not None:
+            found, status[i] = _raised(bare, highest[i], first, order)
         if found is not None:
             before, omega[i] = found, found[-1]
             motions[i] = 0.0
@@ -138,10 +141,12 @@ def _first_order(system: ContactSystem, highest: float, mode: int, order: int) -
         force = _law(system, mean, highest - mean)[0]
         return (1.0 - receptance[0]) * mean + receptance[0] * force - receptance[1]
 
-    # At the lower end the amplitude is as large as the motion may become on the other side.
-    low, high = -highest - 2.0 * abs(system.back_gap if system.two_sided else system.front_gap), highest
-    low *= max(1.0, 1.0 / system.back_stiffness)
-    if not mean_row(low) * mean_row(high) < 0.0:
+    # At the lower end the amplitude is as large as the motion may become on the other side: against a spring softer by
+    # a factor it is larger by the root of that.
+    high, gap = highest, abs(system.back_gap if system.two_sided else system.front_gap)
+    lows = (-factor * (highest + 2.0 * gap) for factor in 4.0 ** np.arange(10))
+    low = next((low for low in lows if mean_row(low) * mean_row(high) < 0.0), None)
+    if low is None:
         return None
     mean = float(brentq(mean_row, low, high, xtol=1e-14))
     gain = _law(system, mean, highest - mean)[1]
@@ -153,6 +158,24 @@ def _first_order(system: ContactSystem, highest: float, mode: int, order: int) -
     start = np.zeros(order + 2)
     start[0], start[1], start[-1] = mean, highest - mean, np.sqrt(squares[mode])
     return start
+
+
+def _raised(
+    system: ContactSystem, highest: float, start: np.ndarray, order: int
+) -> tuple[np.ndarray | None, FreeVibrationStatus]:
+    """What Newton's method reaches when harmonics are added one by one, None if that ends on the way, and how it ended.
+
+    A contact that is much stiffer than what holds the mass has motions far from a single harmonic.
+    """
+    for harmonics in range(1, order + 1):
+        guess = np.zeros(harmonics + 2)
+        guess[-1] = start[-1]
+        shared = min(start.size - 1, harmonics + 1)
+        guess[:shared] = start[:shared]
+        start, status = _settled(system, highest, guess, harmonics)
+        if start is None:
+            break
+    return start, status
 
 
 def _settled(

@@ -25,6 +25,7 @@ from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import finite_array, has_methods, instance_of, number_array
 from solver.model.condensation import NO_COUPLING, direction_squares, rotation_coupling
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
 from solver.model.parameters import (
@@ -49,7 +50,7 @@ from solver.model.parameters import (
     system_matrices,
 )
 
-__all__ = ["balance_quantities", "fill_quantities", "fill_system_quantities"]
+__all__ = ["balance_quantities", "fill_quantities", "fill_read", "fill_system_quantities"]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _COMPLEX = np.complex128
@@ -327,18 +328,36 @@ def fill_system_quantities(parameters, parameter_slope, values, motions, found):
             found[i, 9] = largest / static
 
 
+def fill_read(system, balance: Balance, parameters, values: np.ndarray, motions: np.ndarray, found: np.ndarray) -> None:
+    """`fill_quantities` of a gear pair, `fill_system_quantities` of a `ContactSystem`.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    balance : Balance
+    parameters : (parameters, parameter_slope)
+        Of `solver.model.packing.packed`.
+    values, motions, found : arrays
+        As for `fill_quantities`.
+    """
+    if isinstance(system, Model):
+        fill_quantities(*parameters, values, motions, balance.truncated, found)
+    else:
+        fill_system_quantities(*parameters, values, motions, found)
+
+
 def balance_quantities(
-    balance: Balance, model: Model, axis: str, values, motions, omega: float | None = None
+    balance: Balance, system: Model | ContactSystem, axis: str, values, motions, omega: float | None = None
 ) -> np.ndarray:
-    """Quantities of motions of a gear pair, from their harmonics and contact angles.
+    """Quantities of motions, from their harmonics and contact angles.
 
     Parameters
     ----------
     balance : Balance
         That the motions are solutions of, with n unknowns.
-    model : Model
+    system : Model or ContactSystem
     axis : str
-        The swept parameter, one of `solver.AXES`.
+        The swept parameter, one of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
     values : (...) array_like
         Axis values of the motions.
     motions : (..., n) array_like
@@ -358,13 +377,13 @@ def balance_quantities(
         If an argument is not allowed.
     """
     has_methods("balance", balance, "problem", "extremes")
-    instance_of("model", model, Model)
+    instance_of("system", system, Model, ContactSystem)
     values, motions = finite_array("values", values, None), number_array("motions", motions, last=balance.unknowns)
     values = np.broadcast_to(values, motions.shape[:-1])
     low, high = (float(values.min()), float(values.max())) if values.size else (1.0, 2.0)
-    check_axis(model, axis, low, np.nextafter(high, np.inf), omega)
-    parameters, parameter_slope = packed(model, axis, omega, balance.order, balance.period)
+    check_axis(system, axis, low, np.nextafter(high, np.inf), omega)
+    parameters = packed(system, axis, omega, balance.order, balance.period)
     flat = np.ascontiguousarray(motions.reshape(-1, balance.unknowns), dtype=float)
     found = np.empty((len(flat), len(Slot)))
-    fill_quantities(parameters, parameter_slope, values.ravel().copy(), flat, balance.truncated, found)
+    fill_read(system, balance, parameters, values.ravel().copy(), flat, found)
     return found.reshape(*motions.shape[:-1], len(Slot))

@@ -20,6 +20,7 @@ import numpy as np
 from numba.core import compiler, compiler_machinery, errors, typed_passes, typing, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.environment import Environment
 from numba.core.imputils import lower_constant
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
@@ -290,6 +291,8 @@ def _compiled(kernel, signature) -> compiler.CompileResult:
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
     lowered = _kernel_type(kernel).lowered(signature)
+    if kernel.shared:
+        lowered = _with_constants_of_its_own(lowered)
     context = calling_kernels(cpu_target.target_context.subtarget(enable_nrt=owns_arrays(kernel)))
     library = _new_unit(lowered)
     if not kernel.shared:
@@ -300,6 +303,17 @@ def _compiled(kernel, signature) -> compiler.CompileResult:
     context.create_cfunc_wrapper(*wrapped)
     entry_point = context.get_executable(library, lowered.fndesc, lowered.environment)
     return lowered._replace(library=library, entry_point=entry_point)
+
+
+def _with_constants_of_its_own(lowered: compiler.CompileResult) -> compiler.CompileResult:
+    """A shared kernel for Python, whose call makes objects of constants that the shared unit does not have.
+
+    Numba knows constants by the name of their environment. Of two units that name the same one, those that are read
+    last would go without theirs.
+    """
+    description = copy.copy(lowered.fndesc)
+    description.env_name += ".python"
+    return lowered._replace(fndesc=description, environment=Environment.from_fndesc(description))
 
 
 def _new_unit(lowered: compiler.CompileResult) -> _Unit:

@@ -13,7 +13,7 @@ from solver.model.contact_system import ContactSystem, reduced, refuse_cubic
 from solver.model.gear_model import Model
 from solver.model.packing import packed
 from solver.model.parameters import LOADS, STIFFNESSES
-from solver.timedomain.quantities import Gauge, gauge_at
+from solver.timedomain.quantities import Gauge, gauge_at, system_gauges
 
 __all__ = ["RowSystems", "motion_states", "random_states", "row_systems"]
 
@@ -166,18 +166,9 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
     if isinstance(system, Model):
         gauges = tuple(gauge_at(parameters, slope, value, False) for value in values.tolist())
     else:
-        gauges = _gauges(reduced(system), rest, gaps[:, 1])
+        kept = reduced(system)
+        gauges = system_gauges(kept, rest[:, : kept.degrees], gaps[:, 1])
     return RowSystems(parameters, slope, values, degrees, rest, box, gaps, frequencies, gauges, tuple(alike))
-
-
-def _gauges(system: ContactSystem, rest: np.ndarray, front: np.ndarray) -> tuple[Gauge, ...]:
-    """What is read of a system that is no gear pair: the force over that at rest in contact, beyond a gap (X,)."""
-    force, varying = system.force, system.varying_force
-    # The stiffness varies in the mesh force where both act along one direction; elsewhere there is no one mesh force.
-    share = float(varying @ force / (force @ force))
-    share = share if np.allclose(varying, share * force, rtol=1e-12, atol=0.0) else np.nan
-    closed = rest[:, : system.degrees] @ system.contact - front
-    return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), np.empty(0), np.empty((0, 0))) for at in closed)
 
 
 def _solved(matrices: np.ndarray, rights: np.ndarray) -> np.ndarray:

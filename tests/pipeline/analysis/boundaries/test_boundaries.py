@@ -11,7 +11,7 @@ import zarr
 from pipeline import figures, store
 from pipeline.__main__ import main
 from pipeline.analysis import boundaries
-from pipeline.analysis.boundaries.events import MARGINS, half_backlash, read_events
+from pipeline.analysis.boundaries.events import MARGINS, dead_zone_at, read_events
 from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import model_at
 from pipeline.plane.boundaries import read_boundaries, special_places
@@ -124,7 +124,7 @@ def check_raster_against_curves(path, plan):
         inside = (interval >= 0) & (interval < plan.sweep.num - 1) & curve.arc_shows[found.arc]
         points, place, sign = found.points[inside], (found.line[inside], interval[inside]), sign[inside]
         crossings += len(points)
-        b = half_backlash(plan, points[:, 3], points[:, 4])
+        _, b = dead_zone_at(plan, points[:, 3], points[:, 4])
         size = np.hypot(points[:, 1], points[:, 2])
         if curve.kind is Event.FOLD:
             np.add.at(count_change, place, 2 * sign)
