@@ -326,6 +326,14 @@ class Spectrum:
 
 
 @dataclass
+class Explore:
+    """The page of a plane, and what it shows first; see `pipeline.explorer.view_state`."""
+
+    port: int = allowed(0, 65535)
+    view: str | None = MISSING
+
+
+@dataclass
 class Report:
     """The reproduction report."""
 
@@ -349,6 +357,7 @@ class Configuration:
     diagram: Diagram = MISSING
     spectrum: Spectrum = MISSING
     margins: Margins = MISSING
+    explore: Explore = MISSING
     figures: Figures = MISSING
     check: Check = MISSING
     debug: Debug = MISSING

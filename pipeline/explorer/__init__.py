@@ -1,0 +1,1 @@
+"""A stored plane in a browser: asked by clicking, answered by computing."""
