@@ -40,13 +40,13 @@ from pipeline.figures.naming import axis_label
 from pipeline.figures.palette import hex_colour, label_colour, text_colour
 from pipeline.figures.panels import Panel, cell_borders, panel_of
 from pipeline.figures.physical_axes import lift, show_units, spare, titled
-from pipeline.figures.region_labels import placed_labels
+from pipeline.figures.region_labels import RegionLabel, placed_labels
 from pipeline.figures.shading import draw_dots, draw_lines
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 
-__all__ = ["draw_map", "draw_window", "fill", "modes_within", "with_main_panel", "write_labels"]
+__all__ = ["draw_map", "draw_window", "fill", "label_places", "modes_within", "with_main_panel", "write_labels"]
 
 #: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
 _NARROW = 1e-3
@@ -178,12 +178,11 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     axes.set(xlim=from_zero(panel.x), ylim=from_zero(panel.y))
 
 
-def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequence[tuple[float, float]] = ()) -> None:
-    """Write n/I into the regions of a filled panel; beside narrow ones, unless they are enlarged elsewhere."""
+def label_places(
+    panel: Panel, plane: StoredPlane, size: tuple[float, float], enlarged_in: Sequence[tuple[float, float]] = ()
+) -> list[RegionLabel]:
+    """Where n/I is written in a panel of so many inches; in shares of the panel."""
     width, height = panel.x[1] - panel.x[0], panel.y[1] - panel.y[0]
-    # What is drawn reaches to zero where the panel does not.
-    size = axes.get_position().size * axes.figure.get_size_inches()
-    size = size * (width / np.ptp(axes.get_xlim()), height / np.ptp(axes.get_ylim()))
     blocked = []
     for places in panel.marks.values():
         for x, y in (places - (panel.x[0], panel.y[0])) / (width, height):
@@ -197,7 +196,16 @@ def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequ
     windows = [tuple((np.array(window) - panel.x[0]) / width) for window in enlarged_in]
     parts = panel.code.astype(np.int32) | panel.unstable << 17 | panel.contradictory << 18
     names = {code: label.replace("/-", "/\u2013") for code, label in plane.labels.items()}
-    for label in placed_labels(panel.code, parts, names, tuple(size), blocked, windows):
+    return placed_labels(panel.code, parts, names, size, blocked, windows)
+
+
+def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequence[tuple[float, float]] = ()) -> None:
+    """Write n/I into the regions of a filled panel; beside narrow ones, unless they are enlarged elsewhere."""
+    width, height = panel.x[1] - panel.x[0], panel.y[1] - panel.y[0]
+    # What is drawn reaches to zero where the panel does not.
+    size = axes.get_position().size * axes.figure.get_size_inches()
+    size = size * (width / np.ptp(axes.get_xlim()), height / np.ptp(axes.get_ylim()))
+    for label in label_places(panel, plane, tuple(size), enlarged_in):
         place, *ends = (
             (panel.x[0] + across * width, panel.y[0] + up * height)
             for across, up in (label.place, label.leads_to or label.place)

@@ -23,12 +23,14 @@ __all__ = [
     "FAILED_ROWS",
     "LINES",
     "MARKS",
+    "MARK_NAMES",
     "MODES",
     "OPEN_CELLS",
     "Entry",
     "draw_legend",
     "legend_entries",
     "legend_height",
+    "share_text",
 ]
 
 #: Line kind -> its style and what the legend says of it.
@@ -126,7 +128,7 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
         entries.append(Entry("stability contradictory:", area=CONTRADICTORY))
         entries.append(Entry("the order is too low"))
     entries += [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
-    entries += [Entry(_MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
+    entries += [Entry(MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
     for kind, energy, present in zip(MODES, mesh_energies(planes[0]), modes, strict=True):
         if present:
             entries.append(Entry(f"linear mode, {energy}", line=kind))
@@ -139,7 +141,7 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
     return entries
 
 
-_MARK_NAMES = {
+MARK_NAMES = {
     SpecialPoint.CUSP: "cusp: two folds end",
     SpecialPoint.FOLD_GRAZING: "fold meets grazing",
     SpecialPoint.ISOLA: "isola: a branch is born",
@@ -147,9 +149,14 @@ _MARK_NAMES = {
 }
 
 
+def share_text(share: float) -> str:
+    """A share of the plane in percent, to two decimals."""
+    return "< 0.01 %" if share < 5e-5 else f"{100.0 * share:.2f} %"
+
+
 def _label_entry(label: str, share: float | None) -> Entry:
     colour = hex_colour(label_colour(label))
-    percent = "" if share is None else "< 0.01 %" if share < 5e-5 else f"{100.0 * share:.2f} %"
+    percent = "" if share is None else share_text(share)
     return Entry(
         label.replace("/-", "/\u2013"), percent, area={"facecolor": colour, "edgecolor": "0.3", "linewidth": 0.4}
     )

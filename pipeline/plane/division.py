@@ -81,8 +81,9 @@ _KNOWN: WeakKeyDictionary[StoredPlane, Division | None] = WeakKeyDictionary()
 def stored_division(plane: StoredPlane) -> Division | None:
     """The division of a stored plane, made once; None where its boundaries are not stored, or do not divide it.
 
-    Codes are those of `solver.regions.labelling.stability_codes`.
+    Codes are those of `solver.regions.labelling.stability_codes`, whatever the labels of the plane count.
     """
+    plane = plane.counting(dynamic=False)
     if plane not in _KNOWN:
         _KNOWN[plane] = _divided(plane)
     return _KNOWN[plane]

@@ -96,6 +96,16 @@ class StoredPlane:
         """One layer of a volume."""
         return self._as(plan=self.plan.layer(index), layer=index)
 
+    def counting(self, dynamic: bool) -> "StoredPlane":
+        """The plane whose labels count the dynamically stable motions, or the statically stable ones."""
+        return self if dynamic == self.dynamic else self._twin
+
+    @cached_property
+    def _twin(self) -> "StoredPlane":
+        twin = self._as(dynamic=not self.dynamic)
+        vars(twin)["_twin"] = self
+        return twin
+
     def _as(self, **changes) -> "StoredPlane":
         """Another part of the same store, which is not opened again: that takes longer than to read a block of it."""
         part = replace(self, **changes)

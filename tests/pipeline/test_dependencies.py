@@ -15,10 +15,13 @@ def plain(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
-def imported() -> set[str]:
-    """Distributions that modules of `solver` and `pipeline` import, anywhere in them."""
+EXPLORER = ROOT / "pipeline/explorer"
+
+
+def imported(files) -> set[str]:
+    """Distributions that modules import, anywhere in them."""
     names = set()
-    for file in [*ROOT.glob("solver/**/*.py"), *ROOT.glob("pipeline/**/*.py")]:
+    for file in files:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 names |= {alias.name.partition(".")[0] for alias in node.names}
@@ -29,19 +32,26 @@ def imported() -> set[str]:
     return {plain(known[name][0]) for name in names}
 
 
-def declared() -> dict[str, str]:
+def declared(extra: str | None = None) -> dict[str, str]:
     """Distribution -> lowest version."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return {plain(name): low for name, low in (word.split(">=") for word in project["dependencies"])}
+    words = project["dependencies"] if extra is None else project["optional-dependencies"][extra]
+    return {plain(name): low for name, low in (word.split(">=") for word in words)}
 
 
 def test_every_import_is_declared_and_nothing_else():
+    files = [*ROOT.glob("solver/**/*.py"), *ROOT.glob("pipeline/**/*.py")]
     # The key of a run is made with it by dask, which has it as an extra.
-    assert imported() | {"cryptography"} == set(declared())
+    assert imported(file for file in files if EXPLORER not in file.parents) | {"cryptography"} == set(declared())
+
+
+def test_what_pages_need_is_imported_by_the_explorer_alone_and_is_an_extra():
+    extra = imported(EXPLORER.glob("**/*.py")) - set(declared())
+    assert "bokeh" in extra and extra <= set(declared("explore"))
 
 
 def test_every_declared_distribution_is_pinned_at_its_lower_bound_or_above():
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").split()
     pinned = {plain(name): version for name, version in (line.split("==") for line in lines)}
-    for name, low in declared().items():
+    for name, low in {**declared(), **declared("explore")}.items():
         assert [int(part) for part in re.findall(r"\d+", pinned[name])] >= [int(part) for part in low.split(".")], name

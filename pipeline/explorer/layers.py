@@ -1,0 +1,67 @@
+"""What the map of a plane can show, and each of it as plain data."""
+
+from pipeline.analysis.attractors.dataset import read_attractors
+from pipeline.config.quantities import QUANTITIES
+from pipeline.errors import ConfigurationError
+from pipeline.explorer.cell_layers import attractor_layer, credibility_layer, quantity_layer
+from pipeline.explorer.layer_data import Layer
+from pipeline.explorer.map_frame import frame_of_map
+from pipeline.explorer.region_layers import region_layer
+from pipeline.plane.stored import StoredPlane
+
+__all__ = ["DETAIL", "layer", "layer_names"]
+
+#: How far what is drawn of a curve may be off it, as a share of the axes: at twenty times the size of a map that is
+#: 1500 pixels wide, a thirtieth of a pixel.
+DETAIL = 1e-6
+
+
+def layer_names(plane: StoredPlane) -> tuple[str, ...]:
+    """The layers that the store of a plane has, in the order in which a reader asks for them.
+
+    Returns
+    -------
+    tuple of str
+        "domains", "dynamic", "attractors", "credibility" where attractors are stored, then the quantities.
+    """
+    found = ("attractors", "credibility") if read_attractors(plane.path) is not None else ()
+    return ("domains", "dynamic", *found, *QUANTITIES)
+
+
+def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "worst", detail: float = DETAIL) -> Layer:
+    """One layer of the map.
+
+    Parameters
+    ----------
+    plane : StoredPlane
+        A plane, not a volume.
+    name : str
+        One of `layer_names`.
+    physical : bool
+        Whether axes and quantities are in physical units.
+    of : str
+        Where several stable motions coexist, a quantity is the "worst", the largest, or the "mildest", the smallest.
+    detail : float
+        How far what is drawn of a curve may be off it, as a share of the axes.
+
+    Raises
+    ------
+    ConfigurationError
+        If the store has no such layer, or the gear has no physical units.
+    """
+    names = layer_names(plane)
+    if name not in names:
+        raise ConfigurationError(f"layer = {name!r} is not allowed: it must be one of {', '.join(names)}")
+    if physical and plane.plan.physical is None:
+        raise ConfigurationError(
+            "physical = True is not allowed: it must be False, as this plane's gear is dimensionless"
+        )
+    frame = frame_of_map(plane, physical)
+    if name in ("domains", "dynamic"):
+        return region_layer(plane.counting(dynamic=name == "dynamic"), name, frame, detail)
+    static = plane.counting(dynamic=False)
+    if name == "attractors":
+        return attractor_layer(static, frame, detail)
+    if name == "credibility":
+        return credibility_layer(static, frame, detail)
+    return quantity_layer(static, QUANTITIES[name], of, frame, detail)
