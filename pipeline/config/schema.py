@@ -405,6 +405,14 @@ class Spectrum:
 
 
 @dataclass
+class Explore:
+    """The page of a plane, and what it shows first; see `pipeline.explorer.view_state`."""
+
+    port: int = allowed(0, 65535)
+    view: str | None = MISSING
+
+
+@dataclass
 class Report:
     """The reproduction report."""
 
@@ -428,6 +436,7 @@ class Configuration:
     diagram: Diagram = MISSING
     spectrum: Spectrum = MISSING
     margins: Margins = MISSING
+    explore: Explore = MISSING
     figures: Figures = MISSING
     page: Page = MISSING
     check: Check = MISSING
