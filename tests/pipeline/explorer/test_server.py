@@ -1,4 +1,4 @@
-"""The explorer's server: for this machine and its own pages alone, and whatever happens to its store is a line of text."""
+"""The explorer's server: for this machine and its own pages alone; whatever happens to its store is a line of text."""
 
 import asyncio
 import re
