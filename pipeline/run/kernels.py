@@ -107,6 +107,13 @@ NEEDED = {
     "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.zone_flows._tabulated")),
     "debug": _ROWS,
 }
+#: Whatever is asked of a place: its row, its motions, and boundaries of margins.
+NEEDED["explore"] = {
+    balance: tuple(
+        dict.fromkeys(name for stage in ("sweep", "motion", "boundaries") for name in NEEDED[stage][balance])
+    )
+    for balance in _ROWS
+}
 
 
 #: What is called in place of a bevel pair's kernel where another system is solved.
