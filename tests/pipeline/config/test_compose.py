@@ -384,10 +384,9 @@ def _files_in(installed: Path) -> set[str]:
 
 
 def _files_to_ship() -> set[str]:
-    """Every module of both packages, the style of figures, and conf/ where installed programs look for it."""
-    kinds = {"solver": (".py",), "pipeline": (".py", ".mplstyle"), "conf": (".yaml",)}
-    files = [file for top, ends in kinds.items() for file in (ROOT / top).rglob("*") if file.suffix in ends]
-    names = {file.relative_to(ROOT).as_posix() for file in files}
+    """Every file of both packages, and conf/ where installed programs look for it."""
+    files = [file for top in ("solver", "pipeline", "conf") for file in (ROOT / top).rglob("*") if file.is_file()]
+    names = {file.relative_to(ROOT).as_posix() for file in files if file.parent.name != "__pycache__"}
     return {f"pipeline/{name}" if name.startswith("conf/") else name for name in names}
 
 
