@@ -12,7 +12,7 @@ The study varies half backlash, stiffness variation, transmission error and load
 
 import pipeline
 
-coarse = ["plane.sweep.num=120", "plane.parameter.num=30", "output.root=article"]
+coarse = ["plane.sweep.num=80", "plane.parameter.num=16", "output.root=article"]
 planes = {name: pipeline.compute(name, coarse) for name in ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")}
 planes["omega_b"].plot.map()
 

@@ -95,3 +95,27 @@ axes.legend()
 # Away from the resonance it is. Near the fold the motion that strikes the stop is smaller than first order says, and
 # others occur beside it that no balance of one period has: over several periods, or chaotic. A higher order is one more
 # word, ``balance=solver.Galerkin(order=9)``; the motions beside it remain a matter of integration.
+#
+# How near must the stop be, so that the beam no longer jumps? From an NPZ file, the matrices are ``gear=system`` for
+# planes. Their boundary curves are left out here, since a beam has many: lines are those of cells.
+
+import pipeline
+
+three = beam(3)
+np.savez(
+    "beam.npz",
+    mass=three.mass,
+    damping=three.damping,
+    stiffness=three.stiffness,
+    contact=three.contact,
+    force=three.force,
+    load=three.load,
+)
+system = ["gear=system", "gear.system.file=beam.npz", "gear.system.front_gap=0.05", "gear.system.back_gap=inf"]
+axes = ["plane.sweep.min=2", "plane.sweep.max=8", "plane.parameter.min=0.01", "plane.parameter.max=0.3"]
+coarse = ["plane.sweep.num=100", "plane.parameter.num=30"]
+plane = pipeline.compute("omega_gap", [*system, *axes, *coarse, "stages=[sweep]", "store.name=beam"])
+plane.plot.map()
+
+# %%
+# Nearer than about 0.04. Where the map is hatched or dotted, integration has the last word.

@@ -15,8 +15,8 @@ pair = [
     "gear=miter",
     "gear.physical.mesh_stiffness=from_geometry",
     "gear.physical.mesh_stiffness_harmonics=[]",
-    "plane.sweep.num=120",
-    "plane.parameter.num=30",
+    "plane.sweep.num=80",
+    "plane.parameter.num=16",
     "store.name=miter",
 ]
 plane = pipeline.compute("omega_b", pair)

@@ -75,5 +75,19 @@ axes.set(xlabel="mesh periods", ylabel="mesh force / static force")
 axes.legend()
 
 # %%
-# So they do matter: about every second start ends there, with a force that the map's motion does not have. Of a stored
-# plane, ``stages=[attractors]`` asks this in every cell (:doc:`/concepts/attractors`).
+# So they do matter: about every second start ends there, with a force that the motion of one period does not have. How
+# little must the stiffness vary for them to be gone? The same pair is ``gear=spur``, for planes. Over the variation of
+# the stiffness, counting what is stable to any small disturbance:
+
+import pipeline
+
+axes = ["plane.parameter.name=alpha", "plane.parameter.min=0.05", "plane.parameter.max=0.4", "plane.sweep.max=2.3"]
+coarse = ["plane.sweep.num=120", "plane.parameter.num=30"]
+plane = pipeline.compute("omega_load", ["gear=spur", *axes, *coarse, "store.name=spur"])
+plane.plot.map(stability="dynamic")
+
+# %%
+# In the tongue at the right no motion of one period is stable. Its tip, at Ω = 2, is where damping balances what the
+# stiffness pumps in: α = 4 ζ = 0.2, as Mathieu's equation has it. Beside the tongue motions of two periods coexist with
+# one that is stable, which only integration tells: ``stages=[attractors]`` asks it in every cell
+# (:doc:`/concepts/attractors`). Dotted, left, first order is not enough; the folds above are of order 12.
