@@ -30,6 +30,7 @@ SMALL = [
     "solver.certify_columns=15",
     "cluster=none",
     "attractors.starts=2",
+    "attractors.columns=8",
 ]
 
 
