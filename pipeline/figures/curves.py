@@ -1,5 +1,7 @@
 """A quantity and the mean over the swept parameter, for a few rows: stability, impact state, every event."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -76,7 +78,12 @@ def chosen_values(plane: StoredPlane, values: list[float] | None) -> list[float]
     return list(dict.fromkeys(float(value) for value in values))
 
 
-def draw_curves(plane: StoredPlane, values: list[float] | None, quantity: str = AMPLITUDE.name) -> Drawing:
+def draw_curves(
+    plane: StoredPlane,
+    values: list[float] | None,
+    quantity: str = AMPLITUDE.name,
+    rows: Sequence[RowCurves] | None = None,
+) -> Drawing:
     """Draw the curves at some values of the row parameter, a line of two panels each.
 
     Parameters
@@ -86,12 +93,15 @@ def draw_curves(plane: StoredPlane, values: list[float] | None, quantity: str = 
         None: a quarter, half and three quarters of the axis. What is no row of the plane is solved.
     quantity : str
         One of `pipeline.config.quantities.QUANTITIES`; the mean is drawn beside it, and beside the mean the amplitude.
+    rows : sequence of RowCurves, optional
+        Solved already, in place of those at the values.
 
     Returns
     -------
     Drawing
     """
-    rows = [curves_at(plane, value) for value in chosen_values(plane, values)]
+    if rows is None:
+        rows = [curves_at(plane, value) for value in chosen_values(plane, values)]
     sweep = plane.plan.sweep
     names = (quantity, AMPLITUDE.name if quantity == "mean" else "mean")
     isolated = [isolated_curves_at(plane, row.value, names) for row in rows]

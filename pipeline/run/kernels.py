@@ -107,6 +107,13 @@ NEEDED = {
     "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.zone_flows._tabulated")),
     "debug": _ROWS,
 }
+#: Whatever is asked of a place: its row, its motions, and boundaries of margins.
+NEEDED["explore"] = {
+    balance: tuple(
+        dict.fromkeys(name for stage in ("sweep", "motion", "boundaries") for name in NEEDED[stage][balance])
+    )
+    for balance in _ROWS
+}
 
 
 #: What is called in place of a bevel pair's kernel where another system is solved.
@@ -117,7 +124,6 @@ _OF_SYSTEMS = {
         "solver.harmonic.describing_function.system_residual_and_jacobian"
     ),
     "solver.harmonic.describing_function.test_functions": "solver.harmonic.describing_function.system_test_functions",
-    "solver.continuation.setup.no_contacts": "solver.harmonic.contact_extrema.contacts",
     "solver.boundaries.first_order._bifurcation_balance": "solver.boundaries.first_order._system_bifurcation_balance",
     "solver.boundaries.first_order._fold_balance": "solver.boundaries.first_order._system_fold_balance",
     "solver.boundaries.first_order._grazing_balance": "solver.boundaries.first_order._system_grazing_balance",
@@ -136,7 +142,12 @@ def kernels_for_isolated(kind: str = BEVEL.name) -> list[str]:
 
 
 def _of_kind(names: Iterable[str], kind: str) -> list[str]:
-    return list(dict.fromkeys(name if kind == BEVEL.name else _OF_SYSTEMS.get(name, name) for name in names))
+    names = list(dict.fromkeys(names))
+    if kind == BEVEL.name:
+        return names
+    # A stop may be so stiff that contacts are looked for along its branches.
+    contacts = ["solver.harmonic.contact_extrema.contacts"] if "solver.continuation.arclength.trace" in names else []
+    return list(dict.fromkeys([*(_OF_SYSTEMS.get(name, name) for name in names), *contacts]))
 
 
 @functools.cache
