@@ -65,6 +65,7 @@ STAGES = (
     Entry(
         "margins", "how far a design point is from anything that changes its label", "pipeline.figures.margins_stage"
     ),
+    Entry("explore", "the stored plane in a browser, asked by clicking", "pipeline.explorer.stage"),
     Entry("figures", "pictures of the stored plane; nothing is solved again", "pipeline.figures.stage"),
     Entry(
         "page",
