@@ -68,6 +68,11 @@ STAGES = (
     Entry("explore", "the stored plane in a browser, asked by clicking", "pipeline.explorer.stage"),
     Entry("figures", "pictures of the stored plane; nothing is solved again", "pipeline.figures.stage"),
     Entry(
+        "page",
+        "the plane as one HTML file to mail: its map with all layers, curves of some rows",
+        "pipeline.explorer.page_stage",
+    ),
+    Entry(
         "check",
         "every file of a store against its checksum and the template; repair of what is damaged",
         "pipeline.run.check",

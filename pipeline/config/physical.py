@@ -37,6 +37,9 @@ _KINDS = {
     "mesh_damping": "damping",
     "xi_support": "damping",
     "k_support": "stiffness",
+    "gap": "length",
+    "mean_load": "torque",
+    "contact_damping": "damping",
 }
 
 
@@ -100,7 +103,13 @@ def place_of(key: str, name: str, value: str, scales: Scales | None) -> float:
         # In K as it is.
         return quantity(key, value, "temperature difference")
     if name == "omega":
-        return scales.dimensionless(*speed(key, value))
+        which, number = speed(key, value)
+        if which == "omega" and not isinstance(scales, Scales):
+            raise ConfigurationError(
+                f"{key} = {value!r} is not allowed: it must be a mesh frequency, such as '1.2 kHz', since the gear has "
+                "no numbers of teeth"
+            )
+        return scales.dimensionless(which, number)
     if name not in _KINDS:
         raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number, {name} has no unit")
     return scales.dimensionless(name, quantity(key, value, _KINDS[name]))

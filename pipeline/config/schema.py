@@ -114,33 +114,103 @@ class PhysicalGear:
 
 
 @dataclass
-class Gear:
-    """Dimensionless gear pair; see `solver.Model`. Keys of type Any take one number or a list.
+class Spur:
+    """Spur pair of one degree of freedom; see `solver.spur_pair`. Harmonics are lists of [amplitude, phase in rad]."""
 
-    Of a gear in physical units all but `physical` and `thermal` are null: they follow from these.
+    damping_ratio: float = allowed(0.0)
+    gap: float = allowed(0.0)
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
+    mean_load: float = MISSING
+    alpha: float = MISSING
+    alpha_phase: float = MISSING
+    alpha_harmonics: Any = MISSING
+    excitation: float = MISSING
+    error_harmonics: Any = MISSING
+    load_harmonics: Any = MISSING
+
+
+@dataclass
+class Rotor:
+    """Geared rotor; see `solver.geared_rotor`. Numbers in any consistent units, or texts with units; one, or two."""
+
+    inertia: Any = MISSING
+    base_radius: Any = MISSING
+    mesh_stiffness: Any = MISSING
+    mesh_damping_ratio: float = allowed(0.0)
+    half_backlash: Any = MISSING
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
+    torque: Any = MISSING
+    mass: Any = MISSING
+    support_stiffness: Any = MISSING
+    support_damping: Any = MISSING
+    far_inertia: Any = MISSING
+    shaft_stiffness: Any = MISSING
+    shaft_damping: Any = MISSING
+    alpha: float = MISSING
+    alpha_phase: float = MISSING
+    alpha_harmonics: Any = MISSING
+    excitation: float = MISSING
+    error_harmonics: Any = MISSING
+    torque_harmonics: Any = MISSING
+
+
+@dataclass
+class System:
+    """System of one's own with one contact; see `solver.ContactSystem`. Arrays are lists, or files of them."""
+
+    file: str | None = MISSING
+    mass: Any = MISSING
+    damping: Any = MISSING
+    stiffness: Any = MISSING
+    contact: Any = MISSING
+    force: Any = MISSING
+    varying_force: Any = MISSING
+    load: Any = MISSING
+    inertial_load: Any = MISSING
+    front_gap: float | None = MISSING
+    back_gap: float | None = MISSING
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
+    alpha: float = MISSING
+    alpha_phase: float = MISSING
+    alpha_harmonics: Any = MISSING
+    contact_damping: float = MISSING
+
+
+@dataclass
+class Gear:
+    """What turns: a bevel pair, dimensionless (see `solver.Model`) or in physical units, or another system.
+
+    Keys of type Any take one number or a list. Of a gear in physical units, and of another system, the keys of the
+    dimensionless bevel pair are null.
     """
 
-    b: float | None = MISSING
-    alpha: float | None = MISSING
-    alpha_phase: float | None = MISSING
-    alpha_harmonics: Any = MISSING
-    f_e: float | None = MISSING
-    f_e_phase: float | None = MISSING
-    f_e_harmonics: Any = MISSING
-    f_pm: float | None = MISSING
-    f_pv: float | None = MISSING
-    kappa: Any = MISSING
-    xi_mesh: float | None = MISSING
-    xi_translation: Any = MISSING
-    xi_support: Any = MISSING
-    k_support: Any = MISSING
-    pitch_cone_angle: float | None = MISSING
-    pressure_angle: float | None = MISSING
-    translation_coupling: Any = MISSING
-    rotation_coupling: Any = MISSING
-    variation: Variation | None = MISSING
-    physical: PhysicalGear | None = MISSING
-    thermal: Thermal | None = MISSING
+    b: float | None = None
+    alpha: float | None = None
+    alpha_phase: float | None = None
+    alpha_harmonics: Any = None
+    f_e: float | None = None
+    f_e_phase: float | None = None
+    f_e_harmonics: Any = None
+    f_pm: float | None = None
+    f_pv: float | None = None
+    kappa: Any = None
+    xi_mesh: float | None = None
+    xi_translation: Any = None
+    xi_support: Any = None
+    k_support: Any = None
+    pitch_cone_angle: float | None = None
+    pressure_angle: float | None = None
+    translation_coupling: Any = None
+    rotation_coupling: Any = None
+    variation: Variation | None = None
+    physical: PhysicalGear | None = None
+    thermal: Thermal | None = None
+    spur: Spur | None = None
+    rotor: Rotor | None = None
+    system: System | None = None
 
 
 @dataclass
@@ -254,6 +324,14 @@ class Figures:
 
 
 @dataclass
+class Page:
+    """What the page of a plane has besides its map; units and `of` are those of the figures."""
+
+    rows: int = allowed(0, 40)
+    quantities: list[str] = allowed(names=tuple(QUANTITIES))
+
+
+@dataclass
 class Attractors:
     """Which cells are integrated, and from how many random starts; see `pipeline.analysis.attractors.options`."""
 
@@ -264,6 +342,7 @@ class Attractors:
     max_periods: int = allowed(FEWEST_PERIODS, 10**7)
     tolerance: float = allowed(0.0, 1.0, above=True)
     delta: float = allowed(0.0, 1.0)
+    branches: int = allowed(0, 32)
     points: Any = MISSING
     box: Any = MISSING
     slice: int = allowed(0, 2000)
@@ -359,6 +438,7 @@ class Configuration:
     margins: Margins = MISSING
     explore: Explore = MISSING
     figures: Figures = MISSING
+    page: Page = MISSING
     check: Check = MISSING
     debug: Debug = MISSING
     report: Report = MISSING

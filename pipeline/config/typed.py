@@ -11,10 +11,13 @@ from pathlib import Path
 
 from pipeline.errors import ConfigurationError, shown
 
-__all__ = ["GROUPS", "conf_folder", "expand", "key_of", "loader"]
+__all__ = ["GROUPS", "SYSTEMS", "conf_folder", "expand", "key_of", "loader"]
 
 #: Groups whose files are chosen by name, the folders of conf/, in the order in which help shows them.
 GROUPS = ("plane", "gear", "quality", "solver", "cluster")
+
+#: Sections of a gear that describe something else than a bevel pair.
+SYSTEMS = ("spur", "rotor", "system")
 
 _MOST_OVERRIDES = 200
 _MOST_CHARACTERS = 10_000

@@ -25,6 +25,8 @@ KINDS = {
     "Young's modulus": ("206 GPa", "Pa"),
     "damping": ("900 N*s/m", "N*s/m"),
     "torque": ("45 N*m", "N*m"),
+    "torsional stiffness": ("2e4 N*m/rad", "N*m/rad"),
+    "torsional damping": ("5 N*m*s/rad", "N*m*s/rad"),
     "diametral pitch": ("8 1/inch", "1/m"),
     "temperature difference": ("20 K", "K"),
     "thermal coefficient": ("11.2e-6 1/K", "1/K"),
@@ -165,7 +167,9 @@ def _size(key: str, value, unit: str, kind: str, allowed: str) -> float:
     """SI units of a unit, which must have the kind's dimension; only an angle may have units without one in it."""
     parsed, wanted = _parsed(key, value, unit, allowed), _registry().parse_units(KINDS[kind][1])
     angles = [name for name in dict(parsed._units) if _is_angle(name)]
-    wrong = (list(dict(parsed._units).values()) != [1] or angles == []) if kind == "angle" else bool(angles)
+    wrong = list(dict(parsed._units).values()) != [1] or angles == []
+    if kind != "angle":
+        wrong = bool(angles) and not kind.startswith("torsional")
     if wrong or parsed.dimensionality != wanted.dimensionality:
         raise _refused(key, value, allowed)
     zero, one = (_registry().Quantity(size, parsed).to(wanted).magnitude for size in (0.0, 1.0))

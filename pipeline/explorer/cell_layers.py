@@ -7,9 +7,9 @@ from pipeline.analysis.attractors.dataset import read_attractors
 from pipeline.analysis.attractors.sheets import map_labels, several_right
 from pipeline.analysis.attractors.wording import percents
 from pipeline.config.quantities import Quantity
+from pipeline.explorer.boxes import cell_boxes
 from pipeline.explorer.layer_data import AreaClass, Cells, Layer, Shade, Told
 from pipeline.explorer.map_frame import MapFrame, evenly, map_lines, plane_cells, told_of_cells
-from pipeline.explorer.outlined import cell_polygons
 from pipeline.explorer.plain_text import quantity_title
 from pipeline.explorer.region_layers import label_cells
 from pipeline.figures.attractors import CLASSES, class_of
@@ -49,8 +49,17 @@ def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFr
 def _without_value(plane: StoredPlane, values: np.ndarray, frame: MapFrame) -> tuple[Shade, ...]:
     if not np.any(empty := np.isnan(values)):
         return ()
-    polygons = cell_polygons(empty, cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter), frame.size)
-    return (Shade("no value: no stable motion", "dots", _INK, polygons, f"{100.0 * empty.mean():.1f} %"),)
+    boxes = cell_boxes(empty, cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter), frame.size)
+    return (Shade("no value: no stable motion", "dots", _INK, boxes=boxes, share=_share(empty)),)
+
+
+def _share(cells: np.ndarray) -> str:
+    return percents([int(cells.sum()), int((~cells).sum())])[0]
+
+
+def _shares(counts: list[int]) -> list[str]:
+    """In percent; empty of what there is none of, so that no legend has it."""
+    return [share if count else "" for share, count in zip(percents(counts), counts, strict=True)]
 
 
 def _ends(values: np.ndarray) -> tuple[float, float] | None:
@@ -77,23 +86,25 @@ def attractor_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer
     calmest = np.min(np.where(kinds < 0, len(CLASSES), kinds), axis=-1)
     alarming, several = np.max(kinds, axis=-1), np.sum(kinds >= 0, axis=-1) >= 2
     alone = np.where(several, len(CLASSES), np.where(calmest == len(CLASSES), len(CLASSES) + 1, calmest))
-    shares = percents(np.bincount(alone.ravel(), minlength=len(CLASSES) + 2).tolist())
+    shares = _shares(np.bincount(alone.ravel(), minlength=len(CLASSES) + 2).tolist())
     shades = []
     for number, (name, colour) in enumerate(CLASSES):
-        for same in (True, False):
-            here = several & (alarming == number) & ((calmest == number) == same)
-            if np.any(here):
-                text = f"several, all {name}" if same else f"several, up to {name}"
-                ink = _INK if same else hex_colour(colour)
-                polygons = cell_polygons(here, columns, rows, frame.size)
-                shades.append(Shade(text, "stripes", ink, polygons, f"{100.0 * here.mean():.1f} %"))
+        here = several & (alarming == number) & (calmest != number)
+        if np.any(here):
+            boxes = cell_boxes(here, columns, rows, frame.size)
+            text = f"several, up to {name}"
+            shades.append(Shade(text, "lines", hex_colour(colour), boxes=boxes, share=_share(here), bold=True))
     struck = np.any(impact == ImpactState.DOUBLE_SIDED, axis=-1)
     parting = (ImpactState.SINGLE_SIDED, ImpactState.FREE, ImpactState.MIRRORED_SINGLE_SIDED)
     lost = np.isin(impact, parting).any(axis=-1) & ~struck
-    for text, pattern, here in (("teeth part", "dots", lost), ("back flank struck", "crosses", struck)):
+    for text, pattern, here in (
+        ("several of one kind", "lines", several & (alarming == calmest)),
+        ("teeth part", "dots", lost),
+        ("back flank struck", "crosses", struck),
+    ):
         if np.any(here):
-            polygons = cell_polygons(here, columns, rows, frame.size)
-            shades.append(Shade(text, pattern, _INK, polygons, f"{100.0 * here.mean():.1f} %"))
+            boxes = cell_boxes(here, columns, rows, frame.size)
+            shades.append(Shade(text, pattern, _INK, boxes=boxes, share=_share(here)))
     classes = tuple(
         AreaClass(name, hex_colour(colour), shares[number]) for number, (name, colour) in enumerate(CLASSES)
     )
@@ -121,7 +132,7 @@ def credibility_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Lay
     counts = [int(np.sum(judged[labels != 0] == kind)) for kind in kinds]
     classes = tuple(
         AreaClass(kind.words, hex_colour(COLOURS[kind]), share)
-        for kind, share in zip(kinds, percents(counts), strict=True)
+        for kind, share in zip(kinds, _shares(counts), strict=True)
     )
     right, several = several_right(labels, judged)
     title = (

@@ -66,18 +66,29 @@ class Shade:
     ----------
     name : str
     pattern : str
-        "lines", "stripes" (wider), "dots", "crosses", or "blank", which hides what is below.
+        "lines", "dots" or "crosses".
     colour : str
         Of the pattern.
     polygons : tuple of (k, 2) arrays
+        Where it is, exactly; empty where it is known by cells.
+    boxes : (k, 4) array
+        Where it is, in cells: left, right, bottom, top.
     share : str
+        Of the plane, in percent; empty where it is not told.
+    bold : bool
+        Whether the pattern takes half of the area, so that its colour counts as much as the one below.
+    covers : bool
+        Whether it hides what is below.
     """
 
     name: str
     pattern: str
     colour: str
-    polygons: tuple[np.ndarray, ...]
+    polygons: tuple[np.ndarray, ...] = ()
+    boxes: np.ndarray = field(default_factory=lambda: np.empty((0, 4)))
     share: str = ""
+    bold: bool = False
+    covers: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,7 @@
 """The map of a plane as a Bokeh figure: exact regions and curves stay sharp at any zoom, and the pointer is told of."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from bokeh.core.properties import value
 from bokeh.models import (
@@ -17,10 +19,10 @@ from bokeh.plotting import figure
 
 from pipeline.explorer.layer_data import Layer, MapAxis
 from pipeline.explorer.sources import Sources
-from pipeline.explorer.styles import FONT, HATCHES, MARKERS, line_style
+from pipeline.explorer.styles import FONT, MARKERS, hatch_style, line_style
 from pipeline.figures.palette import hex_colour, sequential_colours
 
-__all__ = ["NO_VALUE", "encoded", "map_figure", "update_map"]
+__all__ = ["NO_VALUE", "add_layer", "encoded", "map_figure", "update_map"]
 
 #: Codes of cells: classes in 8 bits and quantities in 16, the largest one where there is nothing.
 _NO_CLASS, NO_VALUE = 255, 65535
@@ -28,6 +30,9 @@ _CLEAR = "rgba(0, 0, 0, 0)"
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 #: How far the map can be moved beyond its ends, as a share of its axes.
 _BEYOND = 0.04
+
+#: Digits of corners after the first one of the length of an axis: a thousandth of what they are exact to.
+_DIGITS = 9
 
 #: What the hover tool writes of a place: the class below the pointer, the value of a quantity, or what is told of it.
 _TELL = """
@@ -68,7 +73,7 @@ def map_figure(layer: Layer, *, sources: Sources | None = None, legend: bool = T
     found.title.update(text_font=FONT, text_font_size="14px")
     for axis in found.axis:
         axis.update(axis_label_text_font=FONT, axis_label_text_font_style="normal", major_label_text_font=FONT)
-    _fill(found, layer, Sources() if sources is None else sources, legend)
+    add_layer(found, layer, sources, legend=legend)
     return found
 
 
@@ -78,7 +83,7 @@ def update_map(found, layer: Layer) -> None:
     found.renderers = []
     found.right = []
     found.tools = [tool for tool in found.tools if not isinstance(tool, HoverTool)]
-    _fill(found, layer, Sources(), legend)
+    add_layer(found, layer, legend=legend)
 
 
 def _range(axis: MapAxis) -> Range1d:
@@ -86,7 +91,17 @@ def _range(axis: MapAxis) -> Range1d:
     return Range1d(axis.low, axis.high, bounds=(axis.low - room, axis.high + room))
 
 
-def _fill(found, layer: Layer, sources: Sources, legend: bool) -> None:
+def add_layer(found, layer: Layer, sources: Sources | None = None, *, legend: bool = True) -> None:
+    """Draw a layer over what a figure shows; everything that is added has the layer's name among its tags.
+
+    Parameters
+    ----------
+    found : bokeh.plotting.figure
+        Of `map_figure`.
+    layer, sources, legend
+        As there.
+    """
+    sources, before = Sources() if sources is None else sources, set(_parts(found))
     found.title.text = layer.title
     found.xaxis.axis_label, found.yaxis.axis_label = layer.x.label, layer.y.label
     items = []
@@ -98,12 +113,12 @@ def _fill(found, layer: Layer, sources: Sources, legend: bool) -> None:
         if one.share or layer.exact
     ]
     for shade in layer.shades:
-        source = sources.of(_nested(shade.polygons))
-        drawn = found.multi_polygons(
-            source=source,
-            name=shade.name,
-            **{"line_color": None, "fill_color": "#ffffff", "hatch_color": shade.colour, **HATCHES[shade.pattern]},
-        )
+        style = {"name": shade.name, **hatch_style(shade)}
+        if shade.polygons:
+            drawn = found.multi_polygons(source=sources.of(_nested([shade.polygons], layer)), **style)
+        else:
+            sides = dict(zip(("left", "right", "bottom", "top"), shade.boxes.T, strict=True))
+            drawn = found.quad(source=sources.of(sides), **style)
         items.append(LegendItem(label=value(_told(shade.name, shade.share)), renderers=[drawn]))
     for kind in layer.lines:
         source = sources.of({"xs": [line[:, 0] for line in kind.lines], "ys": [line[:, 1] for line in kind.lines]})
@@ -137,25 +152,34 @@ def _fill(found, layer: Layer, sources: Sources, legend: bool) -> None:
             ),
             "right",
         )
+    for one in set(_parts(found)) - before:
+        one.tags = [layer.name]
+
+
+def _parts(found) -> list:
+    return [*found.renderers, *found.right, *found.tools]
 
 
 def _told(name: str, share: str) -> str:
     return f"{name}   {share}" if share else name
 
 
-def _nested(polygons) -> dict:
-    """Polygons as one path of a multi polygon: neighbours have no seam then."""
-    return {"xs": [[[polygon[:, 0]] for polygon in polygons]], "ys": [[[polygon[:, 1]] for polygon in polygons]]}
+def _nested(areas: Sequence[Sequence[np.ndarray]], layer: Layer) -> dict:
+    """Areas of polygons as columns; polygons of one area are one path, so that neighbours have no seam.
+
+    As lists of short numbers: many small arrays would take several times the room.
+    """
+    columns = {}
+    for name, axis, place in (("xs", layer.x, 0), ("ys", layer.y, 1)):
+        digits = int(_DIGITS - np.floor(np.log10(axis.high - axis.low)))
+        columns[name] = [[[np.round(one[:, place], digits).tolist()] for one in polygons] for polygons in areas]
+    return columns
 
 
 def _areas(found, layer: Layer, sources: Sources) -> GlyphRenderer:
-    parts = [_nested(one.polygons) for one in layer.classes]
-    data = {
-        "xs": [xs for part in parts for xs in part["xs"]],
-        "ys": [ys for part in parts for ys in part["ys"]],
-        "colour": [one.colour for one in layer.classes],
-        "code": np.arange(len(parts)),
-    }
+    count = len(layer.classes)
+    data = _nested([one.polygons for one in layer.classes], layer)
+    data |= {"colour": [one.colour for one in layer.classes], "code": np.arange(count)}
     return found.multi_polygons(source=sources.of(data), fill_color="colour", line_color=None, name="areas")
 
 
@@ -206,6 +230,9 @@ def _write(found, layer: Layer) -> None:
             line_width=1,
             name="leaders",
         )
+        found.scatter(
+            [one.leads_to[0] for one in led], [one.leads_to[1] for one in led], size=3, color="black", name="ends"
+        )
     if layer.written:
         data = {
             "x": [one.place[0] for one in layer.written],
@@ -249,15 +276,20 @@ def _hover(layer: Layer, pointed: GlyphRenderer, sources: Sources) -> HoverTool:
     tell = CustomJSHover(
         args=dict(names=[one.name for one in layer.classes], low=low, high=high, none=NO_VALUE, told=told), code=_TELL
     )
-    what = "n/I" if layer.exact else {"attractors": "calmest", "credibility": "label"}.get(layer.name, layer.name)
-    shown = "class" if layer.ends is None else "value"
+    shown = "value" if layer.ends is not None else "class"
+    # Classes of attractors and verdicts are among what is told.
+    said = layer.ends is None and any(one.name == "n/I" for one in layer.told)
+    what = layer.name.replace("_", " ") if layer.ends is not None else "n/I"
     rows = [
-        *((_told_axis(axis), f"${letter}{{0.0000}}") for letter, axis in (("x", layer.x), ("y", layer.y))),
-        (f"{what} ({layer.unit})" if layer.unit else what, f"@{field}{{{shown}}}"),
+        *(
+            (_with_unit(axis.symbol, axis.unit), f"${letter}{{0.0000}}")
+            for letter, axis in (("x", layer.x), ("y", layer.y))
+        ),
+        *([] if said else [(_with_unit(what, layer.unit), f"@{field}{{{shown}}}")]),
         *((one.name, f"@{field}{{{number}}}") for number, one in enumerate(layer.told)),
     ]
     return HoverTool(renderers=[pointed], tooltips=rows, formatters={f"@{field}": tell}, point_policy="follow_mouse")
 
 
-def _told_axis(axis: MapAxis) -> str:
-    return f"{axis.symbol} ({axis.unit})" if axis.unit else axis.symbol
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} ({unit})" if unit else name

@@ -92,7 +92,8 @@ def _modes(plane: StoredPlane, frame: MapFrame, allowed: np.ndarray) -> list[Lin
     kinds = []
     for number, (energy, seen) in enumerate(zip(mesh_energies(plane), plane.resonances, strict=True)):
         if seen:
-            line = thinned(np.column_stack([plane.modes[:, number], plane.rows]), allowed) * frame.size
+            line = np.column_stack([plane.modes[:, number], plane.rows])
+            line = thinned(line[np.isfinite(line[:, 0])], allowed) * frame.size
             kinds.append(LineKind(f"mode {number + 1}", f"linear mode, {energy}", (line,)))
     return kinds
 
@@ -119,7 +120,7 @@ def told_of_cells(plane: StoredPlane, frame: MapFrame) -> tuple[Told, ...]:
     words = tuple(kind.words for kind in Credibility)
     return (
         Told("integration", evenly(place, columns, rows, frame, plane), texts),
-        Told("label of the cell", evenly(judged, columns, rows, frame, plane), words),
+        Told("verdict", evenly(judged, columns, rows, frame, plane), words),
     )
 
 

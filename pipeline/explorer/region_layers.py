@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from pipeline.explorer.boxes import cell_boxes
 from pipeline.explorer.layer_data import AreaClass, Layer, Shade, Written
 from pipeline.explorer.map_frame import MapFrame, label_text, map_lines, marks_of, plane_cells, told_of_cells
-from pipeline.explorer.outlined import cell_polygons
 from pipeline.figures.layout import HEIGHT, PANEL
 from pipeline.figures.map import label_places
 from pipeline.figures.map_legend import share_text
@@ -98,7 +98,7 @@ def _shaded_regions(plane: StoredPlane, division: Division, frame: MapFrame, det
         polygons = tuple(one * frame.size for code, some in found.items() if code & bit for one in some)
         share = sum((share for code, share in shares.items() if code & bit), 0.0)
         if polygons:
-            shades.append(Shade(text, pattern, "#262626", polygons, share_text(share)))
+            shades.append(Shade(text, pattern, "#262626", polygons, share=share_text(share)))
     return shades
 
 
@@ -117,7 +117,7 @@ def _shaded_cells(plane: StoredPlane, frame: MapFrame) -> list[Shade]:
     unstable = (static_code(codes) != dynamic_code(codes)) & (not plane.dynamic)
     marked = {1: unstable, 2: is_contradictory(codes)}
     return [
-        Shade(text, pattern, "#262626", _polygons_of(plane, marked[bit], frame))
+        Shade(text, pattern, "#262626", boxes=_boxes_of(plane, marked[bit], frame))
         for bit, (text, pattern) in _SHADES.items()
         if np.any(marked[bit])
     ]
@@ -126,23 +126,22 @@ def _shaded_cells(plane: StoredPlane, frame: MapFrame) -> list[Shade]:
 def _unknown(plane: StoredPlane, frame: MapFrame) -> list[Shade]:
     """Rows that are not complete, on which regions cover nothing, and cells that may have motions above the ceiling."""
     rows = {
-        "row failed": ("crosses", plane.status == FAILED),
-        "row not computed": ("blank", ~plane.complete & (plane.status != FAILED)),
+        "row failed": ("lines", plane.status == FAILED),
+        "row not computed": ("dots", ~plane.complete & (plane.status != FAILED)),
     }
-    shades = [
-        Shade(text, pattern, "#737373", _polygons_of(plane, np.broadcast_to(some[:, None], plane.domain.shape), frame))
-        for text, (pattern, some) in rows.items()
-        if np.any(some)
-    ]
+    shades = []
+    for text, (pattern, some) in rows.items():
+        if np.any(some):
+            boxes = _boxes_of(plane, np.broadcast_to(some[:, None], plane.domain.shape), frame)
+            shades.append(Shade(text, pattern, "#737373", boxes=boxes, covers=True))
     if np.any(open_ := plane.open == 1):
         text = "not excluded: motions above the ceiling of λ_a"
-        shades.append(Shade(text, "crosses", "#000000", _polygons_of(plane, open_, frame)))
+        shades.append(Shade(text, "crosses", "#000000", boxes=_boxes_of(plane, open_, frame)))
     return shades
 
 
-def _polygons_of(plane: StoredPlane, marked: np.ndarray, frame: MapFrame) -> tuple[np.ndarray, ...]:
-    borders = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
-    return cell_polygons(marked, *borders, frame.size)
+def _boxes_of(plane: StoredPlane, marked: np.ndarray, frame: MapFrame) -> np.ndarray:
+    return cell_boxes(marked, cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter), frame.size)
 
 
 def _written(plane: StoredPlane, panel: Panel, frame: MapFrame) -> tuple[Written, ...]:

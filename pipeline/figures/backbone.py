@@ -13,7 +13,8 @@ from pipeline.figures.heading import HEAD, balance_text, write_heading
 from pipeline.figures.naming import axis_label, mesh_energies, symbol
 from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units, titled
-from pipeline.plan.numerics import model_at
+from pipeline.plan.numerics import row_system
+from pipeline.plan.traits import is_loaded_pair
 from pipeline.plane.row_curves import curves_at
 from pipeline.plane.stored import StoredPlane
 from solver import Backbone, Model, backbone
@@ -50,9 +51,8 @@ def round_values(plane: StoredPlane, most: int) -> list[float]:
 
 def _loaded_models(plane: StoredPlane) -> dict[float, Model]:
     """Row value -> model for a few rows; without mean load there is no backbone."""
-    values = round_values(plane, _BACKBONES)
-    models = {value: model_at(plane.plan, value, plane.plan.sweep.low) for value in values}
-    return {value: model for value, model in models.items() if model.f_pm != 0.0}
+    models = {value: row_system(plane.plan, value) for value in round_values(plane, _BACKBONES)}
+    return {value: model for value, model in models.items() if is_loaded_pair(model)}
 
 
 def draw_backbone(plane: StoredPlane) -> Drawing:

@@ -21,10 +21,12 @@ from pipeline.figures.layout import from_zero
 from pipeline.figures.naming import axis_label, symbol, value_text
 from pipeline.figures.palette import hex_colour, text_colour
 from pipeline.figures.physical_axes import LIFT, show_units
-from pipeline.plane.resonances import mesh_shares
+from pipeline.plan.numerics import System, sweep_axis
+from pipeline.plan.traits import dead_zone
+from pipeline.plane.resonances import contact_modes
 from pipeline.plane.row_curves import RowCurves
 from pipeline.plane.stored import StoredPlane
-from solver import Model
+from solver.model.packing import dead_zone_ends
 from solver.timedomain import AttractorKind, SlowRun
 
 __all__ = ["FREQUENCY", "draw_diagram", "draw_kinds", "kind_keys", "mark_modes"]
@@ -107,7 +109,7 @@ def draw_diagram(plane: StoredPlane, followed: Followed, curves: RowCurves) -> D
         axes.set_ylabel(label)
         axes.locator_params(axis="y", nbins=6)
         if plane.over_frequency:
-            mark_modes(axes, followed.model, named=place == 0)
+            mark_modes(axes, followed.system, named=place == 0)
         last = place == len(panels) - 1
         axes.tick_params(labelbottom=last)
         if last:
@@ -171,10 +173,10 @@ def kind_keys(runs) -> dict[str, Rectangle]:
     return keys | ({"not integrated": Rectangle((0, 0), 1, 1, facecolor="white", **border)} if -1 in shown else {})
 
 
-def mark_modes(axes: Axes, model: Model, named: bool) -> None:
+def mark_modes(axes: Axes, system: System, named: bool) -> None:
     """Vertical lines at the linear natural frequencies; named by their share of mesh strain energy at the top."""
     left, right = axes.get_xlim()
-    for frequency, share in zip(model.mesh_modes(), mesh_shares(model), strict=True):
+    for frequency, share in contact_modes(system):
         if not left <= frequency <= right:
             continue
         axes.axvline(frequency, **FREQUENCY)
@@ -219,18 +221,20 @@ def _draw_sections(axes: Axes, followed: Followed) -> None:
 def _draw_extremes(axes: Axes, followed: Followed) -> None:
     names = ("lowest", "highest")
     numbers = [run.quantities[name] for run in followed.runs.values() for name in names]
-    up, model = followed.runs["up"], followed.model
-    b = up.values if followed.plan.sweep.name == "b" else np.full(up.values.size, model.b)
-    _roomy(axes, np.concatenate([*numbers, b, -b]))
-    axes.fill_between(up.values, -b, b, color="0.93", linewidth=0.0, zorder=0)
-    for sign, name in ((1.0, "$b$"), (-1.0, "\N{MINUS SIGN}$b$")):
-        axes.plot(up.values, sign * b, **_GAP)
+    up = followed.runs["up"]
+    back, front = dead_zone_ends(followed.system, sweep_axis(followed.plan), up.values)
+    flanks = {"$b$": front, **({"\N{MINUS SIGN}$b$": back} if np.all(np.isfinite(back)) else {})}
+    _roomy(axes, np.concatenate([*numbers, *flanks.values()]))
+    # A gap without a back flank goes on beyond what is shown.
+    axes.fill_between(up.values, np.maximum(back, axes.get_ylim()[0]), front, color="0.93", linewidth=0.0, zorder=0)
+    for label, b in flanks.items():
+        axes.plot(up.values, b, **_GAP)
         # At the end where the motions are farther away.
-        low, high = (min(abs(up.quantities[name][i] - sign * b[i]) for name in names) for i in (0, -1))
+        low, high = (min(abs(up.quantities[name][i] - b[i]) for name in names) for i in (0, -1))
         end = 0 if low > high else -1
         offset, side = (-3.0, "right") if end else (3.0, "left")
         place = {"textcoords": "offset points", "ha": side, "va": "bottom", "fontsize": 7.5, "color": "0.2"}
-        axes.annotate(name, (up.values[end], sign * b[end]), (offset, 1.5), zorder=9, path_effects=_HALO, **place)
+        axes.annotate(label, (up.values[end], b[end]), (offset, 1.5), zorder=9, path_effects=_HALO, **place)
     for name in names:
         _draw_runs(axes, followed, name)
 
@@ -306,5 +310,7 @@ def _legend_keys(plane: StoredPlane, followed: Followed, curves: RowCurves) -> d
             keys[f"map: {name}"] = Line2D([], [], color=_MAP, linewidth=0.9, linestyle=style["linestyle"])
     if plane.over_frequency:
         keys["linear natural frequency"] = Line2D([], [], **FREQUENCY)
-    keys[r"gap, $|\lambda| \leq b$"] = Rectangle((0, 0), 1, 1, facecolor="0.93", edgecolor="0.3", linewidth=0.4)
+    low, high = dead_zone(followed.system)
+    gap = r"gap, $|\lambda| \leq b$" if low == -high else "gap"
+    keys[gap] = Rectangle((0, 0), 1, 1, facecolor="0.93", edgecolor="0.3", linewidth=0.4)
     return keys | kind_keys(followed.runs.values())

@@ -29,12 +29,12 @@ from pipeline.figures.map_legend import (
     FAILED_ROWS,
     LINES,
     MARKS,
-    MODES,
     OPEN_CELLS,
     Entry,
     draw_legend,
     legend_entries,
     legend_height,
+    mode_style,
 )
 from pipeline.figures.naming import axis_label
 from pipeline.figures.palette import hex_colour, label_colour, text_colour
@@ -137,12 +137,12 @@ def _entries(plane: StoredPlane, panels: list[Panel], shares: bool) -> list[Entr
 
 
 def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
-    """Which of the two natural frequencies a panel shows, (2,) bool."""
+    """Which natural frequencies a panel shows, (m,) bool."""
     if not plane.over_frequency:
-        return np.zeros(2, dtype=bool)
+        return np.zeros(plane.modes.shape[1], dtype=bool)
     inside = (plane.rows >= panel.y[0]) & (plane.rows <= panel.y[1])
     levels = np.concatenate([panel.y, plane.rows[inside]])
-    places = np.stack([np.interp(levels, plane.rows, mode) for mode in plane.modes.T])
+    places = np.array([np.interp(levels, plane.rows, mode) for mode in plane.modes.T]).reshape(-1, levels.size)
     return np.any((places >= panel.x[0]) & (places <= panel.x[1]), axis=1)
 
 
@@ -171,10 +171,10 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
         mark(axes, marked & ~dark, panel.x, panel.y)
         mark(axes, marked & dark, panel.x, panel.y, "white")
     if plane.over_frequency:
-        for kind, frequency in zip(MODES, plane.modes.T, strict=True):
+        for number, frequency in enumerate(plane.modes.T, start=1):
             # To the borders of the first and last row, where the frequency is that of the row.
             x, y = np.pad(frequency, 1, mode="edge"), np.concatenate([rows[:1], plane.rows, rows[-1:]])
-            axes.plot(x, y, **kind)
+            axes.plot(x, y, **mode_style(number))
     axes.set(xlim=from_zero(panel.x), ylim=from_zero(panel.y))
 
 

@@ -24,12 +24,12 @@ __all__ = [
     "LINES",
     "MARKS",
     "MARK_NAMES",
-    "MODES",
     "OPEN_CELLS",
     "Entry",
     "draw_legend",
     "legend_entries",
     "legend_height",
+    "mode_style",
     "share_text",
 ]
 
@@ -61,8 +61,6 @@ _MODE = {
     "zorder": 4,
     "path_effects": [withStroke(linewidth=2.2, foreground="white", alpha=0.85)],
 }
-#: Lower and upper mode.
-MODES = ({**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5))}, {**_MODE, "linestyle": (0, (6, 1.5, 1, 1.5, 1, 1.5))})
 _MARK = {
     "linestyle": "none",
     "markerfacecolor": "white",
@@ -80,6 +78,11 @@ MARKS = {
 
 #: Inches: from line to line, width and height of a key, from key to text, right end of the shares.
 _PITCH, _KEY, _KEY_HEIGHT, _TEXT, _SHARE = 0.15, 0.24, 0.095, 0.32, 1.32
+
+
+def mode_style(number: int) -> dict:
+    """Line style of a natural frequency: the first, 1, has one dot between its dashes, the second two, and so on."""
+    return {**_MODE, "linestyle": (0, (6.0, 1.5, *((1.0, 1.5) * number)))}
 
 
 @dataclass(frozen=True)
@@ -101,8 +104,8 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
     planes : sequence of StoredPlane
         One, or layers of a volume.
     panels : sequence of Panel
-    modes : (bool, bool)
-        Whether they show the lower and the upper natural frequency.
+    modes : sequence of bool
+        Which natural frequencies they show.
     shares : bool
         Whether each label's share of the plane is told.
     """
@@ -129,9 +132,9 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
         entries.append(Entry("the order is too low"))
     entries += [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
     entries += [Entry(MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
-    for kind, energy, present in zip(MODES, mesh_energies(planes[0]), modes, strict=True):
+    for number, (energy, present) in enumerate(zip(mesh_energies(planes[0]), modes, strict=True), start=1):
         if present:
-            entries.append(Entry(f"linear mode, {energy}", line=kind))
+            entries.append(Entry(f"linear mode, {energy}", line=mode_style(number)))
     if any(stored_division(plane) is None for plane in planes):
         entries.append(Entry("areas: cells of the raster"))
     if any((plane.open == 1).any() for plane in planes):

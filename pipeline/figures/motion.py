@@ -75,7 +75,7 @@ def draw_motions(plane: StoredPlane, found: Motions, cards: Sequence[Motion | Ma
         _write_card(figure, plane, found, card, top, fits)
         _draw_card(figure, found, card, units, limits, shown, top - _TEXT, i == len(cards) - 1)
     if cards:
-        _draw_legend(figure, cards, found.model.b, height)
+        _draw_legend(figure, cards, found.gap, height)
     return figure
 
 
@@ -113,12 +113,13 @@ def _draw_card(figure, found: Motions, card, units: Units, limits, shown: int, t
     whole = _LAMBDA + _GAP + _FORCE
     time, force = panel(_TIME, bottom + _FORCE + _GAP, _LAMBDA), panel(_TIME, bottom, _FORCE)
     phase, spectrum = panel(_PHASE, bottom, whole), panel(_SPECTRUM, bottom, whole)
-    gap = found.model.b * units.length
-    time.axhspan(-gap, gap, **_BAND)
-    phase.axvspan(-gap, gap, **_BAND)
+    # A gap without a back flank goes on beyond what is shown.
+    low, high = (max(end * units.length, limits["displacement"][0]) for end in found.gap)
+    time.axhspan(low, high, **_BAND)
+    phase.axvspan(low, high, **_BAND)
     of_map = card if isinstance(card, MapMotion) else card.of_map
     if isinstance(card, Motion):
-        _draw_solid(card.curves, found.model.b, units, shown, time, force, phase)
+        _draw_solid(card.curves, found.gap, units, shown, time, force, phase)
         _draw_spectrum(card.curves, units, limits["amplitude"][0], spectrum)
     if of_map is not None:
         _draw_balance(of_map.curves, units, shown, time, force, phase, spectrum, isinstance(card, MapMotion))
@@ -146,15 +147,17 @@ def _draw_card(figure, found: Motions, card, units: Units, limits, shown: int, t
         spectrum.set_xlabel("order of the mesh frequency")
 
 
-def _draw_solid(curves: Curves, b: float, units: Units, shown: int, time: Axes, force: Axes, phase: Axes) -> None:
+def _draw_solid(
+    curves: Curves, gap: tuple[float, float], units: Units, shown: int, time: Axes, force: Axes, phase: Axes
+) -> None:
     """What integration gives: its colour tells which flank is in contact."""
     periods, displacement, forces = _over(curves, shown)
-    for zone, (x, y) in _parts(periods * units.time, displacement, b):
+    for zone, (x, y) in _parts(periods * units.time, displacement, gap):
         time.plot(x, y * units.length, color=_ZONES[zone], linewidth=1.0, zorder=3)
     force.plot(periods * units.time, forces * units.force, color=_ZONES[0], linewidth=0.9, zorder=3)
     closed = curves.repeats is not None
     path = [np.append(part, part[:1]) if closed else part for part in (curves.displacement, curves.speed)]
-    for zone, (x, y) in _parts(path[0], path[1], b, of=path[0]):
+    for zone, (x, y) in _parts(path[0], path[1], gap, of=path[0]):
         phase.plot(x * units.length, y * units.speed, color=_ZONES[zone], linewidth=1.0 if closed else 0.3, zorder=3)
     size = {"markersize": 4.2, "markeredgewidth": 0.6} if closed else {"markersize": 1.1, "markeredgewidth": 0.0}
     phase.plot(curves.points[:, 0] * units.length, curves.points[:, 1] * units.speed, **_POINT, **size)
@@ -222,10 +225,10 @@ def _over(curves: Curves, shown: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return np.arange(count) / each, *(np.tile(part, times)[:count] for part in (curves.displacement, curves.force))
 
 
-def _parts(x: np.ndarray, y: np.ndarray, b: float, of: np.ndarray | None = None):
+def _parts(x: np.ndarray, y: np.ndarray, gap: tuple[float, float], of: np.ndarray | None = None):
     """Zone -> both coordinates of a line where lambda is in it, nan between its pieces; neighbours meet."""
     displacement = y if of is None else of
-    zones = np.where(displacement > b, 0, np.where(displacement < -b, 2, 1))
+    zones = np.where(displacement > gap[1], 0, np.where(displacement < gap[0], 2, 1))
     for zone in (0, 1, 2):
         inside = zones == zone
         # A piece goes on to the sample after it.
@@ -234,17 +237,17 @@ def _parts(x: np.ndarray, y: np.ndarray, b: float, of: np.ndarray | None = None)
             yield zone, (x, np.where(drawn, y, np.nan))
 
 
-def _draw_legend(figure: Drawing, cards, b: float, height: float) -> None:
+def _draw_legend(figure: Drawing, cards, gap: tuple[float, float], height: float) -> None:
     """One line that says what lines and dots are, of what is there."""
     integrated = [card for card in cards if isinstance(card, Motion)]
-    met = {zone for card in integrated for zone, _ in _parts(*[card.curves.displacement] * 2, b)}
+    met = {zone for card in integrated for zone, _ in _parts(*[card.curves.displacement] * 2, gap)}
     names = ("drive flank", "no contact", "back flank")
     handles = [Line2D([], [], color=_ZONES[zone], linewidth=1.2, label=names[zone]) for zone in sorted(met)]
     if len(integrated) < len(cards) or any(card.of_map is not None for card in integrated):
         handles.append(Line2D([], [], **{**_BALANCE, "zorder": 1}, label="harmonic balance of the map"))
     handles += [
         Line2D([], [], markersize=4.2, markeredgewidth=0.6, **_POINT, label="start of a mesh period"),
-        *([Patch(facecolor="0.9", label="gap, $|λ| ≤ b$")] if b > 0.0 else []),
+        *([Patch(facecolor="0.9", label="gap, $|λ| ≤ b$" if gap[0] == -gap[1] else "gap")] if gap[1] > gap[0] else []),
     ]
     figure.legend(
         handles=handles,

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from pipeline.analysis.motion.curves import Curves
 from pipeline.analysis.motion.motions import MapMotion, Motion, Motions
 from pipeline.plane.stored import StoredPlane
@@ -65,7 +67,8 @@ def common_cards(found: Motions) -> list[Motion | MapMotion]:
     """The cards that have their axes in common: all but motions of the map that are far larger than any attractor."""
     spans = [motion.quantities.peak_to_peak for motion in found.attractors]
     # What the gap allows is not far.
-    largest = max([2.0 * found.model.b, *spans])
+    low, high = found.gap
+    largest = max([high - low if np.isfinite(low) else 0.0, *spans])
     near = [motion for motion in found.others if not spans or motion.quantities.peak_to_peak <= _FAR * largest]
     return [*found.attractors, *near]
 
@@ -92,11 +95,13 @@ def limits_of(cards: Sequence[Motion | MapMotion], found: Motions, units: Units)
         room = high - low
         return (low - 0.06 * room) * unit, (high + above * room) * unit
 
-    b, highest = found.model.b, max(float(part.displacement.max()) for part in curves)
+    (_, b), highest = found.gap, max(float(part.displacement.max()) for part in curves)
     largest = max([_NOTHING * size, *(float(part.amplitudes.max(initial=0.0)) for part in curves)]) * units.length
     return {
         # So much of the gap that it is seen.
-        "displacement": ends("displacement", units.length, 1e-2 * size, b - min(0.25 * max(highest - b, 0.0), 2.0 * b)),
+        "displacement": ends(
+            "displacement", units.length, 1e-2 * size, b - min(0.25 * max(highest - b, 0.0), 2.0 * abs(b))
+        ),
         "speed": ends("speed", units.speed, 1e-2 * size * found.omega),
         # K_v is written above.
         "force": ends("force", units.force, 1e-2 * size, 0.0, found.static_force, above=0.5),

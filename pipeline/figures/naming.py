@@ -1,13 +1,18 @@
 """How parameters are written in figures."""
 
+from functools import singledispatch
+from itertools import zip_longest
+
 from pipeline.config.physical import TEMPERATURE
 from pipeline.config.quantities import Quantity
-from pipeline.plan.numerics import frame_of, model_at
+from pipeline.plan.kinds import kind_of
+from pipeline.plan.numerics import frame_of, row_system
 from pipeline.plan.plan import Plan
-from pipeline.plane.resonances import mesh_shares
+from pipeline.plan.traits import excitation_harmonics
+from pipeline.plane.resonances import contact_modes
 from pipeline.plane.stored import StoredPlane
 from pipeline.run.sheets import number_text
-from solver import ImpactState, Scales
+from solver import ContactSystem, ImpactState, Model, Scales
 
 __all__ = [
     "STATE_NAMES",
@@ -42,6 +47,14 @@ _SYMBOLS = {
     "variation_translation": r"\varepsilon_t",
     "variation_rotation": r"\varepsilon_r",
     "temperature": r"\Delta T",
+    "gap": "b",
+    "damping_ratio": r"\zeta",
+    "mean_load": "F_m",
+    "excitation": "s_e",
+    "gap_scale": "s_b",
+    "contact_damping": r"\tau_c",
+    "damping": "s_C",
+    "stiffness": "s_K",
 }
 _UNITS = {"1": "", "rad": " (rad)", "degree": " (°)", "K": " (K)"}
 
@@ -82,13 +95,31 @@ def value_text(name: str, value: float, scales: Scales | None = None) -> str:
 def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:
     """The parameters that a reader asks for first, as far as the plane holds them fixed; over temperature, those of the
     reference."""
-    model = frame_of(plan if plan.parameter2 is None else plan.layer(0))[0]
-    values = {"omega": plan.omega, "b": model.b, "alpha": model.alpha, "f_e": model.f_e, "f_pm": model.f_pm}
-    if model.f_pv:
-        values["f_pv"] = model.f_pv
-    axes = {axis.name for axis in plan.axes}
+    axes, start = {axis.name for axis in plan.axes}, frame_of(plan if plan.parameter2 is None else plan.layer(0))[0]
+    values = {"omega": plan.omega, **_told_first(start, plan)}
     shown = ",  ".join(value_text(k, v, scales) for k, v in values.items() if k not in axes and v is not None)
     return shown if plan.thermal is None else f"at {value_text(TEMPERATURE, 0.0)}:  {shown}"
+
+
+@singledispatch
+def _told_first(system, plan: Plan) -> dict[str, float]:
+    """Parameter -> value, of those that a reader asks for first."""
+    raise TypeError(f"{type(system).__name__} is no system")
+
+
+@_told_first.register
+def _(system: Model, plan: Plan) -> dict[str, float]:
+    values = {"b": system.b, "alpha": system.alpha, "f_e": system.f_e, "f_pm": system.f_pm}
+    return values | ({"f_pv": system.f_pv} if system.f_pv else {})
+
+
+@_told_first.register
+def _(system: ContactSystem, plan: Plan) -> dict[str, float]:
+    values = {name: plan.gear[name] for name in kind_of(plan).axes if name in plan.gear}
+    still = values.get("alpha", 1.0) == 0.0
+    # What is not there needs no number.
+    silent = {"contact_damping", *(("alpha", "alpha_phase") if still else ())}
+    return {name: value for name, value in values.items() if value or name not in silent}
 
 
 #: What identifies a gear besides what `fixed_parameters` tells.
@@ -107,13 +138,34 @@ _OF_GEAR = (
 
 def gear_text(plan: Plan) -> str:
     """The numbers of a gear that its plane holds fixed, those of a reference reader's table of data."""
-    model = frame_of(plan if plan.parameter2 is None else plan.layer(0))[0]
+    return _gear_text(frame_of(plan if plan.parameter2 is None else plan.layer(0))[0], plan)
+
+
+@singledispatch
+def _gear_text(system, plan: Plan) -> str:
+    raise TypeError(f"{type(system).__name__} is no system")
+
+
+@_gear_text.register
+def _(model: Model, plan: Plan) -> str:
     values = {**plan.gear, "translation_coupling": model.sigma, "rotation_coupling": model.rotation}
     axes = {axis.name for axis in plan.axes}
     texts = [
         f"{symbol(name)} = {_numbers(values.get(name, getattr(model, name)))}" for name in _OF_GEAR if name not in axes
     ]
     return "gear:  " + ",  ".join(texts)
+
+
+@_gear_text.register
+def _(system: ContactSystem, plan: Plan) -> str:
+    kind = kind_of(plan)
+    harmonics = {
+        r"$\alpha_{2\ldots}$": system.stiffness_harmonics[1:],
+        f"{kind.drives} $1\\ldots$": excitation_harmonics(system),
+    }
+    size = f"{system.degrees} degree{'s' * (system.degrees > 1)} of freedom"
+    texts = [f"{name} = {', '.join(f'{a:.4g}' for a, _ in pairs)}" for name, pairs in harmonics.items() if pairs]
+    return f"{kind.name}:  " + ",  ".join([size, *texts])
 
 
 def _numbers(value) -> str:
@@ -124,11 +176,11 @@ def _numbers(value) -> str:
     return numbers[0] if len(numbers) == 1 else "\u2026".join((min(numbers, key=float), max(numbers, key=float)))
 
 
-def mesh_energies(plane: StoredPlane) -> tuple[str, str]:
-    """The lower and the upper mode by their share of strain energy in the mesh, as "46 % mesh" or "44–46 % mesh"."""
-    models = [model_at(plane.plan, value, plane.plan.sweep.low) for value in plane.rows[[0, -1]]]
+def mesh_energies(plane: StoredPlane) -> tuple[str, ...]:
+    """The modes, ascending, by their share of strain energy in the mesh, as "46 % mesh" or "44–46 % mesh"."""
+    modes = [contact_modes(row_system(plane.plan, value)) for value in plane.rows[[0, -1]]]
     texts = []
-    for shares in zip(*(mesh_shares(model) for model in models), strict=True):
-        low, high = sorted(f"{100.0 * share:.0f}" for share in shares)
+    for ends in zip_longest(*modes):
+        low, high = (f"{end(100.0 * mode[1] for mode in filter(None, ends)):.0f}" for end in (min, max))
         texts.append(f"{low} % mesh" if low == high else f"{low}\u2013{high} % mesh")
-    return texts[0], texts[1]
+    return tuple(texts)

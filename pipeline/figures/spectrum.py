@@ -18,7 +18,7 @@ from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.layout import from_zero
 from pipeline.figures.naming import axis_label, value_text
 from pipeline.figures.physical_axes import LIFT, show_units
-from pipeline.plane.resonances import mesh_shares
+from pipeline.plane.resonances import contact_modes
 from pipeline.plane.stored import StoredPlane
 from solver import Scale
 
@@ -117,7 +117,8 @@ def _top(spectra: Spectra) -> float:
     highest = spectra.options.orders
     if spectra.options.axis == "order":
         return highest
-    return min(highest * float(np.max(spectra.omega)), _TOP * max(spectra.followed.model.mesh_modes()))
+    modes = contact_modes(spectra.followed.system)
+    return min(highest * float(np.max(spectra.omega)), _TOP * max((natural for natural, _ in modes), default=np.inf))
 
 
 def _draw_amplitudes(axes: Axes, spectra: Spectra):
@@ -164,9 +165,9 @@ def _draw_orders(axes: Axes, spectra: Spectra, inside: bool) -> None:
 
 def _draw_natural(axes: Axes, spectra: Spectra) -> None:
     """Linear natural frequencies, named by their share of mesh strain energy."""
-    model, values = spectra.followed.model, spectra.values
+    modes, values = contact_modes(spectra.followed.system), spectra.values
     top = axes.get_ylim()[1]
-    for mode, (frequency, share) in enumerate(zip(model.mesh_modes(), mesh_shares(model), strict=True)):
+    for mode, (frequency, share) in enumerate(modes):
         y = np.full(values.size, frequency)
         if spectra.options.axis == "order":
             y = frequency / spectra.omega

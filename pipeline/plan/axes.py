@@ -1,7 +1,6 @@
 """The axes of a plane or a volume, from its configuration."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +9,7 @@ import numpy as np
 from pipeline.config.physical import PATHS, value_of
 from pipeline.config.schema import Plane
 from pipeline.errors import ConfigurationError
+from pipeline.plan.kinds import BEVEL, GearKind
 
 __all__ = ["ROLES", "Axis", "axes_of"]
 
@@ -32,14 +32,14 @@ class Axis:
         return np.linspace(self.low, self.high, self.num)
 
 
-def axes_of(config: Plane, scalars: Sequence[str], scales) -> dict[str, Axis]:
+def axes_of(config: Plane, kind: GearKind, scales) -> dict[str, Axis]:
     """The axes of a plane by role, checked.
 
     Parameters
     ----------
     config : Plane
-    scalars : sequence of str
-        The gear's parameters that may be an axis.
+    kind : GearKind
+        Of the system, which has the parameters that may be an axis.
     scales : solver.Scales or None
         Of a gear in physical units, for ends with a unit.
 
@@ -51,11 +51,11 @@ def axes_of(config: Plane, scalars: Sequence[str], scales) -> dict[str, Axis]:
     given = {role: getattr(config, role) for role in ROLES if getattr(config, role) is not None}
     taken: dict[str, str] = {}
     for role, axis in given.items():
-        if (other := taken.setdefault(_name(axis), role)) != role:
+        if (other := taken.setdefault(_name(axis, kind), role)) != role:
             raise ConfigurationError(
                 f"plane.{role}.name = {axis.name!r} is not allowed: the {other} axis has that name already"
             )
-    axes = {role: _axis(role, axis, scalars, scales) for role, axis in given.items()}
+    axes = {role: _axis(role, axis, kind, scales) for role, axis in given.items()}
     cells = math.prod(axis.num for axis in axes.values())
     if cells > config.max_cells:
         raise ConfigurationError(
@@ -65,18 +65,19 @@ def axes_of(config: Plane, scalars: Sequence[str], scales) -> dict[str, Axis]:
     return axes
 
 
-def _name(axis) -> str:
-    return axis.name.replace("gear.", "").replace("variation.", "variation_")
+def _name(axis, kind: GearKind) -> str:
+    """The parameter, which may be given by its key."""
+    return axis.name.removeprefix(kind.key("")).replace("variation.", "variation_")
 
 
-def _axis(role: str, axis, scalars, scales) -> Axis:
-    name = _name(axis)
-    if name in PATHS and role != "parameter":
+def _axis(role: str, axis, kind: GearKind, scales) -> Axis:
+    name = _name(axis, kind)
+    if name in PATHS and kind is BEVEL and role != "parameter":
         raise ConfigurationError(
             f"plane.{role}.name = {axis.name!r} is not allowed: {name} changes several numbers at once, "
             "so that it can be plane.parameter.name only"
         )
-    allowed = ("omega", *scalars, *(PATHS if role == "parameter" else ()))
+    allowed = ("omega", *kind.axes, *(PATHS if role == "parameter" and kind is BEVEL else ()))
     if name not in allowed:
         raise ConfigurationError(
             f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"

@@ -3,13 +3,17 @@
 from collections.abc import Iterator, Mapping
 
 from pipeline.config.compose import Settings
+from pipeline.errors import shown
 from pipeline.plan.axes import ROLES
+from pipeline.plan.kinds import BEVEL, KINDS, kind_of
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import asked_numbers
 
 __all__ = ["by_key", "differences", "of_typed"]
 
 _MOST_NAMED = 5
+#: Letters of a value.
+_LONGEST = 120
 _NOTHING = "nothing"
 _ENDS = {"low": "min", "high": "max"}
 
@@ -22,16 +26,16 @@ def by_key(numbers: Mapping) -> dict[str, object]:
     >>> by_key({"gear": {"b": 1.0, "variation_rotation": 0.0}, "sweep": {"name": "omega", "low": 0.1}})
     {'gear.b': 1.0, 'gear.variation.rotation': 0.0, 'plane.sweep.name': 'omega', 'plane.sweep.min': 0.1}
     """
-    physical = numbers.get("physical")
+    physical, kind = numbers.get("physical"), KINDS[numbers.get("kind", BEVEL.name)]
     found = {}
     for name, value in numbers.items():
         if name in ROLES:
             found |= {f"plane.{name}.{_ENDS.get(part, part)}": one for part, one in (value or {}).items()}
         elif name == "gear":
-            # Of a gear in physical units they follow from these.
-            found |= (
-                {} if physical else {f"gear.{key.replace('variation_', 'variation.')}": value[key] for key in value}
-            )
+            # Of a bevel pair in physical units they follow from these.
+            if not (physical and kind is BEVEL):
+                matrices = value.get("matrices", {})
+                found |= {kind.key(key): one for key, one in (value | matrices).items() if key != "matrices"}
         elif name == "physical":
             found |= _flat((value or {}).get("gear", {}), "gear.physical")
             found |= _flat((value or {}).get("mesh_cycle") or {}, "gear.physical.mesh_cycle")
@@ -39,6 +43,8 @@ def by_key(numbers: Mapping) -> dict[str, object]:
             found |= {"gear.physical.tooth": teeth["method"]} if (teeth := (value or {}).get("teeth")) else {}
         elif name == "thermal":
             found |= _flat(value or {}, "gear.thermal")
+        elif name == "kind":
+            found |= {} if kind is BEVEL else {"gear": value}
         elif name == "omega":
             found["plane.omega"] = value
         elif name == "solver":
@@ -69,19 +75,23 @@ def differences(stored: Mapping, asked: Mapping) -> str:
 
 
 def _in_the_same_units(*both: Mapping) -> Iterator[Mapping]:
-    """The same, unless one gear is dimensionless and the other is not: then that is all there is to say of them."""
+    """The same, unless the gears are of two kinds, or one is dimensionless and the other is not: then that is all there
+    is to say of them."""
+    kinds = [values.get("gear", BEVEL.name) for values in both]
     physical = [any(key.startswith("gear.physical.") for key in values) for values in both]
-    for values, given in zip(both, physical, strict=True):
-        if len(set(physical)) == 1:
-            yield values
-        else:
-            others = {key: value for key, value in values.items() if not key.startswith("gear.")}
+    for values, kind, given in zip(both, kinds, physical, strict=True):
+        others = {key: value for key, value in values.items() if not key.startswith("gear.")}
+        if len(set(kinds)) > 1:
+            yield {**others, "gear": kind}
+        elif len(set(physical)) > 1:
             yield {**others, "gear.physical": "given" if given else None}
+        else:
+            yield values
 
 
 def _shown(values: Mapping, key: str) -> object:
     value = values.get(key)
-    return _NOTHING if value is None else value
+    return _NOTHING if value is None else value if isinstance(value, int | float) else shown(str(value), _LONGEST)
 
 
 def of_typed(settings: Settings, plan: Plan) -> str:
@@ -103,7 +113,7 @@ def of_typed(settings: Settings, plan: Plan) -> str:
     if not any(map(settings.overridden, ("gear", "plane", "solver", "store", "quality"))):
         return ""
     asked, stored = by_key(asked_numbers(settings)), by_key(plan.numbers)
-    axes = {f"gear.{axis.name.replace('variation_', 'variation.')}" for axis in plan.axes}
+    axes = {kind_of(plan).key(axis.name) for axis in plan.axes}
     stored, asked = _in_the_same_units(stored, asked)
     keys = [key for key in asked.keys() | stored.keys() if _asks_for(settings, key, axes)]
     return differences(*({key: values[key] for key in keys if key in values} for values in (stored, asked)))

@@ -1,16 +1,19 @@
-"""From a plan to the objects of the solver: balance, continuation, seeds, the gear at a place, one row."""
+"""From a plan to the objects of the solver: balance, continuation, seeds, the system at a place, one row."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from pipeline.config.allowed import check_one
 from pipeline.config.schema import Solver
+from pipeline.plan.kinds import kind_of
 from pipeline.plan.plan import Plan
 from pipeline.plan.thermal import thermal_pair
 from solver import (
     Balance,
     Broyden,
+    ContactSystem,
     Continuation,
     DescribingFunction,
     LiftedSeeds,
@@ -27,7 +30,24 @@ if TYPE_CHECKING:
     from solver import Row
     from solver.rows.seeds import Seeds
 
-__all__ = ["balance_of", "continuation_of", "frame_of", "model_at", "point_of", "row_axis", "row_of", "seeds_of"]
+__all__ = [
+    "System",
+    "balance_of",
+    "continuation_of",
+    "frame_of",
+    "gear_at",
+    "model_at",
+    "point_of",
+    "row_axis",
+    "row_of",
+    "row_system",
+    "seeds_of",
+    "sweep_axis",
+    "system_along",
+]
+
+#: What a plane is made of.
+System = Model | ContactSystem
 
 CORRECTORS = {"newton": Newton, "broyden": Broyden}
 NOT_CONTINUATION = ("balance", "order", "period", "certify", "certify_columns")
@@ -72,39 +92,69 @@ def seeds_of(settings: dict) -> Seeds:
     return ProvenSeeds(settings["certify_columns"], every_column=settings["certify"] == "all")
 
 
-def model_at(plan: Plan, row: float, column: float) -> Model:
-    """The gear at one point of the plane; omega, if it is an axis, is not the gear's."""
-    start, axis = _start(plan, row, column), row_axis(plan)
-    # At the reference temperature the gear is its own model: even that c is geometric stays, which enumeration encloses
-    # a little wider than the number.
-    at_reference = plan.thermal is not None and row == 0.0
-    return start if isinstance(axis, str) or at_reference else place_on(axis, row, start)[0]
+def model_at(plan: Plan, row: float, column: float) -> System:
+    """The system at one point of the plane; omega, if it is an axis, is not the system's."""
+    return _on_path(plan, row, kind_of(plan).system(plan.gear, _values(plan, row, column)))
+
+
+def row_system(plan: Plan, row: float) -> System:
+    """The system of one row, to be varied along `sweep_axis`; its own value of that is not used."""
+    values = _values(plan, row, plan.sweep.low)
+    return _on_path(plan, row, kind_of(plan).system(plan.gear, values, (plan.sweep.name,)))
+
+
+def system_along(plan: Plan, row: float, column: float, *names: str) -> tuple[System, *tuple[str, ...]]:
+    """The system through a place, to be varied along some parameters, axes of the plane or not; and what the solver
+    calls these."""
+    kind = kind_of(plan)
+    system = _on_path(plan, row, kind.system(plan.gear, _values(plan, row, column), names))
+    return system, *map(kind.solver_axis, names)
+
+
+def gear_at(plan: Plan, row: float, column: float) -> dict:
+    """The numbers of a plan's gear with those that its axes have at a place."""
+    system = model_at(plan, row, column)
+    if isinstance(system, Model):
+        return asdict(system)
+    return {**plan.gear, **{name: value for name, value in _values(plan, row, column).items() if name != "omega"}}
+
+
+def sweep_axis(plan: Plan) -> str:
+    """The swept parameter as the solver calls it."""
+    return kind_of(plan).solver_axis(plan.sweep.name)
 
 
 def row_axis(plan: Plan) -> str | ParameterPath:
     """The row parameter as the solver takes it: a name, or the path along which it moves numbers of the gear."""
     if plan.thermal is not None:
         return thermal_pair(plan.thermal).path
-    return MESH_DAMPING if plan.parameter.name == MESH_DAMPING.name else plan.parameter.name
+    return MESH_DAMPING if plan.parameter.name == MESH_DAMPING.name else kind_of(plan).solver_axis(plan.parameter.name)
 
 
 def frame_of(plan: Plan) -> tuple:
-    """The gear to start from, both axes and the ranges of both, as boundaries and regions take them."""
+    """The system to start from, both axes and the ranges of both, as boundaries and regions take them."""
     x, p = plan.sweep, plan.parameter
-    return _start(plan, p.low, x.low), x.name, row_axis(plan), (x.low, x.high), (p.low, p.high)
+    start = kind_of(plan).system(plan.gear, _values(plan, p.low, x.low), (x.name, p.name))
+    return start, sweep_axis(plan), row_axis(plan), (x.low, x.high), (p.low, p.high)
 
 
-def _start(plan: Plan, row: float, column: float) -> Model:
-    """The gear before the row parameter has moved it, where that is a path; at its place otherwise."""
-    values = {plan.sweep.name: column}
-    if isinstance(row_axis(plan), str):
-        values[plan.parameter.name] = row
-    values.pop("omega", None)
-    return Model(**plan.gear, **values)
+def _values(plan: Plan, row: float, column: float) -> dict[str, float]:
+    """The values of the axes at a point; without the row's, where a path moves the gear."""
+    rows = {plan.parameter.name: row} if isinstance(row_axis(plan), str) else {}
+    return {plan.sweep.name: column, **rows}
 
 
-def point_of(plan: Plan, row: float, column: float) -> tuple[Model, float]:
-    """The gear and the mesh frequency at one point of the plane."""
+def _on_path(plan: Plan, row: float, start: System) -> System:
+    """The gear after the row parameter has moved it, where that is a path."""
+    axis = row_axis(plan)
+    # At the reference temperature the gear is its own model: even that c is geometric stays, which enumeration encloses
+    # a little wider than the number.
+    at_reference = plan.thermal is not None and row == 0.0
+    return start if isinstance(axis, str) or at_reference else place_on(axis, row, start)[0]
+
+
+def point_of(plan: Plan, row: float, column: float) -> tuple[System, float]:
+    """The system and the mesh frequency at one point of the plane."""
     axes = {plan.parameter.name: row, plan.sweep.name: column}
     return model_at(plan, row, column), axes.get("omega", plan.omega)
 
@@ -118,6 +168,6 @@ def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuatio
     from solver import sweep_row
 
     omega = value if plan.parameter.name == "omega" else plan.omega
-    model = model_at(plan, value, plan.sweep.low)
     grid = plan.sweep.values if columns is None else columns
-    return sweep_row(model, plan.sweep.name, grid, omega=omega, continuation=continuation, seeds=seeds, balance=balance)
+    kept = dict(omega=omega, continuation=continuation, seeds=seeds, balance=balance)
+    return sweep_row(row_system(plan, value), sweep_axis(plan), grid, **kept)

@@ -27,7 +27,8 @@ class Plan:
     Parameters
     ----------
     gear : dict
-        Keyword arguments of `solver.Model`, without what the axes replace.
+        Numbers of the system as its kind takes them, without what the axes replace; of a bevel pair keyword arguments
+        of `solver.Model`.
     sweep, parameter : Axis
         Along a row, and from row to row.
     omega : float or None
@@ -42,6 +43,8 @@ class Plan:
         Laws of temperature in SI units, where that is the row parameter; see `pipeline.plan.thermal`.
     parameter2 : Axis or None
         From layer to layer of a volume; None for a plane.
+    kind : str
+        Of the system, one of `pipeline.plan.kinds.KINDS`.
     """
 
     gear: dict
@@ -55,13 +58,15 @@ class Plan:
     physical: dict | None = None
     thermal: dict | None = None
     parameter2: Axis | None = None
+    kind: str = "bevel"
 
     @property
     def numbers(self) -> dict:
         """Everything that changes numbers, as plain data; what they mean in physical units included, where they do."""
         numbers = json.loads(json.dumps(asdict(self)))
-        for name in ("physical", "thermal", "parameter2"):
-            if numbers[name] is None:
+        usual = {"physical": None, "thermal": None, "parameter2": None, "kind": "bevel"}
+        for name, value in usual.items():
+            if numbers[name] == value:
                 del numbers[name]
         return numbers
 

@@ -8,14 +8,27 @@ import numpy as np
 
 from pipeline.config.compose import Settings
 from pipeline.config.physical import AXIS_KEYS, TEMPERATURE, describe, value_of
+from pipeline.config.systems import SECTIONS, described, section_of
 from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import ROLES, axes_of
-from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_axis, seeds_of
+from pipeline.plan.kinds import APART, BEVEL, KINDS, kind_of
+from pipeline.plan.numerics import (
+    balance_of,
+    continuation_of,
+    frame_of,
+    model_at,
+    row_axis,
+    row_system,
+    seeds_of,
+    sweep_axis,
+)
 from pipeline.plan.plan import Plan
-from pipeline.plan.scales import cycle_note, teeth_note
+from pipeline.plan.scales import cycle_note, scales_from, teeth_note
 from pipeline.plan.thermal import thermal_numbers
+from pipeline.plan.traits import feels, lowest_stiffness
 from pipeline.plan.unfelt import unfelt_harmonics
-from solver import SCALAR_PARAMETERS, GearPair, ParameterError, Scales
+from solver import GearPair, Model, ParameterError, ProvenSeeds
+from solver.enumeration.condensed import UnprovableError, condensed_over
 
 __all__ = ["asked_numbers", "check_numbers", "gear_of", "plan", "warnings"]
 
@@ -54,7 +67,7 @@ def plan(settings: Settings) -> Plan:
     if physical is not None:
         _check_axis_keys(settings, names)
     for name in names & set(gear):
-        key = f"gear.{name.replace('variation_', 'variation.')}"
+        key = KINDS[found["kind"]].key(name)
         if settings.overridden(key):
             raise ConfigurationError(f"{key} is not allowed here: {name} is an axis of this plane")
         if isinstance(gear[name], list) and len(set(map(str, gear[name]))) > 1:
@@ -64,15 +77,16 @@ def plan(settings: Settings) -> Plan:
     # What an axis replaces does not belong to the configuration.
     result = Plan(**{**found, "gear": {key: value for key, value in gear.items() if key not in names}})
     check_numbers(result)
+    _check_provable(result)
     return result
 
 
 def _parts(settings: Settings) -> dict:
     """Keyword arguments of the plan, each for itself; the gear still has what an axis replaces."""
     config = settings.config
-    gear, physical = gear_of(config.gear)
-    scales = None if physical is None else _scales(physical)
-    axes = axes_of(config.plane, SCALAR_PARAMETERS, scales)
+    kind, gear, physical = gear_of(config.gear)
+    scales = scales_from(physical)
+    axes = axes_of(config.plane, KINDS[kind], scales)
     omega = config.plane.omega
     return {
         "gear": gear,
@@ -82,6 +96,7 @@ def _parts(settings: Settings) -> dict:
         **{name: getattr(config.store, name) for name in ("max_solutions", "max_branches", "max_points")},
         "physical": physical,
         "thermal": _thermal(settings, physical) if axes["parameter"].name == TEMPERATURE else None,
+        "kind": kind,
     }
 
 
@@ -99,10 +114,18 @@ def asked_numbers(settings: Settings) -> dict:
     return json.loads(json.dumps({name: asdict(part) if name in ROLES else part for name, part in parts.items()}))
 
 
-def gear_of(config) -> tuple[dict, dict | None]:
+def gear_of(config) -> tuple[str, dict, dict | None]:
+    """The kind of a system, its numbers as the kind takes them, and what these come from where units were given."""
+    if (section := section_of(config)) is not None:
+        return section, *json.loads(json.dumps(described(section, config)))
+    return BEVEL.name, *_bevel(config)
+
+
+def _bevel(config) -> tuple[dict, dict | None]:
     """Keyword arguments of the dimensionless model, and what it comes from where that is a gear in physical units."""
     values = asdict(config)
-    del values["physical"], values["thermal"]
+    for name in ("physical", "thermal", *SECTIONS):
+        del values[name]
     if config.physical is None:
         for key, value in values.items():
             if value is None:
@@ -124,15 +147,11 @@ def gear_of(config) -> tuple[dict, dict | None]:
 def _thermal(settings: Settings, physical: dict | None) -> dict:
     """The laws of temperature, as plain data."""
     config, where = settings.config.gear.thermal, "plane.parameter.name = 'temperature' is not allowed"
-    if physical is None:
+    if physical is None or "gear" not in physical:
         raise ConfigurationError(f"{where}: it needs a gear in physical units, such as gear=miter")
     if config is None:
         raise ConfigurationError(f"{where}: gear.thermal, the laws of temperature, has no value")
     return json.loads(json.dumps(thermal_numbers(config, GearPair(**physical["gear"]))))
-
-
-def _scales(physical: dict):
-    return Scales(GearPair(**physical["gear"]))
 
 
 def _check_axis_keys(settings: Settings, names: set[str]) -> None:
@@ -150,6 +169,7 @@ def _outer_planes(plan: Plan) -> list[Plan]:
 def check_numbers(plan: Plan) -> None:
     """Build the models at the plane's corners and the solver once, so that a bad value shows before anything runs."""
     _check_sizes(plan)
+    _check_axes(plan)
     axis = row_axis(plan)
     if not isinstance(axis, str) and plan.sweep.name in axis.uses:
         raise ConfigurationError(
@@ -177,6 +197,48 @@ def check_numbers(plan: Plan) -> None:
                 raise ConfigurationError(message) from None
 
 
+def _check_provable(plan: Plan) -> None:
+    """Raise if every solution is to be proven of a system of which nothing can be, before every row fails of it."""
+    if plan.kind == BEVEL.name or not isinstance(seeds_of(plan.solver), ProvenSeeds):
+        return
+    ends = np.array([plan.sweep.low, plan.sweep.high])
+    for plane in _outer_planes(plan):
+        for row in (plan.parameter.low, plan.parameter.high):
+            omega = row if plan.parameter.name == "omega" else plane.omega
+            try:
+                condensed_over(row_system(plane, row), sweep_axis(plane), ends, omega)
+            except UnprovableError as error:
+                asked = plan.solver["certify"]
+                raise ConfigurationError(
+                    f"solver.certify = {asked!r} is not allowed for this gear: it must be none, because {error}"
+                ) from None
+
+
+def _check_axes(plan: Plan) -> None:
+    """Raise if two axes move the same numbers, or one moves nothing."""
+    kind, names = kind_of(plan), [axis.name for axis in plan.axes]
+    for one, other in APART:
+        if {one, other} <= set(names):
+            role = ROLES[max(names.index(one), names.index(other))]
+            raise ConfigurationError(
+                f"plane.{role}.name = {names[ROLES.index(role)]!r} is not allowed: {one} and {other} move the same "
+                "numbers, of which one axis can be"
+            )
+    try:
+        system = frame_of(_outer_planes(plan)[0])[0]
+        felt = {name for name in kind.axes if feels(system, kind.solver_axis(name))}
+    except ParameterError:
+        # Said below, with its key.
+        return
+    for role, name in zip(ROLES, names, strict=False):
+        if name in kind.axes and name not in felt:
+            others = ", ".join(["omega", *(one for one in kind.axes if one in felt)])
+            raise ConfigurationError(
+                f"plane.{role}.name = {name!r} is not allowed: it changes nothing of this gear; "
+                f"it must be one of {others}"
+            )
+
+
 def _check_sizes(plan: Plan) -> None:
     """Raise if a plane has more values, rows or blocks than memory should ever be asked for."""
     for role, axis in zip(ROLES, plan.axes, strict=False):
@@ -198,7 +260,7 @@ def _key_of(error, plan: Plan) -> str:
     for role, axis in zip(ROLES, plan.axes, strict=False):
         if name == axis.name:
             return {axis.low: f"plane.{role}.min", axis.high: f"plane.{role}.max"}.get(error.value, name)
-    return f"gear.{error.name.replace('variation_', 'variation.')}"
+    return kind_of(plan).key(error.name)
 
 
 def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
@@ -219,27 +281,15 @@ def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
         for row in (plan.parameter.low, plan.parameter.high)
         for column in (plan.sweep.low, plan.sweep.high)
     ]
-    lowest = min(model.lowest_stiffness() for model in corners)
+    lowest = min(map(lowest_stiffness, corners))
     if lowest < 0.0:
         lines.append(
             f"the mesh stiffness falls to {lowest:.3g} of its mean somewhere in this plane: below 0 is unphysical"
         )
     if (unfelt := unfelt_harmonics(plan)) is not None:
         lines.append(unfelt.sentence)
-    names = {axis.name for axis in plan.axes}
-    changed = any(name in names or (settings and settings.overridden(f"gear.{name}")) for name in _DAMPING_PARTS)
-    if settings is not None and settings.choices["gear"] == "published" and not changed:
-        return lines
-    model = corners[0]
-    ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
-    if any(abs(ratio - kappa) > 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
-        shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
-        moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in _DAMPING_PARTS]
-        hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in names else ""
-        lines.append(
-            f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "
-            f"one mesh force would make them equal{hint}"
-        )
+    if isinstance(corners[0], Model):
+        lines += _mesh_damping(plan, settings, corners[0])
     if plan.physical is not None:
         lines += [*cycle_note(plan), *teeth_note(plan)]
     if plan.parameter2 is not None:
@@ -247,3 +297,21 @@ def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
             "a volume has no boundaries of its own: plane.layer=VALUE takes out the plane of one layer, which has"
         )
     return lines
+
+
+def _mesh_damping(plan: Plan, settings: Settings | None, model: Model) -> list[str]:
+    """That mesh damping breaks the physics, where it does."""
+    names = {axis.name for axis in plan.axes}
+    changed = any(name in names or (settings and settings.overridden(f"gear.{name}")) for name in _DAMPING_PARTS)
+    if settings is not None and settings.choices["gear"] == "published" and not changed:
+        return []
+    ratios = tuple(xi / model.xi_mesh for xi in model.xi_translation) if model.xi_mesh > 0.0 else model.kappa
+    if all(abs(ratio - kappa) <= 1e-9 for ratio, kappa in zip(ratios, model.kappa, strict=True)):
+        return []
+    shown, wanted = (", ".join(f"{x:g}" for x in dict.fromkeys(values)) for values in (ratios, model.kappa))
+    moved = [f" at {axis.name} = {axis.low:g}" for axis in plan.axes if axis.name in _DAMPING_PARTS]
+    hint = "; plane.parameter.name=mesh_damping moves both" if "xi_mesh" in names else ""
+    return [
+        f"gear.xi_translation/gear.xi_mesh = {shown}{''.join(moved)} differs from gear.kappa = {wanted}: "
+        f"one mesh force would make them equal{hint}"
+    ]

@@ -2,9 +2,10 @@
 
 from pipeline.plan.plan import Plan
 from solver import GearPair, Scales
+from solver.gear.scales import SystemScales
 from solver.model.checks import instance_of
 
-__all__ = ["cycle_note", "gear_of", "scales_of", "teeth_note"]
+__all__ = ["cycle_note", "gear_of", "scales_from", "scales_of", "teeth_note"]
 
 #: N per m of face width from which on ISO 6336 holds.
 _LEAST_LOAD = 1e5
@@ -15,7 +16,14 @@ def gear_of(plan: Plan) -> GearPair | None:
     return None if plan.physical is None else GearPair(**plan.physical["gear"])
 
 
-def scales_of(plan: Plan) -> Scales | None:
+def scales_from(physical: dict | None) -> Scales | SystemScales | None:
+    """Scales from what a plan keeps of physical units; None where it has none."""
+    if physical is None:
+        return None
+    return Scales(GearPair(**physical["gear"])) if "gear" in physical else SystemScales(**physical)
+
+
+def scales_of(plan: Plan) -> Scales | SystemScales | None:
     """What dimensionless values of a plan mean in physical units; None where the plan is dimensionless.
 
     Raises
@@ -24,13 +32,12 @@ def scales_of(plan: Plan) -> Scales | None:
         If it is no plan.
     """
     instance_of("plan", plan, Plan)
-    gear = gear_of(plan)
-    return None if gear is None else Scales(gear)
+    return scales_from(plan.physical)
 
 
 def cycle_note(plan: Plan) -> list[str]:
     """One line on how well a mesh cycle was fitted, where there is one."""
-    cycle = None if plan.physical is None else plan.physical["mesh_cycle"]
+    cycle = None if plan.physical is None else plan.physical.get("mesh_cycle")
     if cycle is None:
         return []
     parts = []

@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 from itertools import product
 
+from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
+from pipeline.plan.traits import excitation_harmonics, stiffness_harmonics
 
 __all__ = ["UnfeltHarmonics", "unfelt_harmonics"]
 
@@ -21,12 +23,15 @@ class UnfeltHarmonics:
     order : int
         Of the balance.
     stiffness, error : tuple of int
-        Of the mesh stiffness and of the transmission error.
+        Of the mesh stiffness, and of the transmission error or of what else drives the motion.
+    drives : str
+        What that is called.
     """
 
     order: int
     stiffness: tuple[int, ...]
     error: tuple[int, ...]
+    drives: str = "transmission error"
 
     @property
     def words(self) -> str:
@@ -37,7 +42,7 @@ class UnfeltHarmonics:
         >>> UnfeltHarmonics(1, (2, 3), (2,)).words
         'stiffness harmonics 2, 3 and transmission error harmonic 2'
         """
-        named = (("stiffness", self.stiffness), ("transmission error", self.error))
+        named = (("stiffness", self.stiffness), (self.drives, self.error))
         parts = [
             f"{name} harmonic{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}"
             for name, numbers in named
@@ -72,14 +77,14 @@ def unfelt_harmonics(plan: Plan) -> UnfeltHarmonics | None:
     for plane in planes:
         for row, column in product((plan.parameter.low, plan.parameter.high), (plan.sweep.low, plan.sweep.high)):
             model = model_at(plane, row, column)
-            if model.variation_translation or model.variation_rotation:
-                stiffness |= _above(order, model.stiffness_harmonics())
-            error |= _above(order, model.error_harmonics())
-    return UnfeltHarmonics(order, tuple(sorted(stiffness)), tuple(sorted(error))) if stiffness | error else None
+            stiffness |= _above(order, stiffness_harmonics(model))
+            error |= _above(order, excitation_harmonics(model))
+    found = tuple(sorted(stiffness)), tuple(sorted(error))
+    return UnfeltHarmonics(order, *found, kind_of(plan).drives) if stiffness | error else None
 
 
 def _above(order: int, harmonics) -> set[int]:
     """The numbers of the harmonics above an order that are there; those that a fit leaves by rounding are not."""
-    largest = max(abs(amplitude) for amplitude, _ in harmonics)
+    largest = max((abs(amplitude) for amplitude, _ in harmonics), default=0.0)
     there = (number for number, (size, _) in enumerate(harmonics, start=1) if abs(size) > _ROUNDING * largest)
     return {number for number in there if number > order}

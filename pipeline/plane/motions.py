@@ -7,7 +7,9 @@ import numpy as np
 from pipeline.config.quantities import READ
 from pipeline.plan.numerics import balance_of, continuation_of, point_of, row_of, seeds_of
 from pipeline.plan.plan import Plan
-from solver import all_solutions, domain_code, domain_label, impact_state
+from pipeline.plan.traits import dead_zone
+from solver import all_solutions, domain_code, domain_label
+from solver.contact.impact import impact_of_range
 from solver.enumeration.solutions import Above, Proof, Solutions
 from solver.harmonic.quantities import balance_quantities
 from solver.stability import assess
@@ -84,10 +86,10 @@ def _unproven(plan: Plan, x: float, p: float, proof: Proof) -> ArithmeticError:
 
 def proven_label(plan: Plan, x: float, p: float) -> str:
     """The label n/I at a place of a plane of first order; raises as `solved_motions`."""
-    found, b = _solutions(plan, x, p), point_of(plan, p, x)[0].b
+    found, ends = _solutions(plan, x, p), dead_zone(point_of(plan, p, x)[0])
     if found.proof is not Proof.PROVEN:
         raise _unproven(plan, x, p, found.proof)
-    states = impact_state(found.mean - found.amplitude, found.mean + found.amplitude, b)[found.stable == 1]
+    states = impact_of_range(found.mean - found.amplitude, found.mean + found.amplitude, *ends)[found.stable == 1]
     mask = np.bitwise_or.reduce(1 << states.astype(np.int64), initial=0)
     return domain_label(int(domain_code(np.array(states.size), mask)))
 
@@ -125,7 +127,7 @@ def _enumerated(plan: Plan, x: float, p: float) -> SolvedMotions:
         found.amplitude,
         np.arctan2(-found.sin, found.cos),
         found.stable,
-        impact_state(*balance.extremes(motions), model.b),
+        impact_of_range(*balance.extremes(motions), *dead_zone(model)),
         kind,
         modulus,
         balance_quantities(balance, model, "omega", places, motions),

@@ -1,22 +1,26 @@
-"""The two resonances, named from the linear modes of the loaded pair: the lower one mesh, the upper one shaft."""
+"""Linear resonances of a system in contact: natural frequencies, names, and the share of each mode in the contact."""
 
 from dataclasses import dataclass
+from functools import singledispatch
 
 import numpy as np
 
-from pipeline.plan.numerics import model_at
+from pipeline.plan.numerics import row_system
 from pipeline.plan.plan import Plan
-from solver import Model
+from solver import ContactSystem, Model
+from solver.model.contact_system import reduced
 
-__all__ = ["Resonance", "common_resonances", "mesh_shares", "resonances", "resonances_of"]
+__all__ = ["Resonance", "common_resonances", "contact_modes", "mesh_shares", "resonances", "resonances_of"]
 
 # Rows whose natural frequencies differ by no more than this share have the same modes.
 _SAME = 1e-9
+# A mode of a system with less of its strain energy in the contact is none that a figure shows.
+_SILENT = 0.005
 
 
 @dataclass(frozen=True)
 class Resonance:
-    """One of the two resonances: its name, linear natural frequency, and the part low <= omega < high it is given."""
+    """One resonance: its name, linear natural frequency, and the part low <= omega < high it is given."""
 
     name: str
     natural: float
@@ -28,21 +32,59 @@ class Resonance:
         return max(self.low, low), min(self.high, high)
 
 
-def resonances_of(lower: float, upper: float) -> tuple[Resonance, Resonance]:
-    """Both resonances of two natural frequencies; the axis is split at their geometric mean.
+def resonances_of(*naturals: float) -> tuple[Resonance, ...]:
+    """The resonances of natural frequencies, ascending; the axis is split at their geometric means.
+
+    The two of a bevel pair are called mesh and shaft; others are numbered.
 
     Examples
     --------
     >>> [(one.name, one.low, one.high) for one in resonances_of(0.5, 2.0)]
     [('mesh', 0.0, 1.0), ('shaft', 1.0, inf)]
+    >>> [(one.name, one.low, one.high) for one in resonances_of(1.0)]
+    [('mode 1', 0.0, inf)]
     """
-    split = float(np.sqrt(lower * upper))
-    return Resonance("mesh", float(lower), 0.0, split), Resonance("shaft", float(upper), split, np.inf)
+    names = ("mesh", "shaft") if len(naturals) == 2 else [f"mode {i}" for i in range(1, len(naturals) + 1)]
+    splits = [0.0, *(float(np.sqrt(a * b)) for a, b in zip(naturals[:-1], naturals[1:], strict=True)), np.inf]
+    return tuple(
+        Resonance(name, float(natural), low, high)
+        for name, natural, low, high in zip(names, naturals, splits[:-1], splits[1:], strict=True)
+    )
 
 
-def resonances(plan: Plan, value: float) -> tuple[Resonance, Resonance]:
-    """Both resonances of one row of a plane over omega: of the pair that the mean load keeps in contact."""
-    return resonances_of(*model_at(plan, value, plan.sweep.low).mesh_modes())
+def resonances(plan: Plan, value: float) -> tuple[Resonance, ...]:
+    """The resonances of one row of a plane over omega: of the system that the mean load keeps in contact."""
+    return resonances_of(*(natural for natural, _ in contact_modes(row_system(plan, value))))
+
+
+@singledispatch
+def contact_modes(system) -> tuple[tuple[float, float], ...]:
+    """Natural frequency of every linear mode in contact that a figure shows, ascending, and the share of its strain
+    energy that is in the contact.
+
+    Of a bevel pair the lowest and the highest one. Of another system the share is how much of its squared frequency is
+    due to the contact, (l h)(w r)/(l M r omega^2) with the left and the right mode l and r: the energy, where the
+    equations have one.
+    """
+    raise TypeError(f"{type(system).__name__} is no system")
+
+
+@contact_modes.register
+def _(system: Model) -> tuple[tuple[float, float], ...]:
+    return tuple(zip(system.mesh_modes(), mesh_shares(system), strict=True))
+
+
+@contact_modes.register
+def _(system: ContactSystem) -> tuple[tuple[float, float], ...]:
+    kept = reduced(system)
+    squares, right = np.linalg.eig(np.linalg.solve(kept.mass, kept.stiffness + np.outer(kept.force, kept.contact)))
+    # The rows of the inverse are the left modes, of l M r = 1.
+    left = np.linalg.inv(right) @ np.linalg.inv(kept.mass)
+    with np.errstate(all="ignore"):
+        shares = ((left @ kept.force) * (kept.contact @ right) / squares).real
+    heard = (squares.real > 0.0) & (shares > _SILENT)
+    found = sorted(zip(np.sqrt(squares.real[heard]).tolist(), shares[heard].tolist(), strict=True))
+    return tuple((natural, min(share, 1.0)) for natural, share in found)
 
 
 def mesh_shares(model: Model) -> tuple[float, float]:
@@ -60,10 +102,10 @@ def mesh_shares(model: Model) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def common_resonances(plan: Plan) -> tuple[Resonance, Resonance] | None:
-    """Both resonances of all rows; None where the modes move with the row parameter, so that no one split serves."""
+def common_resonances(plan: Plan) -> tuple[Resonance, ...] | None:
+    """The resonances of all rows; None where the modes move with the row parameter, so that no one split serves."""
     values = plan.parameter.values
-    modes = np.array([[one.natural for one in resonances(plan, value)] for value in values])
-    if np.any(np.ptp(modes, axis=0) > _SAME * modes[0]):
+    modes = [[one.natural for one in resonances(plan, value)] for value in values]
+    if len({len(row) for row in modes}) > 1 or np.any(np.ptp(modes, axis=0) > _SAME * np.array(modes[0])):
         return None
     return resonances(plan, float(values[0]))

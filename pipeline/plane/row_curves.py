@@ -6,13 +6,15 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.config.quantities import QUANTITIES
-from pipeline.plan.numerics import balance_of, continuation_of, model_at, row_of, seeds_of
+from pipeline.plan.numerics import System, balance_of, continuation_of, row_of, row_system, seeds_of, sweep_axis
 from pipeline.plan.plan import Plan
+from pipeline.plane.resonances import contact_modes
 from pipeline.plane.segments import Piece, pieces_of_row
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED
-from solver import EndReason, Model, RowError
+from solver import EndReason, RowError
 from solver.harmonic.quantities import balance_quantities
+from solver.model.packing import dead_zone_ends
 from solver.stability import assess, multipliers
 from solver.stability.instability import LEFT_TO_FOLDS
 
@@ -45,30 +47,26 @@ class RowCurves:
     points: dict[str, np.ndarray]
     ends: tuple[tuple[int, int, EndReason], ...]
 
-    @property
-    def model(self) -> Model:
-        """The gear of the row."""
-        return model_at(self.plan, self.value, self.plan.sweep.low)
+    @cached_property
+    def system(self) -> System:
+        """The system of the row, to be varied along the swept parameter."""
+        return row_system(self.plan, self.value)
 
     @property
-    def modes(self) -> tuple[float, float]:
-        """Linear natural frequencies, lower and upper."""
-        return self.model.mesh_modes()
+    def modes(self) -> tuple[float, ...]:
+        """Linear natural frequencies in contact, ascending."""
+        return tuple(natural for natural, _ in contact_modes(self.system))
 
     @cached_property
     def pieces(self) -> list[Piece]:
         """The branches cut at their events."""
-        position = self.points["position"]
-        b = position if self.plan.sweep.name == "b" else np.full(position.size, self.model.b)
-        return pieces_of_row(self.points, b)
+        return pieces_of_row(self.points, *dead_zone_ends(self.system, self._axis, self.points["position"]))
 
     @cached_property
     def _quantities(self) -> np.ndarray:
         """What is read of the motions at the points, (point, 13)."""
         place = self.points["position"], self.points["motion"]
-        return balance_quantities(
-            balance_of(self.plan.solver), self.model, self.plan.sweep.name, *place, omega=self._omega
-        )
+        return balance_quantities(balance_of(self.plan.solver), self.system, self._axis, *place, omega=self._omega)
 
     def values(self, name: str) -> np.ndarray:
         """One of `pipeline.config.quantities.QUANTITIES` at the points, (point,)."""
@@ -80,7 +78,12 @@ class RowCurves:
         """Floquet multipliers at the points, (point, m) complex."""
         place = self.points["position"], self.points["motion"]
         period = balance_of(self.plan.solver).period
-        return multipliers(self.model, self.plan.sweep.name, *place, omega=self._omega, period=period)
+        return multipliers(self.system, self._axis, *place, omega=self._omega, period=period)
+
+    @property
+    def _axis(self) -> str:
+        """The swept parameter as the solver calls it."""
+        return sweep_axis(self.plan)
 
     @property
     def _omega(self) -> float | None:
@@ -107,7 +110,7 @@ class RowCurves:
         )
         balance, omega = balance_of(self.plan.solver), self._omega
         kind = assess(
-            self.model, self.plan.sweep.name, position, motion, omega=omega, balance=balance, static=np.ones(left.size)
+            self.system, self._axis, position, motion, omega=omega, balance=balance, static=np.ones(left.size)
         ).kind
         found = stable.copy()
         found[stable] = np.isin(kind, LEFT_TO_FOLDS)

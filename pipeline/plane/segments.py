@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver import Event, domain_code, impact_state
+from solver import Event, domain_code
+from solver.contact.impact import impact_of_range
 
 __all__ = ["Piece", "labels_at", "pieces_of_row"]
 
@@ -32,15 +33,15 @@ class Piece:
         return slice(self.start, self.stop)
 
 
-def pieces_of_row(points: dict[str, np.ndarray], backlash: np.ndarray) -> list[Piece]:
+def pieces_of_row(points: dict[str, np.ndarray], back: np.ndarray, front: np.ndarray) -> list[Piece]:
     """Cut the branches of one row.
 
     Parameters
     ----------
     points : dict
         Name -> (point,) array: position, mean, amplitude, stable, impact, branch, event.
-    backlash : (point,) array
-        b at every point.
+    back, front : (point,) arrays
+        Ends of the gap at every point, -b and b of a bevel pair.
 
     Returns
     -------
@@ -59,7 +60,7 @@ def pieces_of_row(points: dict[str, np.ndarray], backlash: np.ndarray) -> list[P
         if inside is not None:
             stable, impact = bool(points["stable"][inside]), int(points["impact"][inside])
         else:
-            stable, impact = _stable_between(points, start), _impact_between(points, backlash, start)
+            stable, impact = _stable_between(points, start), _impact_between(points, back, front, start)
         low, high = sorted((float(position[start]), float(position[end])))
         pieces.append(Piece(start, end + 1, low, high, stable, impact))
     return pieces
@@ -76,12 +77,12 @@ def _stable_between(points: dict[str, np.ndarray], start: int) -> bool:
     return bool(points["stable"][nearest]) != bool((turns[nearest] - turns[start]) % 2)
 
 
-def _impact_between(points: dict[str, np.ndarray], backlash: np.ndarray, start: int) -> int:
+def _impact_between(points: dict[str, np.ndarray], back: np.ndarray, front: np.ndarray, start: int) -> int:
     """Impact state half-way between two neighbouring event points."""
-    mean, amplitude, b = (
-        0.5 * (array[start] + array[start + 1]) for array in (points["mean"], points["amplitude"], backlash)
+    mean, amplitude, low, high = (
+        0.5 * (array[start] + array[start + 1]) for array in (points["mean"], points["amplitude"], back, front)
     )
-    return int(impact_state(mean - amplitude, mean + amplitude, b))
+    return int(impact_of_range(mean - amplitude, mean + amplitude, low, high))
 
 
 def labels_at(pieces: list[list[Piece]], positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,13 +8,15 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-from pipeline.plan.numerics import model_at
+from pipeline.plan.numerics import row_system, sweep_axis
 from pipeline.plan.plan import Block, Plan
 from pipeline.plan.scales import scales_of
 from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
+from pipeline.plane.resonances import contact_modes
 from pipeline.plane.segments import Piece, pieces_of_row
 from pipeline.store import COMPLETE, read_plan
 from solver import Scales, domain_code
+from solver.model.packing import dead_zone_ends
 from solver.regions.labelling import stability_code
 from solver.stability import Instability
 from solver.stability.instability import LEFT_TO_FOLDS
@@ -225,15 +227,17 @@ class StoredPlane:
 
     @property
     def resonances(self) -> np.ndarray:
-        """Which of the two natural frequencies lie within the sweep axis in some row, (2,) bool."""
+        """Which natural frequencies lie within the sweep axis in some row, (m,) bool."""
         if not self.over_frequency:
-            return np.zeros(2, dtype=bool)
+            return np.zeros(self.modes.shape[1], dtype=bool)
         return np.any((self.modes >= self.plan.sweep.low) & (self.modes <= self.plan.sweep.high), axis=0)
 
     @cached_property
     def modes(self) -> np.ndarray:
-        """Linear natural frequencies of the pair for every row, lower and upper, (P, 2)."""
-        return np.array([model_at(self.plan, value, self.plan.sweep.low).mesh_modes() for value in self.rows])
+        """Linear natural frequencies in contact for every row, ascending, (P, m); nan beyond the modes of a row."""
+        rows = [[natural for natural, _ in contact_modes(row_system(self.plan, value))] for value in self.rows]
+        most = max(map(len, rows), default=0)
+        return np.array([row + [np.nan] * (most - len(row)) for row in rows]).reshape(len(rows), most)
 
     @cached_property
     def pieces(self) -> list[list[Piece]]:
@@ -251,11 +255,8 @@ class StoredPlane:
     def row_pieces(self, row: int) -> list[Piece]:
         """The branches of one row cut at folds and grazings."""
         points = self.row_points(row)
-        if self.plan.sweep.name == "b":
-            backlash = points["position"]
-        else:
-            backlash = np.full(self.n_points[row], model_at(self.plan, self.rows[row], self.plan.sweep.low).b)
-        return pieces_of_row(points, backlash)
+        system, axis = row_system(self.plan, self.rows[row]), sweep_axis(self.plan)
+        return pieces_of_row(points, *dead_zone_ends(system, axis, points["position"]))
 
     @property
     def _within(self) -> slice:

@@ -3,9 +3,17 @@
 import functools
 from collections.abc import Iterable
 
+from pipeline.plan.kinds import BEVEL
 from solver.kernels.warm import kernels_of, warm
 
-__all__ = ["NEEDED", "kernels_for", "ready_for_attractors", "ready_for_rows"]
+__all__ = [
+    "NEEDED",
+    "kernels_for",
+    "kernels_for_isolated",
+    "ready_for_attractors",
+    "ready_for_isolated",
+    "ready_for_rows",
+]
 
 _ROWS = {
     "describing_function": (
@@ -46,6 +54,9 @@ _ATTRACTORS = (
     "solver.timedomain.quantities.gauge_at",
     "solver.timedomain.row_systems",
 )
+
+#: Branches from attractors: rows of order H, and the harmonics of motions.
+_ISOLATED = (*_ROWS["galerkin"], "solver.timedomain.poincare._measure")
 
 #: A row followed up and down.
 _RUNS = (
@@ -105,18 +116,53 @@ NEEDED["explore"] = {
 }
 
 
-def kernels_for(stages: Iterable[str], balance: str) -> list[str]:
-    """Names of what stages need, in the order to compile them in."""
-    return list(dict.fromkeys(name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ())))
+#: What is called in place of a bevel pair's kernel where another system is solved.
+_OF_SYSTEMS = {
+    "solver.enumeration.coefficients.enclose_gear": "solver.enumeration.system_coefficients.enclose_system",
+    "solver.harmonic.quantities.fill_quantities": "solver.harmonic.quantities.fill_system_quantities",
+    "solver.harmonic.describing_function.residual_and_jacobian": (
+        "solver.harmonic.describing_function.system_residual_and_jacobian"
+    ),
+    "solver.harmonic.describing_function.test_functions": "solver.harmonic.describing_function.system_test_functions",
+    "solver.boundaries.first_order._bifurcation_balance": "solver.boundaries.first_order._system_bifurcation_balance",
+    "solver.boundaries.first_order._fold_balance": "solver.boundaries.first_order._system_fold_balance",
+    "solver.boundaries.first_order._grazing_balance": "solver.boundaries.first_order._system_grazing_balance",
+    "solver.boundaries.first_order._test_functions": "solver.boundaries.first_order._system_test_functions",
+}
+
+
+def kernels_for(stages: Iterable[str], balance: str, kind: str = BEVEL.name) -> list[str]:
+    """Names of what stages need for a kind of system, in the order to compile them in."""
+    return _of_kind((name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ())), kind)
+
+
+def kernels_for_isolated(kind: str = BEVEL.name) -> list[str]:
+    """The same of what the stage attractors needs besides, where branches are asked for."""
+    return _of_kind(_ISOLATED, kind)
+
+
+def _of_kind(names: Iterable[str], kind: str) -> list[str]:
+    names = list(dict.fromkeys(names))
+    if kind == BEVEL.name:
+        return names
+    # A stop may be so stiff that contacts are looked for along its branches.
+    contacts = ["solver.harmonic.contact_extrema.contacts"] if "solver.continuation.arclength.trace" in names else []
+    return list(dict.fromkeys([*(_OF_SYSTEMS.get(name, name) for name in names), *contacts]))
 
 
 @functools.cache
-def ready_for_rows(balance: str) -> None:
+def ready_for_rows(balance: str, kind: str = BEVEL.name) -> None:
     """Compile or load what rows need, once in this process: a row's time is its own."""
-    warm(kernels_of(kernels_for(["sweep"], balance)))
+    warm(kernels_of(kernels_for(["sweep"], balance, kind)))
 
 
 @functools.cache
 def ready_for_attractors() -> None:
     """Compile or load what attractors need, once in this process."""
     warm(kernels_of(_ATTRACTORS))
+
+
+@functools.cache
+def ready_for_isolated(kind: str = BEVEL.name) -> None:
+    """Compile or load what branches from attractors need, once in this process."""
+    warm(kernels_of(kernels_for_isolated(kind)))

@@ -108,7 +108,7 @@ def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None)
     RowTrouble
         If a row raises something unforeseen: nothing is written then, and the attempt is noted for the next one.
     """
-    ready_for_rows(plan.solver["balance"])
+    ready_for_rows(plan.solver["balance"], plan.kind)
     begin = perf_counter()
     balance, continuation = balance_of(plan.solver), continuation_of(plan.solver)
     seeds = seeds_of(plan.solver)

@@ -24,7 +24,7 @@ def warm_up_for(job: Job, reporter: Reporter) -> None:
     """
     config = job.settings.config
     if config.cluster.kind != "scheduler":
-        warm_up(kernels_for(config.stages, job.plan.solver["balance"]), reporter)
+        warm_up(kernels_for(config.stages, job.plan.solver["balance"], job.plan.kind), reporter)
 
 
 def warm_up_everything(reporter: Reporter) -> None:

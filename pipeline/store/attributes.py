@@ -24,6 +24,14 @@ LONG_NAMES = {
     "variation_translation": "share of the stiffness variation in the translation rows",
     "variation_rotation": "share of the stiffness variation in the mesh row",
     "temperature": "temperature difference between gears and housing",
+    "gap": "half of the gap",
+    "damping_ratio": "damping ratio",
+    "mean_load": "mean load",
+    "excitation": "factor on the excitation",
+    "gap_scale": "factor on the gap",
+    "contact_damping": "contact damping over contact stiffness",
+    "damping": "factor on the damping",
+    "stiffness": "factor on the stiffness",
 }
 UNITS = {
     "alpha_phase": "rad",

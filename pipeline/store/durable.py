@@ -19,6 +19,10 @@ _TOGETHER = 16
 
 def settle(files: Collection[Path]) -> None:
     """Return when files are on the disk."""
+    if len(files) == 1:
+        # Threads would take longer to start.
+        _settle(*files)
+        return
     with ThreadPoolExecutor(max(1, min(_TOGETHER, len(files)))) as pool:
         list(pool.map(_settle, files))
 

@@ -155,15 +155,15 @@ def _gear_names() -> list[str]:
 
 @cache
 def _known_gear(name: str) -> dict | None:
-    """Keyword arguments of the model; None of a file that others start from, which has values missing."""
+    """Kind and numbers of the system; None of a file that others start from, which has values missing."""
     from pipeline.config.compose import compose
     from pipeline.plan.planning import gear_of
 
     try:
-        gear, _ = gear_of(compose([f"gear={name}"]).config.gear)
+        kind, gear, _ = gear_of(compose([f"gear={name}"]).config.gear)
     except ConfigurationError:
         return None
-    return {key: _plain(value) for key, value in gear.items()}
+    return {"kind": kind, **{key: _plain(value) for key, value in gear.items()}}
 
 
 def _plain(value):
@@ -178,7 +178,7 @@ def _gear(plan: Plan) -> str:
     stored = {key: _plain(value) for key, value in plan.gear.items()}
     differences = {}
     for name in _gear_names():
-        if (known := _known_gear(name)) is not None:
+        if (known := _known_gear(name)) is not None and known["kind"] == plan.kind:
             differences[name] = [key for key in stored if key not in axes and stored[key] != known.get(key)]
             if not differences[name]:
                 break

@@ -3,6 +3,7 @@
 import json
 import warnings
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -119,6 +120,7 @@ def _consolidated(files: dict[str, Buffer]) -> dict[str, bytes]:
     return {name: content.to_bytes() for name, content in files.items()}
 
 
+@cache
 def _versions() -> dict[str, str]:
     versions = {}
     for package in ("bevelmap", *_PACKAGES):

@@ -6,9 +6,9 @@ from pipeline.config.allowed import check_one
 from pipeline.config.physical import PATHS
 from pipeline.config.schema import Solver, Store
 from pipeline.plan.axes import Axis
+from pipeline.plan.kinds import BEVEL, GearKind, kind_of
 from pipeline.plan.plan import Plan, plan_of
 from pipeline.plan.planning import check_numbers
-from solver import SCALAR_PARAMETERS
 
 __all__ = ["validate_plan"]
 
@@ -23,7 +23,7 @@ def validate_plan(numbers: dict) -> Plan:
     """
     plan = plan_of(numbers)
     for axis in plan.axes:
-        _check_axis(axis)
+        _check_axis(axis, kind_of(plan))
     names = [axis.name for axis in plan.axes]
     if len(set(names)) < len(names):
         raise ValueError(f"axes {' x '.join(names)}")
@@ -44,8 +44,8 @@ def _check_whole(section: type, name: str, value) -> None:
     check_one(section, name, value)
 
 
-def _check_axis(axis: Axis) -> None:
-    if axis.name not in ("omega", *PATHS, *SCALAR_PARAMETERS):
+def _check_axis(axis: Axis, kind: GearKind) -> None:
+    if axis.name not in ("omega", *kind.axes, *(PATHS if kind is BEVEL else ())):
         raise ValueError(f"an axis {str(axis.name)[:40]!r}")
     if type(axis.num) is not int or axis.num < 2:
         raise ValueError(f"{str(axis.num)[:40]} values of {axis.name}")

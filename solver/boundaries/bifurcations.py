@@ -11,9 +11,10 @@ real axis: the resonances 1:1 and 1:2. Beyond, it is a real pair of product 1, w
 M depends on the motion through the angles of contact alone. A contact that begins (sigma = 1) or ends (-1) at theta_c,
 tau_c = theta_c nu/Omega, changes M by a matrix of rank one,
 
-    dM = sigma (nu/Omega) [Phi(T, tau_c) (0, M^-1 (h + s h_v))] [w Phi(tau_c, 0)] dtheta_c
+    dM = sigma (nu/Omega) [Phi(T, tau_c) (v, r M^-1 (h + s h_v) - D v)] [w Phi(tau_c, 0)] dtheta_c,  v = r c_c M^-1 h
     dtheta_c = (d level - d lambda)/lambda'(theta_c)
 
+(r is 1 at the front flank and D that of the zone behind the switch; v is what a damper of touching teeth makes of it)
 and a determinant is affine along such a change, so that its slope is one difference of any length: exact. Only what
 the axes change with the angles held takes central differences. lambda' vanishes where the motion grazes a flank: there
 gradients are infinite, and curves have corners.
@@ -25,20 +26,29 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from solver.continuation.continuation import Problem
-from solver.flow.switched_system import FREQUENCY, count_degrees, new_system, system_at
-from solver.flow.taylor import carry_deviations, count_blocks, new_block_series
+from solver.flow.switched_system import DASHPOT, FREQUENCY, count_degrees, new_system, strength_of, system_at
+from solver.flow.taylor import carry_deviations, change_contact, count_blocks, new_block_series
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.parameters import BACK_GAP, FRONT_GAP, MESH_FREQUENCY, P_STEP, PERIOD, STIFFNESSES, X_STEP
 from solver.stability.multipliers import hessenberg
 
-__all__ = ["ANGLE", "SENSE", "bifurcation_test", "characteristic_remainder", "critical_cosines", "move_parameters"]
+__all__ = [
+    "ANGLE",
+    "CONTACT_FLANK",
+    "SENSE",
+    "bifurcation_test",
+    "characteristic_remainder",
+    "critical_cosines",
+    "move_parameters",
+]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
 _TURN = 2.0 * math.pi
 
-#: Columns of the switches of contact: angle theta_c, and sigma, 1 where contact begins and -1 where it ends.
-ANGLE, SENSE = range(2)
+#: Columns of the switches of contact: angle theta_c, sigma, 1 where contact begins and -1 where it ends, and the flank,
+#: 1 front and -1 back.
+ANGLE, SENSE, CONTACT_FLANK = range(3)
 
 # Degree of the test functions in kappa, for seven coordinates; by how much, as a share of their size, they may miss 0
 # at a start of a Neimark-Sacker.
@@ -95,8 +105,8 @@ def _states(here):
     return 2 * count_degrees(here, np.zeros(here.shape[0]), 0.0)
 
 
-@kernel(_B(ARRAY, _F, _B, MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
-def _carry(here, start, closed, switches, matrix, columns, rows):
+@kernel(_B(ARRAY, _F, _I, MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
+def _carry(here, start, zone, switches, matrix, columns, rows):
     """Fill in M (2n, 2n) from an angle on, and the columns and rows (k, 2n) by which the first k switches change it;
     False if they are not finite."""
     size, count = matrix.shape[0], columns.shape[0]
@@ -110,20 +120,26 @@ def _carry(here, start, closed, switches, matrix, columns, rows):
     series, states = new_block_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
     for i in range(size):
         states[i // 4, i, i % 4] = 1.0
-    scale = period / system.numbers[FREQUENCY]
+    scale, none = period / system.numbers[FREQUENCY], np.empty(0)
     # Contacts at once: two where one begins and another ends at the same angle.
-    begin, contacts = start, 1.0 if closed else 0.0
+    begin, front, back = start, 1.0 if zone > 0 else 0.0, 1.0 if zone < 0 else 0.0
     for c in range(switches.shape[0] + 1):
         end = switches[c, ANGLE] if c < switches.shape[0] else start + _TURN
         # The series are not asked how far they reach backwards; one unit of time is less than that.
         parts = 1 if end > begin else int(math.ceil((begin - end) * scale))
         for part in range(parts):
             left, right = begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts
-            if not carry_deviations(system, 1 if contacts > 0.0 else 0, left * scale, right * scale, states, series):
+            if not carry_deviations(system, zone, left * scale, right * scale, none, states, series):
                 return False
         if c == switches.shape[0]:
             break
-        begin, contacts = end, contacts + switches[c, SENSE]
+        flank = 1 if switches[c, CONTACT_FLANK] > 0.0 else -1
+        if flank > 0:
+            front += switches[c, SENSE]
+        else:
+            back += switches[c, SENSE]
+        before, begin, zone = zone, end, 1 if front > 0.0 else (-1 if back > 0.0 else 0)
+        change_contact(system, before, zone, states)
         if c >= count:
             continue
         stiffness = 0.0
@@ -131,8 +147,15 @@ def _carry(here, start, closed, switches, matrix, columns, rows):
             angle = (l + 1) * period * end
             stiffness += system.variation[l, 0] * math.cos(angle) - system.variation[l, 1] * math.sin(angle)
         block, column = (size + c) // 4, (size + c) % 4
+        strength = strength_of(system, flank)
+        dashpot, damping = strength * system.numbers[DASHPOT], 3 * n + n * (zone % 3)
         for i in range(n):
-            states[block, n + i, column] = vectors[1, i] + stiffness * vectors[2, i]
+            value = strength * (vectors[1, i] + stiffness * vectors[2, i])
+            if dashpot != 0.0:
+                states[block, i, column] = dashpot * vectors[1, i]
+                for j in range(n):
+                    value -= dashpot * system.matrices[damping + i, j] * vectors[1, j]
+            states[block, n + i, column] = value
         for j in range(size):
             rows[c, j] = 0.0
             for i in range(n):
@@ -164,9 +187,9 @@ def move_parameters(here, along, step, moved):
 
 
 @kernel(
-    types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _F, _F, _F, _B, MATRIX, MATRIX, MATRIX), inner=True, shared=True
+    types.UniTuple(_F, 4)(ARRAY, ARRAY, ARRAY, ARRAY, _F, _F, _F, _I, MATRIX, MATRIX, MATRIX), inner=True, shared=True
 )
-def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, closed, switches, by_angle, by_axis):
+def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, zone, switches, by_angle, by_axis):
     """The test functions of a motion, and how they change.
 
     Parameters
@@ -181,11 +204,11 @@ def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, clo
         Of the pair.
     start : float
         Angle at which the period starts; the multipliers do not depend on it.
-    closed : bool
-        Whether there is contact at the start.
-    switches : (k, at least 2) array
-        ANGLE and SENSE of every switch of contact, in order. One that lies before the last, by less than a time of
-        order 1, is gone back to: the functions go on smoothly where two have just passed each other.
+    zone : int
+        Of contact at the start: 1 front, 0 free, -1 back.
+    switches : (k, at least 3) array
+        ANGLE, SENSE and CONTACT_FLANK of every switch of contact, in order. One that lies before the last, by less than
+        a time of order 1, is gone back to: the functions go on smoothly where two have just passed each other.
     by_angle : (2, k) array
         Filled with the derivatives by the angles.
     by_axis : (2, 2) array
@@ -199,7 +222,7 @@ def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, clo
     size, count = _states(here), switches.shape[0]
     matrix, changed = np.empty((size, size)), np.empty((size, size))
     columns, rows = np.empty((count, size)), np.empty((count, size))
-    if not _carry(here, start, closed, switches, matrix, columns, rows):
+    if not _carry(here, start, zone, switches, matrix, columns, rows):
         return math.nan, math.nan, math.nan, math.nan
     largest = 0.0
     for i in range(size):
@@ -224,7 +247,7 @@ def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, clo
         by_axis[0, axis], by_axis[1, axis] = 0.0, 0.0
         for side in (-1.0, 1.0):
             move_parameters(here, along, side * step, beyond)
-            whole = _carry(beyond, start, closed, switches, changed, nothing, nothing)
+            whole = _carry(beyond, start, zone, switches, changed, nothing, nothing)
             moved = _tested(changed, real, kappa)
             # Where a coupling vanishes the system has fewer coordinates, and no slope.
             weight = side / (2.0 * step) if whole else math.nan

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, critical_cosines
+from solver.boundaries.bifurcations import ANGLE, CONTACT_FLANK, SENSE, bifurcation_test, critical_cosines
 from solver.boundaries.contact_angles import (
     BACK,
     COEFFICIENTS,
@@ -58,7 +58,7 @@ _TURN = 2.0 * math.pi
 
 # Columns of the switches of contact behind those of `bifurcations`: the slot of the flank's angle of contact, and how
 # the angle of the switch moves with it.
-_SLOT, _BY_CONTACT, _SWITCHES = range(2, 5)
+_SLOT, _BY_CONTACT, _SWITCHES = range(3, 6)
 
 
 @kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
@@ -78,9 +78,9 @@ def _grazing_rows(known, parameters, y, residual, jacobian):
     jacobian[5, slot] = 1.0
 
 
-@kernel(types.Tuple((types.float64, types.boolean, MATRIX))(ARRAY, ARRAY), inner=True)
+@kernel(types.Tuple((types.float64, types.int64, MATRIX))(ARRAY, ARRAY), inner=True)
 def _switches(parameters, y):
-    """A start of the period, whether there is contact then, and the switches of contact that follow, (k, _SWITCHES).
+    """A start of the period, the zone of contact then, and the switches of contact that follow, (k, _SWITCHES).
 
     With lambda = lambda_m + lambda_a cos(theta - psi) there is contact at the front flank while
     |theta - psi| < pi/2 - phi_f, at the back one while |theta - psi| > pi/2 - phi_b. The period starts in the middle of
@@ -98,9 +98,10 @@ def _switches(parameters, y):
         half, later = 0.5 * math.pi - y[slot], i >= 2
         switches[count, ANGLE] = psi + _TURN - half if later else psi + half
         switches[count, SENSE] = 1.0 if i % 2 == 1 else -1.0
+        switches[count, CONTACT_FLANK] = 1.0 if slot == FRONT else -1.0
         switches[count, _SLOT], switches[count, _BY_CONTACT] = slot, 1.0 if later else -1.0
         count += 1
-    return psi, front <= 0.0 or back > 0.0, switches[:count]
+    return psi, 1 if front <= 0.0 else (-1 if back > 0.0 else 0), switches[:count]
 
 
 @kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
@@ -117,10 +118,10 @@ def _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian)
         for j in range(5):
             jacobian[i, j] = part[i, j]
         jacobian[i, last - 1], jacobian[i, last] = part[i, X], part[i, P]
-    start, closed, switches = _switches(parameters, y)
+    start, zone, switches = _switches(parameters, y)
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
     at = here, along_x, along_p
-    values = bifurcation_test(parameters, *at, real, y[5], start, closed, switches, by_angle, by_axis)
+    values = bifurcation_test(parameters, *at, real, y[5], start, zone, switches, by_angle, by_axis)
     square = y[1] * y[1] + y[2] * y[2]
     for row in range(2 if real == 0.0 else 1):
         residual[5 + row] = values[row]
@@ -241,9 +242,9 @@ class FirstOrderProblem:
         gear = isinstance(plane.system, Model)
         object.__setattr__(self, "_two_sided", gear or plane.system.two_sided)
         object.__setattr__(self, "_held", not gear and plane.system.held)
-        # Without mean load, springs that hold lambda make its mean 0: motions graze both flanks of equal gaps at once.
+        # Without mean load, springs that hold lambda make its mean 0: motions graze flanks that are alike at once.
         alike = not gear and ("gap" in (plane.x_axis, plane.p_axis) or plane.system.front_gap == plane.system.back_gap)
-        mirrored = self._held and alike and self._two_sided and not np.any(plane.system.load[0])
+        mirrored = self._held and alike and plane.system.bounded_change and not np.any(plane.system.load[0])
         object.__setattr__(self, "_mirrored", mirrored)
         scale = np.array([size, size, size, 1.0, 1.0, *plane.scale])
         for name, value in (("parameters", parameters), ("parameter_slope", parameter_slope), ("scale", scale)):

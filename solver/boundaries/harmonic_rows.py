@@ -10,16 +10,16 @@ a matrix of rank one: a force at the angle theta_c enters row k with
 
     -sigma/(2 pi) [A_k + B_k s(theta_c)] exp(-i k theta_c)
 
-(twice that for k > 0, impedances as in `solver.harmonic.impedance`), times d lambda(theta_c) by the unknowns. So the
-slope of its determinant by an angle is one difference, exact, and only what the axes change with the angles held takes
-central differences.
+(twice that for k > 0, times the stiffness of the flank, impedances as in `solver.harmonic.impedance`), times d
+lambda(theta_c) by the unknowns. So the slope of its determinant by an angle is one difference, exact, and only what the
+axes change with the angles held takes central differences.
 """
 
 import math
 
 import numpy as np
 
-from solver.boundaries.bifurcations import ANGLE, SENSE, bifurcation_test, move_parameters
+from solver.boundaries.bifurcations import ANGLE, CONTACT_FLANK, SENSE, bifurcation_test, move_parameters
 from solver.boundaries.problem import GRAZINGS, parameters_at
 from solver.contact.spectrum import contact_arcs, displacement
 from solver.continuation.continuation import Event
@@ -31,6 +31,7 @@ from solver.kernels.linear import eliminate
 from solver.model.parameters import (
     BACK_CONTACT,
     BACK_GAP,
+    BACK_STIFFNESS,
     EVENT,
     FRONT_CONTACT,
     FRONT_GAP,
@@ -42,18 +43,18 @@ from solver.model.parameters import (
 
 __all__ = ["harmonic_rows"]
 
-_I, _F, _B = types.int64, types.float64, types.boolean
+_I, _F = types.int64, types.float64
 _FOLD, _DOUBLING, _NEIMARK_SACKER = int(Event.FOLD), int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
 _GRAZED = tuple(int(event) for event in GRAZINGS)
 _TURN = 2.0 * math.pi
 
-# Columns of the switches of contact behind those of `bifurcations`: flank (1 front, -1 back), how the level of lambda
-# there moves along x and p, and d lambda/d theta.
-FLANK, LEVEL_X, LEVEL_P, SLOPE, SWITCHES = range(2, 7)
+# Columns of the switches of contact behind those of `bifurcations`: how the level of lambda there moves along x and p,
+# and d lambda/d theta.
+LEVEL_X, LEVEL_P, SLOPE, SWITCHES = range(3, 7)
 _galerkin_rows, _margins = galerkin.residual_and_jacobian, galerkin.test_functions
 
 
-@kernel(types.Tuple((_B, MATRIX))(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
+@kernel(types.Tuple((_I, MATRIX))(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)
 def _switches_of(here, along_x, along_p, u):
     """The switches of contact of a motion.
 
@@ -65,25 +66,21 @@ def _switches_of(here, along_x, along_p, u):
 
     Returns
     -------
-    closed : bool
-        Whether there is contact at theta = 0.
+    zone : int
+        Of contact at theta = 0: 1 front, 0 free, -1 back.
     switches : (k, SWITCHES) array
         By angle.
     """
     angles, zones = np.empty(2 * u.shape[0] + 8), np.empty(2 * u.shape[0] + 8, np.int64)
     count = contact_arcs(u, here[FRONT_GAP], here[BACK_GAP], angles, zones)
-    switches, k = np.empty((count, SWITCHES)), 0
+    switches = np.empty((count, SWITCHES))
     for i in range(count):
         before, after = zones[i - 1 if i > 0 else count - 1], zones[i]
-        # From one flank to the other at once, as without backlash, is no switch.
-        if abs(after) == abs(before):
-            continue
         slot, flank = (FRONT_GAP, 1.0) if before + after > 0 else (BACK_GAP, -1.0)
-        switches[k, ANGLE], switches[k, SENSE], switches[k, FLANK] = angles[i], abs(after) - abs(before), flank
-        switches[k, LEVEL_X], switches[k, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
-        switches[k, SLOPE] = displacement(u, angles[i])[1]
-        k += 1
-    return zones[max(count - 1, 0)] != 0, switches[:k]
+        switches[i, ANGLE], switches[i, SENSE], switches[i, CONTACT_FLANK] = angles[i], abs(after) - abs(before), flank
+        switches[i, LEVEL_X], switches[i, LEVEL_P] = flank * along_x[slot], flank * along_p[slot]
+        switches[i, SLOPE] = displacement(u, angles[i])[1]
+    return zones[max(count - 1, 0)], switches
 
 
 @kernel(types.void(ARRAY, _F, ARRAY, _I), inner=True)
@@ -147,6 +144,10 @@ def _static_determinant(parameters, here, along_x, along_p, motion, switches, gr
                 force[2 * k - 1], force[2 * k] = 2.0 * row.real, -2.0 * row.imag
                 harmonics[2 * k - 1], harmonics[2 * k] = cosine, sine
             largest = max(largest, abs(row))
+        if switches[c, CONTACT_FLANK] < 0.0:
+            largest *= here[BACK_STIFFNESS]
+            for i in range(n):
+                force[i] *= here[BACK_STIFFNESS]
         factor = 1.0 / largest if largest > 0.0 else 1.0
         for i in range(n):
             for j in range(n):
@@ -168,7 +169,7 @@ def _count_switches(switches):
     """Switches of contact at the front and at the back flank."""
     front = 0
     for c in range(switches.shape[0]):
-        front += 1 if switches[c, FLANK] > 0.0 else 0
+        front += 1 if switches[c, CONTACT_FLANK] > 0.0 else 0
     return front, switches.shape[0] - front
 
 
@@ -211,8 +212,8 @@ def _test_functions(parameters, motion, switches, values, gradient):
         gradient[0, j] = motion[j] / values[0] if size > 0.0 else 0.0
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _B, MATRIX, ARRAY, MATRIX), inner=True)
-def _bifurcation_rows(parameters, here, along_x, along_p, y, closed, switches, residual, jacobian):
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, ARRAY, _I, MATRIX, ARRAY, MATRIX), inner=True)
+def _bifurcation_rows(parameters, here, along_x, along_p, y, zone, switches, residual, jacobian):
     """Fill in the row of a real multiplier, y = (u, x, p), or both of a Neimark-Sacker, y = (u, kappa, x, p)."""
     event, last = int(parameters[EVENT]), y.shape[0] - 1
     real = 0.0 if event == _NEIMARK_SACKER else -1.0 if event == _DOUBLING else 1.0
@@ -220,7 +221,7 @@ def _bifurcation_rows(parameters, here, along_x, along_p, y, closed, switches, r
     n = last - number
     by_angle, by_axis = np.empty((2, switches.shape[0])), np.empty((2, 2))
     at = here, along_x, along_p
-    values = bifurcation_test(parameters, *at, real, y[n], 0.0, closed, switches, by_angle, by_axis)
+    values = bifurcation_test(parameters, *at, real, y[n], 0.0, zone, switches, by_angle, by_axis)
     for row in range(number):
         residual[n + row] = values[row]
         for j in range(n):
@@ -251,7 +252,7 @@ def harmonic_rows(parameters, parameter_slope, y, values, gradient):
     here, along_x, along_p = parameters_at(parameters, parameter_slope, y)
     event, last = int(parameters[EVENT]), y.shape[0] - 1
     n = last - (2 if event == _NEIMARK_SACKER else 1)
-    closed, switches = _switches_of(here, along_x, along_p, y[:n])
+    zone, switches = _switches_of(here, along_x, along_p, y[:n])
     motion = np.zeros(n + 1)
     for j in range(n):
         motion[j] = y[j]
@@ -284,4 +285,4 @@ def harmonic_rows(parameters, parameter_slope, y, values, gradient):
         for j in range(n):
             gradient[n, j] = slopes[event - _FOLD, j]
     else:
-        _bifurcation_rows(parameters, here, along_x, along_p, y, closed, switches, values, gradient)
+        _bifurcation_rows(parameters, here, along_x, along_p, y, zone, switches, values, gradient)

@@ -28,7 +28,7 @@ from solver.model.checks import (
     list_length,
     value_range,
 )
-from solver.model.contact_system import SYSTEM_AXES, ContactSystem
+from solver.model.contact_system import SYSTEM_AXES, ContactSystem, refuse_cubic
 from solver.model.gear_model import Model
 from solver.model.packing import AXES, check_values, dead_zone_ends, packed
 from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
@@ -69,6 +69,8 @@ _DIFFERENCE = 1e-5
 
 
 _KINDS = frozenset(map(int, Event))
+#: Axes that move the same numbers: what one adds depends on the other.
+_TOGETHER = ({"gap", "gap_scale"}, {"damping", "contact_damping"})
 
 
 @dataclass(frozen=True)
@@ -102,6 +104,7 @@ class Plane:
 
     def __post_init__(self):
         instance_of("system", self.system, Model, ContactSystem)
+        refuse_cubic(self.system, "for boundaries")
         allowed = AXES if isinstance(self.system, Model) else SYSTEM_AXES
         for name in ("x_axis", "p_axis"):
             axis = getattr(self, name)
@@ -109,7 +112,7 @@ class Plane:
                 not isinstance(axis, str) or axis not in allowed
             ):
                 raise ParameterError(name, axis, f"one of {', '.join(allowed)}")
-        if self.x_axis == self.p_axis or {self.x_axis, self.p_axis} == {"gap", "gap_scale"}:
+        if self.x_axis == self.p_axis or {self.x_axis, self.p_axis} in _TOGETHER:
             raise ParameterError("p_axis", self.p_axis, "another parameter than x_axis")
         for name in ("x_range", "p_range"):
             object.__setattr__(self, name, value_range(name, getattr(self, name)))

@@ -2,11 +2,11 @@
 
 With Z_0 = K - Omega^2 M + i Omega C the first harmonic is Lambda + A f + B q = G with A = w.Z_0^-1 h, B = w.Z_0^-1 h_v
 and G = w.Z_0^-1 F: the balance of `solver.harmonic.condensed` divided by its D, which changes neither its solutions nor
-the sign of its Jacobian determinant. Where Z_0 cannot be proven to be regular, the contact is closed first, Z = Z_0 +
-h w^T and D = 1 - A. The mean is the same with Z_0 = K. Where K lets the system move freely the contact carries the mean
-load, D_0 = 0 and c = 1; so it is taken to be where the static stiffness of the rest is below 1e-12 of the contact's.
-The solutions of the linear systems are enclosed (`solver.enumeration.verified_solve`), the numbers parameters + p *
-parameter_slope taken as the exact floats they are.
+the sign of its Jacobian determinant; a damper of touching teeth makes A (1 + i Omega c_c) of A. Where Z_0 cannot be
+proven to be regular, the contact is closed first, Z = Z_0 + h w^T and D = 1 - A. The mean is the same with Z_0 = K.
+Where K lets the system move freely the contact carries the mean load, D_0 = 0 and c = 1; so it is taken to be where the
+static stiffness of the rest is below 1e-12 of the contact's. The solutions of the linear systems are enclosed
+(`solver.enumeration.verified_solve`), the numbers parameters + p * parameter_slope taken as the exact floats they are.
 """
 
 import math
@@ -35,6 +35,7 @@ from solver.harmonic.condensed import gaps
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.parameters import (
+    DASHPOT,
     DEGREES,
     LOADS,
     MESH_FREQUENCY,
@@ -44,11 +45,11 @@ from solver.model.parameters import (
     system_matrices,
 )
 
-__all__ = ["FREE_MEAN", "HELD_AND_MODULATED", "PULLED", "enclose_system"]
+__all__ = ["FREE_MEAN", "HELD_AND_MODULATED", "PULLED", "UNEQUAL", "enclose_system"]
 
 #: Of what nothing can be proven: springs hold lambda and the stiffness varies; a steady force moves lambda against it;
-#: nothing but a contact with one flank holds the mean, and the load does not press it together.
-HELD_AND_MODULATED, PULLED, FREE_MEAN = 1, 2, 3
+#: nothing but a contact with one flank holds the mean, and the load does not press it together; flanks are unlike.
+HELD_AND_MODULATED, PULLED, FREE_MEAN, UNEQUAL = 1, 2, 3, 4
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _THREE = types.Tuple((types.UniTuple(COMPLEX, 3), _B))
@@ -115,7 +116,7 @@ def _enclose(numbers, here):
     """Fill one point; 0, or why nothing can be proven."""
     n, omega = int(numbers[DEGREES]), numbers[MESH_FREQUENCY]
     (_, damping, _), (_, _, varying) = system_matrices(numbers, numbers)
-    damped, varies = False, False
+    damped, varies = numbers[DASHPOT] != 0.0, False
     for i in range(n):
         varies = varies or varying[i] != 0.0
         for j in range(n):
@@ -124,6 +125,8 @@ def _enclose(numbers, here):
     second = varies and numbers[STIFFNESSES] > 1.0 and numbers[stiffness_slot(2)] != 0.0
     c, B_0, load, kappa, held, proven = _static(numbers)
     front, back, _, _, far = gaps(numbers, numbers, 0.0)
+    if far != 0.0 and far != 1.0:
+        return UNEQUAL
     if held and first:
         return HELD_AND_MODULATED
     if held and proven and not c[0] > 0.0:
@@ -144,6 +147,8 @@ def _enclose(numbers, here):
     if not regular:
         (A, B, G), regular = _receptances(numbers, omega, 1, True)
         D = complex_subtract(D, A)
+    if numbers[DASHPOT] != 0.0:
+        A = complex_multiply(A, (exact(1.0), multiply(exact(numbers[DASHPOT]), exact(omega))))
     factored = not damped and not first and not second
     if factored:
         D, A = (D[0], (0.0, 0.0)), (A[0], (0.0, 0.0))
@@ -187,7 +192,7 @@ def enclose_system(parameters, parameter_slope, grid, enclosed):
     Returns
     -------
     int
-        0, or why nothing can be proven: `HELD_AND_MODULATED`, `PULLED` or `FREE_MEAN`.
+        0, or why nothing can be proven: `HELD_AND_MODULATED`, `PULLED`, `FREE_MEAN` or `UNEQUAL`.
     """
     numbers = np.empty(parameters.shape[0])
     for i in range(grid.shape[0]):

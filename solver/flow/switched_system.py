@@ -2,10 +2,16 @@
 
 With M^-1 multiplied through, y obeys, with lambda = w . y and in zone z (-1 back, 0 free, 1 front)
 
-    y'' + D y' + S_z y + q s(tau) lambda = g_z(tau),    s(tau) = Re sum_l S_l exp(i l Omega tau)
+    y'' + D_z y' + S_z y + r_z q s(tau) lambda = g_z(tau),    s(tau) = Re sum_l S_l exp(i l Omega tau)
 
-where D = M^-1 C, S_0 = M^-1 K, S_z = M^-1 (K + h w^T) in contact, q = M^-1 h_v in contact and 0 without, and g holds
-the load and the offset of the zone's law. Small deviations obey the same equation without g.
+where S_z = M^-1 (K + r_z h w^T), D_z = M^-1 (C + r_z c_c h w^T), q = M^-1 h_v, and g holds the load and the offset of
+the zone's law. r_z is how stiff the zone's flank is: 1 in front, the back flank's stiffness over that, and 0 between.
+Small deviations obey the same equation without g. Where c_c is not 0 they jump at a switch,
+
+    delta y' -> delta y' - (r_after - r_before) c_c M^-1 h delta lambda
+
+whatever lambda' is: y' + c_c M^-1 h f(lambda) has a derivative without a jump. A cubic spring adds k_3 M^-1 h lambda^3
+in every zone, and to deviations from a motion lambda_0 3 k_3 M^-1 h lambda_0^2 delta lambda.
 """
 
 import math
@@ -21,6 +27,7 @@ from solver.model.condensation import NO_COUPLING, direction_squares, rotation_c
 from solver.model.contact_system import ContactSystem
 from solver.model.parameters import (
     BACK_GAP,
+    BACK_STIFFNESS,
     DEGREES,
     FRONT_GAP,
     GEAR,
@@ -38,22 +45,33 @@ from solver.model.parameters import (
     stiffness_slot,
     system_matrices,
 )
+from solver.model.parameters import CUBIC as PACKED_CUBIC
+from solver.model.parameters import DASHPOT as PACKED_DASHPOT
 
-__all__ = ["SWITCHED_SYSTEM", "SwitchedSystem", "count_degrees", "loaded_system", "new_system", "system_at"]
+__all__ = [
+    "SWITCHED_SYSTEM",
+    "SwitchedSystem",
+    "count_degrees",
+    "loaded_system",
+    "new_system",
+    "strength_of",
+    "system_at",
+]
 
 _I, _F = types.int64, types.float64
 
 # Slots of `numbers`.
-FREQUENCY, LOW, HIGH, LENGTH, ONE_ZONE = range(5)
+FREQUENCY, LOW, HIGH, LENGTH, ONE_ZONE, STRENGTH, DASHPOT, CUBIC, NUMBERS = range(9)
 
 
 class SwitchedSystem(NamedTuple):
     """A system of n coordinates at one parameter; see the module.
 
-    `numbers` (5,): Omega, the ends of the dead zone (low, high), a length that errors of motions are compared with, and
-    1 where the dead zone is empty so that there is one zone. `matrices` (3 n, n): S_0, S_z in contact, D. `vectors`
-    (3, n): w, M^-1 h, q. `variation` (L, 2): real and imaginary parts of S_l. `load` (2 (L' + 1), n): real and
-    imaginary parts of M^-1 F_l; without rows for deviations alone.
+    `numbers` (8,): Omega, the ends of the dead zone (low, high), a length that errors of motions are compared with, 1
+    where the dead zone is empty between equal flanks so that there is one zone, how stiff the back flank is, c_c, and
+    k_3. `matrices` (6 n, n): S and then D of the zones free, front, back. `vectors` (3, n): w, M^-1 h, q. `variation`
+    (L, 2): real and imaginary parts of S_l. `load` (2 (L' + 1), n): real and imaginary parts of M^-1 F_l; without rows
+    for deviations alone.
     """
 
     numbers: np.ndarray
@@ -70,12 +88,18 @@ SWITCHED_SYSTEM = types.NamedTuple((ARRAY, MATRIX, MATRIX, MATRIX, MATRIX), Swit
 def new_system(degrees, stiffnesses):
     """Room for a system of n coordinates, of so many harmonics of the stiffness, without a load."""
     return SwitchedSystem(
-        np.empty(5),
-        np.empty((3 * degrees, degrees)),
+        np.empty(NUMBERS),
+        np.empty((6 * degrees, degrees)),
         np.empty((3, degrees)),
         np.empty((stiffnesses, 2)),
         np.empty((0, degrees)),
     )
+
+
+@kernel(_F(SWITCHED_SYSTEM, _I), inline=True)
+def strength_of(system, zone):
+    """r_z, how stiff the flank of a zone is; 0 of the free one."""
+    return 1.0 if zone > 0 else (system.numbers[STRENGTH] if zone < 0 else 0.0)
 
 
 @kernel(_I(ARRAY, ARRAY, _F, MATRIX), inner=True)
@@ -134,7 +158,9 @@ def system_at(parameters, parameter_slope, p, system):
     )
     low, (omega, _) = -back, number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
     numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = omega, low, high
-    numbers[LENGTH], numbers[ONE_ZONE] = 1.0, 1.0 if low == high else 0.0
+    numbers[STRENGTH], numbers[DASHPOT] = parameters[BACK_STIFFNESS], parameters[PACKED_DASHPOT]
+    numbers[CUBIC] = parameters[PACKED_CUBIC]
+    numbers[LENGTH], numbers[ONE_ZONE] = 1.0, 1.0 if low == high and numbers[STRENGTH] == 1.0 else 0.0
     for l in range(variation.shape[0]):
         at = stiffness_slot(l + 1)
         (size, _), (phase, _) = (
@@ -148,9 +174,13 @@ def system_at(parameters, parameter_slope, p, system):
         _system(parameters, parameter_slope, p, system)
     matrices, vectors = system.matrices, system.vectors
     n = vectors.shape[1]
-    for i in range(n):
-        for j in range(n):
-            matrices[n + i, j] = matrices[i, j] + vectors[1, i] * vectors[0, j]
+    for zone in (1, -1):
+        first, strength = n * (zone % 3), strength_of(system, zone)
+        for i in range(n):
+            for j in range(n):
+                stiffer = strength * (vectors[1, i] * vectors[0, j])
+                matrices[first + i, j] = matrices[i, j] + stiffer
+                matrices[3 * n + first + i, j] = matrices[3 * n + i, j] + numbers[DASHPOT] * stiffer
 
 
 @kernel(types.void(ARRAY, ARRAY, _F, SWITCHED_SYSTEM), inner=True)
@@ -169,12 +199,12 @@ def _gear(model, slope, p, system):
     for g in range(last):
         damping = 2.0 * groups[0, g]
         matrices[g, g], matrices[last, g] = groups[1, g], groups[1, g]
-        matrices[2 * n + g, g], matrices[2 * n + last, g] = damping, damping
-        matrices[2 * n + g, last] = groups[3, g]
+        matrices[3 * n + g, g], matrices[3 * n + last, g] = damping, damping
+        matrices[3 * n + g, last] = groups[3, g]
         vectors[1, g], vectors[2, g] = groups[2, g], eps_t * groups[2, g]
         force += groups[2, g]
         drag += groups[3, g]
-    matrices[2 * n + last, last] = drag + 2.0 * c * (model[XI_MESH] + p * slope[XI_MESH])
+    matrices[3 * n + last, last] = drag + 2.0 * c * (model[XI_MESH] + p * slope[XI_MESH])
     vectors[0, last], vectors[1, last], vectors[2, last] = 1.0, force + c, eps_t * force + eps_r * c
 
 
@@ -197,7 +227,7 @@ def _system(parameters, parameter_slope, p, system):
     for i in range(n):
         vectors[1, i], vectors[2, i] = rights[2 * n, i], rights[2 * n + 1, i]
         for j in range(n):
-            matrices[i, j], matrices[2 * n + i, j] = rights[j, i], rights[n + j, i]
+            matrices[i, j], matrices[3 * n + i, j] = rights[j, i], rights[n + j, i]
 
 
 @lru_cache(maxsize=4)
@@ -213,9 +243,17 @@ def loaded_system(system: ContactSystem, omega: float) -> SwitchedSystem:
     sizes, phases = np.array(system.stiffness_harmonics if np.any(varying) else (), dtype=float).reshape(-1, 2).T
     low, high = -system.back_gap, system.front_gap
     length = max(abs(high), abs(low) if system.two_sided else 0.0, np.max(np.abs(load)))
+    strengths, closing = (0.0, 1.0, system.back_stiffness), np.outer(force, system.contact)
+    one_zone = low == high and system.back_stiffness == 1.0
+    law = system.back_stiffness, system.contact_dashpot, system.cubic
     return SwitchedSystem(
-        np.array([omega, low, high, length, float(low == high)]),
-        np.concatenate([stiffness, stiffness + np.outer(force, system.contact), damping]),
+        np.array([omega, low, high, length, float(one_zone), *law]),
+        np.concatenate(
+            [
+                *(stiffness + strength * closing for strength in strengths),
+                *(damping + system.contact_dashpot * (strength * closing) for strength in strengths),
+            ]
+        ),
         np.array([system.contact, force, varying]),
         np.column_stack([sizes * np.cos(phases), sizes * np.sin(phases)]),
         load,

@@ -9,7 +9,7 @@ where m is the state in the middle, Phi' = A Phi and Gamma' = -Gamma A with Phi(
 are entire functions: sixteen Taylor coefficients hold over intervals that are as long as the tolerance allows (the next
 two terms are computed and must be below it). A motion is named by m: the motion itself need not be in the zone there,
 only its continuation by the law of the zone. From interval to interval m is carried by one matrix, into another zone by
-Phi of the one and Gamma of the other at the switch.
+Phi of the one and Gamma of the other at the switch. Deviations jump there if touching teeth have a damper of their own.
 
 lambda is also kept in Bernstein's basis, whose coefficients bound the polynomial and count its roots (R. T. Farouki,
 "The Bernstein polynomial basis: a centennial retrospective", Computer Aided Geometric Design 29 (2012) 379-419).
@@ -30,11 +30,12 @@ from solver.flow.switched_system import (
     SWITCHED_SYSTEM,
     SwitchedSystem,
     loaded_system,
+    strength_of,
 )
 from solver.flow.taylor import fill_sources
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, refuse_cubic
 
 __all__ = [
     "CUBE",
@@ -120,7 +121,7 @@ def padded(size):
     return (size + 3) // 4 * 4
 
 
-@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _I), inner=True)
+@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _I), inner=True, shared=True)
 def new_flows(system, room):
     """Room for the flows of a system, in so many intervals."""
     size = 2 * system.vectors.shape[1]
@@ -214,7 +215,8 @@ _WORK = types.NamedTuple((ARRAY, MATRIX, CUBE, MATRIX, CUBE, MATRIX), _Work)
 def _columns(system, zone, work):
     """Series of Phi and p in a zone, s and g being filled in."""
     n = system.vectors.shape[1]
-    size, first, second = 2 * n, (n if zone != 0 else 0), 2 * n
+    size, first, strength = 2 * n, n * (zone % 3), strength_of(system, zone)
+    second = first + 3 * n
     matrices, vectors, z, contact = system.matrices, system.vectors, work.columns, work.contact
     varied = zone != 0 and system.variation.shape[0] > 0
     for c in range(size + 1):
@@ -230,6 +232,7 @@ def _columns(system, zone, work):
             if varied:
                 for i in range(j + 1):
                     product += work.stiffness[i] * contact[j - i, c]
+                product *= strength
             for i in range(n):
                 value = work.g[j, i] if c == size else 0.0
                 if varied:
@@ -242,9 +245,10 @@ def _columns(system, zone, work):
 
 @kernel(types.void(SWITCHED_SYSTEM, _I, _WORK), inner=True)
 def _rows(system, zone, work):
-    """Series of Gamma = (a, b) in a zone: a' = b S + s (b q) w, b' = b D - a."""
+    """Series of Gamma = (a, b) in a zone: a' = b S_z + r_z s (b q) w, b' = b D_z - a."""
     n = system.vectors.shape[1]
-    size, first, second = 2 * n, (n if zone != 0 else 0), 2 * n
+    size, first, strength = 2 * n, n * (zone % 3), strength_of(system, zone)
+    second = first + 3 * n
     matrices, vectors, z, products = system.matrices, system.vectors, work.rows, work.products
     varied = zone != 0 and system.variation.shape[0] > 0
     for r in range(size):
@@ -261,6 +265,7 @@ def _rows(system, zone, work):
                 products[j, r] = seen
                 for i in range(j + 1):
                     product += work.stiffness[i] * products[j - i, r]
+                product *= strength
             for l in range(n):
                 left, right = product * vectors[0, l], -z[j, r, l]
                 for i in range(n):
@@ -440,5 +445,12 @@ def _tabulated(system, tolerance):
 
 @lru_cache(maxsize=4)
 def loaded_flows(system: ContactSystem, omega: float, tolerance: float) -> ZoneFlows:
-    """The flows of a system under its load at one frequency. They serve many calls; no kernel writes into them."""
+    """The flows of a system under its load at one frequency. They serve many calls; no kernel writes into them.
+
+    Raises
+    ------
+    ParameterError
+        If there is a cubic spring.
+    """
+    refuse_cubic(system, "where motions are carried by tables of affine flows")
     return _tabulated(loaded_system(system, omega), tolerance)

@@ -1,12 +1,12 @@
 """From dimensionless parameters of a gear pair to physical ones and back."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from solver.gear.pair import GearPair
 from solver.model.checks import ParameterError, finite_number, instance_of, number_array, one_of
 
-__all__ = ["Scale", "Scales"]
+__all__ = ["Scale", "Scales", "SystemScales"]
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,76 @@ class Scale:
         return value / self.size
 
 
+class _Scales:
+    """What is done with a table of scales."""
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.table
+
+    def __getitem__(self, name: str) -> Scale:
+        return self.table[name]
+
+    def physical(self, name: str, value):
+        """SI value of a dimensionless parameter; raises ParameterError where it has no unit."""
+        table = self.table
+        return table[one_of("name", name, tuple(table))].physical(value)
+
+    def dimensionless(self, name: str, value):
+        """Dimensionless parameter of an SI value; raises ParameterError where it has no unit."""
+        table = self.table
+        return table[one_of("name", name, tuple(table))].dimensionless(value)
+
+
 @dataclass(frozen=True)
-class Scales:
+class SystemScales(_Scales):
+    """The scales of a geared rotor, by the names of its axes; `omega` is shown as mesh frequency.
+
+    Parameters
+    ----------
+    frequency : float
+        rad/s that Omega = 1 stands for.
+    length : float
+        m that 1 stands for.
+    stiffness : float
+        Mean mesh stiffness in N/m.
+    radius : float
+        Base radius of the driver in m, for its torque.
+
+    Raises
+    ------
+    ParameterError
+        If one is no finite number above 0.
+    """
+
+    frequency: float
+    length: float
+    stiffness: float
+    radius: float
+
+    def __post_init__(self):
+        for field in fields(self):
+            finite_number(field.name, getattr(self, field.name), above=0.0)
+
+    @property
+    def table(self) -> dict[str, Scale]:
+        """Name -> scale."""
+        frequency = Scale(self.frequency / (2.0 * math.pi), "mesh frequency", "Hz", 1.0)
+        force = self.stiffness * self.length
+        return {
+            "omega": frequency,
+            "mesh_frequency": frequency,
+            "length": Scale(self.length, "displacement", "µm", 1e-6),
+            "velocity": Scale(self.length * self.frequency, "speed", "m/s", 1.0),
+            "force": Scale(force, "force", "N", 1.0),
+            "gap": Scale(self.length, "half backlash", "µm", 1e-6),
+            "alpha": Scale(self.stiffness, "mesh stiffness amplitude", "N/µm", 1e6),
+            "mean_load": Scale(force * self.radius, "driving torque", "N·m", 1.0),
+            "contact_damping": Scale(self.stiffness / self.frequency, "mesh damping", "N·s/m", 1.0),
+        }
+
+
+@dataclass(frozen=True)
+class Scales(_Scales):
     """The scale of every parameter of one gear pair that has a unit, by `solver.Model`'s names and `omega`.
 
     `omega` is shown as pinion speed; its SI value is in rad/s of the pinion. `mesh_frequency` is Omega as well, in Hz.
@@ -106,19 +174,3 @@ class Scales:
             "xi_support": Scale(2.0 * support, "support damping of the pinion", "N·s/m", 1.0),
             "k_support": Scale(support * unit, "support stiffness of the pinion", "N/µm", 1e6),
         }
-
-    def __contains__(self, name: str) -> bool:
-        return name in self.table
-
-    def __getitem__(self, name: str) -> Scale:
-        return self.table[name]
-
-    def physical(self, name: str, value):
-        """SI value of a dimensionless parameter; raises ParameterError where it has no unit."""
-        table = self.table
-        return table[one_of("name", name, tuple(table))].physical(value)
-
-    def dimensionless(self, name: str, value):
-        """Dimensionless parameter of an SI value; raises ParameterError where it has no unit."""
-        table = self.table
-        return table[one_of("name", name, tuple(table))].dimensionless(value)

@@ -20,6 +20,7 @@ from solver.model.parameters import (
     ALPHA,
     ALPHA_2,
     BACK_GAP,
+    BACK_STIFFNESS,
     F_E,
     F_PM,
     F_PV,
@@ -97,7 +98,7 @@ def coefficients(parameters, parameter_slope, p):
 
 @kernel(types.UniTuple(_F, 5)(ARRAY, ARRAY, _F), inline=True)
 def gaps(parameters, parameter_slope, p):
-    """Both gaps of a system at one axis value, their derivatives, and 1 if there is a back flank.
+    """Both gaps of a system at one axis value, their derivatives, and how stiff the back flank is; 0 if there is none.
 
     Parameters
     ----------
@@ -110,10 +111,10 @@ def gaps(parameters, parameter_slope, p):
     if not math.isfinite(parameters[BACK_GAP]):
         return front, 0.0, d_front, 0.0, 0.0
     back, d_back = number_at(parameters, parameter_slope, p, BACK_GAP)
-    return front, back, d_front, d_back, 1.0
+    return front, back, d_front, d_back, parameters[BACK_STIFFNESS]
 
 
-@kernel(CONDENSED(ARRAY, ARRAY, _F), inner=True)
+@kernel(CONDENSED(ARRAY, ARRAY, _F), inner=True, shared=True)
 def system_coefficients(parameters, parameter_slope, p):
     """What `coefficients` gives, of a `ContactSystem`.
 

@@ -6,7 +6,7 @@ from solver.contact.spectrum import COMPLEX, contact_arcs, contact_spectrum
 from solver.harmonic.impedance import stiffness_phasor
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES, number_at
+from solver.model.parameters import BACK_GAP, BACK_STIFFNESS, FRONT_GAP, PERIOD, STIFFNESSES, number_at
 
 __all__ = ["coefficient", "contact_of", "modulated"]
 
@@ -21,7 +21,7 @@ def coefficient(coefficients, k):
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)
 def contact_of(parameters, parameter_slope, u, p, contact, ahead, behind):
-    """Fill the spectra chi, chi+ and chi- of a motion u at one axis value.
+    """Fill the spectra chi, chi+ and chi- of a motion u at one axis value, those of the back flank times its stiffness.
 
     Parameters
     ----------
@@ -42,6 +42,11 @@ def contact_of(parameters, parameter_slope, u, p, contact, ahead, behind):
     )
     count = contact_arcs(u, front, back, angles, zones)
     contact_spectrum(count, angles, zones, contact, ahead, behind)
+    stiffness = parameters[BACK_STIFFNESS]
+    if stiffness != 1.0:
+        for k in range(contact.shape[0]):
+            behind[k] *= stiffness
+            contact[k] = ahead[k] + behind[k]
 
 
 @kernel(types.void(ARRAY, ARRAY, _F, COMPLEX, COMPLEX, COMPLEX), inner=True)

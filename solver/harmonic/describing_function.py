@@ -26,10 +26,10 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, number_array
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, refuse_cubic
 from solver.model.gear_model import Model
-from solver.model.packing import axis_vectors, check_axis, packed
-from solver.model.parameters import BACK_GAP, B, number_at
+from solver.model.packing import axis_vectors, bounded_change, check_axis, packed
+from solver.model.parameters import B, number_at
 
 __all__ = [
     "DescribingFunction",
@@ -207,7 +207,8 @@ def linear_solution(parameters, parameter_slope, p, unknowns):
 
 @kernel(_F(ARRAY, ARRAY, _F, ARRAY))
 def system_linear_solution(parameters, parameter_slope, p, unknowns):
-    """`linear_solution` of a `ContactSystem`; its sign is the degree where both flanks can be touched.
+    """`linear_solution` of a `ContactSystem`; its sign is the degree where the force is a bounded change of a linear
+    one.
 
     Parameters
     ----------
@@ -247,6 +248,7 @@ def first_order_problem(
     The balance is that of docs/physics.md, section 4.5.
     """
     check_axis(system, axis, low, high, omega)
+    refuse_cubic(system, "at first order: the balance of order H takes it")
     size = system.motion_size
     scale = np.array([size, size, size, 0.1 * (high - low)])
     if isinstance(system, Model):
@@ -327,7 +329,7 @@ class DescribingFunction:
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
         """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
 
-        nan for a contact with one flank: its force is no bounded change of a linear one, and no degree is known.
+        nan where the force is no bounded change of a linear one, as of a contact with one flank: no degree is known.
 
         Raises
         ------
@@ -335,7 +337,7 @@ class DescribingFunction:
             If it is no problem of this balance, or a value is not finite.
         """
         linear, unknowns, grid = _linear(problem), np.empty(3), finite_array("grid", grid, (None,))
-        if linear is system_linear_solution and not np.isfinite(problem.parameters[BACK_GAP]):
+        if linear is system_linear_solution and not bounded_change(problem.parameters):
             return np.full(grid.size, np.nan)
         found = [linear(problem.parameters, problem.parameter_slope, p, unknowns) for p in grid.tolist()]
         return np.sign(np.array(found, dtype=float))

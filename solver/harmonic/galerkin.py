@@ -6,10 +6,10 @@ chi- (back) is
 
     f_k = sum_m chi_(k-m) L_m - front chi+_k + back chi-_k,    L_0 = Lambda_0, L_m = Lambda_m/2, L_-m = conj L_m
 
-for every k (docs/physics.md, section 4), and q = s f follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows
-are E_0, then Re E_k and -Im E_k with E_k = D_k Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable
-solution has a positive Jacobian determinant. f vanishes where contact switches, so that the derivatives of f are those
-at fixed contact.
+for every k (docs/physics.md, section 4; chi = chi+ + chi-, chi- times the stiffness of the back flank), and q = s f
+follows from f_0 ... f_(H + N nu): a full Galerkin balance. Rows are E_0, then Re E_k and -Im E_k with E_k = D_k
+Lambda_k + 2 (A_k f_k + B_k q_k) - G_k, for which a statically stable solution has a positive Jacobian determinant. f
+vanishes where contact switches, so that the derivatives of f are those at fixed contact.
 """
 
 import math
@@ -28,13 +28,65 @@ from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, instance_of, number_array, whole_number
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
-from solver.model.packing import check_axis, packed
-from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
+from solver.model.packing import bounded_change, check_axis, packed
+from solver.model.parameters import BACK_GAP, CUBIC, DASHPOT, FRONT_GAP, PERIOD, STIFFNESSES
 
 __all__ = ["Galerkin", "residual_and_jacobian", "linear_solution", "test_functions"]
 
 _F = types.float64
 _COMPLEX = np.complex128
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _add_cubic(parameters, parameter_slope, y, residual, jacobian):
+    """Add what a cubic spring does: its force k_3 lambda^3 acts as f does, but for the damper of touching teeth.
+
+    Its harmonics k_3 (L * L * L)_k and their derivatives 3 k_3 (L * L)_(k-m) are convolutions of those of lambda.
+    """
+    n = y.shape[0] - 1
+    order, period, p = n // 2, int(parameters[PERIOD]), y[n]
+    wave, square = np.zeros(2 * order + 1, _COMPLEX), np.zeros(2 * order + 1, _COMPLEX)
+    wave[0] = y[0]
+    for m in range(1, order + 1):
+        wave[m] = 0.5 * complex(y[2 * m - 1], -y[2 * m])
+    for k in range(2 * order + 1):
+        for m in range(k - order, order + 1):
+            square[k] += coefficient(wave, k - m) * coefficient(wave, m)
+    omega, d_omega = base_frequency(parameters, parameter_slope, p)
+    for k in range(order + 1):
+        cube = 0j
+        for m in range(-order, order + 1):
+            cube += coefficient(square, k - m) * coefficient(wave, m)
+        s, d_s = 1j * k * omega, 1j * k * d_omega
+        (_, A, _, _), (_, d_A, _, _) = impedance(
+            parameters, parameter_slope, p, s, d_s, k // period if k % period == 0 else -1
+        )
+        touching, d_touching = 1.0 + s * parameters[DASHPOT], d_s * parameters[DASHPOT]
+        weight = parameters[CUBIC] * A / touching
+        slope = (parameters[CUBIC] * d_A - weight * d_touching) / touching
+        if k == 0:
+            residual[0] += (weight * cube).real
+            jacobian[0, n] += (slope * cube).real
+            jacobian[0, 0] += 3.0 * (weight * square[0]).real
+            for m in range(1, order + 1):
+                jacobian[0, 2 * m - 1] += 3.0 * weight.real * square[m].real
+                jacobian[0, 2 * m] -= 3.0 * weight.real * square[m].imag
+            continue
+        row, along = 2.0 * weight * cube, 2.0 * slope * cube
+        residual[2 * k - 1] += row.real
+        residual[2 * k] -= row.imag
+        jacobian[2 * k - 1, n] += along.real
+        jacobian[2 * k, n] -= along.imag
+        row = 6.0 * weight * square[k]
+        jacobian[2 * k - 1, 0] += row.real
+        jacobian[2 * k, 0] -= row.imag
+        for m in range(1, order + 1):
+            near = 3.0 * weight * coefficient(square, k - m)
+            far = 3.0 * weight * (square[k + m] if k + m <= 2 * order else 0j)
+            jacobian[2 * k - 1, 2 * m - 1] += (near + far).real
+            jacobian[2 * k, 2 * m - 1] -= (near + far).imag
+            jacobian[2 * k - 1, 2 * m] += (near - far).imag
+            jacobian[2 * k, 2 * m] += (near - far).real
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), shared=True)
@@ -114,6 +166,8 @@ def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
             jacobian[2 * k - 1, 2 * m - 1], jacobian[2 * k, 2 * m - 1] = row.real, -row.imag
             row = -1j * (near - far)
             jacobian[2 * k - 1, 2 * m], jacobian[2 * k, 2 * m] = row.real, -row.imag
+    if parameters[CUBIC] != 0.0:
+        _add_cubic(parameters, parameter_slope, y, residual, jacobian)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
@@ -344,7 +398,7 @@ class Galerkin:
     def degree(self, problem: Problem, grid: np.ndarray) -> np.ndarray:
         """Degree of the balance at every axis value (X,): what the signs of det J add up to over all solutions.
 
-        nan for a contact with one flank, of which none is known.
+        nan where the force is no bounded change of a linear one, as of a contact with one flank: none is known.
 
         Raises
         ------
@@ -353,7 +407,7 @@ class Galerkin:
         """
         self._check(problem)
         grid = finite_array("grid", grid, (None,))
-        if not math.isfinite(problem.parameters[BACK_GAP]):
+        if not bounded_change(problem.parameters):
             return np.full(grid.size, np.nan)
         signs = np.empty(grid.size)
         _linear_degree(problem.parameters, problem.parameter_slope, grid, np.empty(self.unknowns), signs)

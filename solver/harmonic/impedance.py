@@ -8,7 +8,8 @@ f,
 Gear pair (docs/physics.md, section 3): D = s^2 + 2 s (c xi_h - U), A = c - T, B = c eps_r - T eps_t, G the load on the
 mesh row. Other systems, Z_0 = K + s C + s^2 M, closed by the contact so that a free rigid motion does no harm, Z = Z_0
 + h w^T: A = w.Z^-1 h, B = w.Z^-1 h_v, G = w.Z^-1 F and D = 1 - A. That is det Z_0/det Z (matrix determinant lemma) and
-is computed as such, because A of a stiff contact is 1 but for its last digits.
+is computed as such, because A of a stiff contact is 1 but for its last digits. A damper of touching teeth adds c_c f',
+whose harmonics are those of f times s c_c: with it (1 + s c_c) A stands in front of f.
 """
 
 import numpy as np
@@ -18,6 +19,7 @@ from solver.kernels.compile import ARRAY, kernel
 from solver.kernels.linear import eliminate_rows
 from solver.model.condensation import mesh_receptance, phasor, rotation_coupling
 from solver.model.parameters import (
+    DASHPOT,
     DEGREES,
     F_PM,
     F_PV,
@@ -77,7 +79,7 @@ def stiffness_phasor(parameters, parameter_slope, p, l):
     return phasor(parameters, parameter_slope, p, stiffness_slot(l))
 
 
-@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
+@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True, shared=True)
 def _gear_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a gear pair."""
     model, along = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
@@ -114,7 +116,7 @@ def _complex(number, p, slope):
     return complex(number[0] + p * slope[0], number[1] + p * slope[1]), complex(slope[0], slope[1])
 
 
-@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
+@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True, shared=True)
 def system_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a `ContactSystem`."""
     n, loads = int(parameters[DEGREES]), int(parameters[LOADS])
@@ -157,7 +159,11 @@ def system_impedance(parameters, parameter_slope, p, s, d_s, l):
             d_B -= weight * rights[1, j]
             d_G -= weight * rights[2, j]
     factor = parameters[SIGN] if l == 0 else abs(parameters[SIGN])
-    return ((factor * D, factor * A, factor * B, factor * G), (-factor * d_A, factor * d_A, factor * d_B, factor * d_G))
+    d_D, dashpot = -factor * d_A, parameters[DASHPOT]
+    if dashpot != 0.0:
+        d_A = d_A + dashpot * (d_s * A + s * d_A)
+        A = A + dashpot * s * A
+    return ((factor * D, factor * A, factor * B, factor * G), (d_D, factor * d_A, factor * d_B, factor * d_G))
 
 
 @kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inline=True)

@@ -25,10 +25,13 @@ from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import finite_array, has_methods, instance_of, number_array
 from solver.model.condensation import NO_COUPLING, direction_squares, rotation_coupling
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
 from solver.model.parameters import (
     BACK_GAP,
+    CUBIC,
+    DASHPOT,
     DEGREES,
     F_PM,
     FRONT_GAP,
@@ -47,7 +50,7 @@ from solver.model.parameters import (
     system_matrices,
 )
 
-__all__ = ["balance_quantities", "fill_quantities", "fill_system_quantities"]
+__all__ = ["balance_quantities", "fill_quantities", "fill_read", "fill_system_quantities"]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _COMPLEX = np.complex128
@@ -77,9 +80,13 @@ def _spread(u):
     return math.sqrt(0.5 * total)
 
 
-@kernel(_F(ARRAY, ARRAY, ARRAY, _F, _F, _F, _F), inner=True)
-def _largest_force(parameters, parameter_slope, u, p, share, level, side):
-    """Largest (1 + share s)(lambda - level) side where side (lambda - level) > 0; 0 if it is nowhere."""
+@kernel(_F(ARRAY, ARRAY, ARRAY, _F, _F, _F, _F, _I, ARRAY), inner=True)
+def _largest_force(parameters, parameter_slope, u, p, share, level, side, count, switches):
+    """Largest (1 + share s)(lambda - level) side, and what a damper of touching teeth adds, where side (lambda - level)
+    > 0; 0 if it is nowhere.
+
+    Such a damper's force begins with a jump, at one of the switches (count,) of contact.
+    """
     order, reach = u.shape[0] // 2, int(parameters[STIFFNESSES]) * int(parameters[PERIOD])
     size = order + reach + 1
     squeezed, product, rest = np.zeros(size + reach, _COMPLEX), np.empty(size, _COMPLEX), np.empty(size, _COMPLEX)
@@ -89,8 +96,11 @@ def _largest_force(parameters, parameter_slope, u, p, share, level, side):
     modulated(parameters, parameter_slope, p, squeezed, product, rest)
     force, slope = np.empty(2 * size - 1), np.empty(2 * size - 1)
     force[0] = side * (squeezed[0] + share * product[0]).real
+    dashpot = parameters[DASHPOT] * base_frequency(parameters, parameter_slope, p)[0]
     for k in range(1, size):
         value = 2.0 * side * (squeezed[k] + share * product[k])
+        if dashpot != 0.0:
+            value += 2.0j * side * k * dashpot * squeezed[k]
         force[2 * k - 1], force[2 * k] = value.real, -value.imag
     room = 4 * size + 8
     angles, zones = np.empty(room), np.empty(room, np.int64)
@@ -98,6 +108,11 @@ def _largest_force(parameters, parameter_slope, u, p, share, level, side):
     for i in range(extrema(force, slope, angles, zones)):
         if side * (displacement(u, angles[i])[0] - level) > 0.0:
             largest = max(largest, displacement(force, angles[i])[0])
+    if dashpot != 0.0:
+        for i in range(count):
+            value, slope = displacement(u, switches[i])
+            if side * slope > 0.0 and abs(value - level) < 1e-9 * (1.0 + abs(level)):
+                largest = max(largest, displacement(force, switches[i])[0])
     # Where nothing varies there is no extreme.
     if side * (displacement(u, 0.0)[0] - level) > 0.0:
         largest = max(largest, displacement(force, 0.0)[0])
@@ -180,7 +195,8 @@ def _motion_quantities(parameters, parameter_slope, u, p, truncated, values):
     share = number_at(gear, slope, p, VARIATION_T)[0]
     static = number_at(gear, slope, p, F_PM)[0] / rotation_coupling(gear, slope, p)[0]
     side = 1.0 if static > 0.0 else -1.0
-    largest = _largest_force(parameters, parameter_slope, u, p, share, front if side > 0.0 else -back, side)
+    level = front if side > 0.0 else -back
+    largest = _largest_force(parameters, parameter_slope, u, p, share, level, side, count, angles)
     values[9] = largest / abs(static) if static != 0.0 else math.nan
 
     force = np.empty(order + 1, _COMPLEX)
@@ -287,7 +303,7 @@ def fill_system_quantities(parameters, parameter_slope, values, motions, found):
     """Fill found (k, 13), by `Slot`, for motions (k, n) of a `ContactSystem` at axis values (k,).
 
     Read of lambda and of the force at the front flank: there is no transmission error and no support, which are nan, as
-    is a force over one that does not press the front flank at rest.
+    is a force over one that does not press the front flank at rest, and one beside a cubic spring.
 
     Parameters
     ----------
@@ -304,25 +320,44 @@ def fill_system_quantities(parameters, parameter_slope, values, motions, found):
         if not math.isfinite(motions[i, 0]):
             continue
         p, u = values[i], motions[i]
-        _read_displacement(parameters, parameter_slope, u, p, angles, zones, found[i])
+        count = _read_displacement(parameters, parameter_slope, u, p, angles, zones, found[i])
         static, share = _static_force(parameters, parameter_slope, p)
-        if static > 0.0 and math.isfinite(share):
+        if static > 0.0 and math.isfinite(share) and parameters[CUBIC] == 0.0:
             front = number_at(parameters, parameter_slope, p, FRONT_GAP)[0]
-            found[i, 9] = _largest_force(parameters, parameter_slope, u, p, share, front, 1.0) / static
+            largest = _largest_force(parameters, parameter_slope, u, p, share, front, 1.0, count, angles)
+            found[i, 9] = largest / static
+
+
+def fill_read(system, balance: Balance, parameters, values: np.ndarray, motions: np.ndarray, found: np.ndarray) -> None:
+    """`fill_quantities` of a gear pair, `fill_system_quantities` of a `ContactSystem`.
+
+    Parameters
+    ----------
+    system : Model or ContactSystem
+    balance : Balance
+    parameters : (parameters, parameter_slope)
+        Of `solver.model.packing.packed`.
+    values, motions, found : arrays
+        As for `fill_quantities`.
+    """
+    if isinstance(system, Model):
+        fill_quantities(*parameters, values, motions, balance.truncated, found)
+    else:
+        fill_system_quantities(*parameters, values, motions, found)
 
 
 def balance_quantities(
-    balance: Balance, model: Model, axis: str, values, motions, omega: float | None = None
+    balance: Balance, system: Model | ContactSystem, axis: str, values, motions, omega: float | None = None
 ) -> np.ndarray:
-    """Quantities of motions of a gear pair, from their harmonics and contact angles.
+    """Quantities of motions, from their harmonics and contact angles.
 
     Parameters
     ----------
     balance : Balance
         That the motions are solutions of, with n unknowns.
-    model : Model
+    system : Model or ContactSystem
     axis : str
-        The swept parameter, one of `solver.AXES`.
+        The swept parameter, one of `solver.model.packing.AXES`, or of `SYSTEM_AXES` for a ContactSystem.
     values : (...) array_like
         Axis values of the motions.
     motions : (..., n) array_like
@@ -342,13 +377,13 @@ def balance_quantities(
         If an argument is not allowed.
     """
     has_methods("balance", balance, "problem", "extremes")
-    instance_of("model", model, Model)
+    instance_of("system", system, Model, ContactSystem)
     values, motions = finite_array("values", values, None), number_array("motions", motions, last=balance.unknowns)
     values = np.broadcast_to(values, motions.shape[:-1])
     low, high = (float(values.min()), float(values.max())) if values.size else (1.0, 2.0)
-    check_axis(model, axis, low, np.nextafter(high, np.inf), omega)
-    parameters, parameter_slope = packed(model, axis, omega, balance.order, balance.period)
+    check_axis(system, axis, low, np.nextafter(high, np.inf), omega)
+    parameters = packed(system, axis, omega, balance.order, balance.period)
     flat = np.ascontiguousarray(motions.reshape(-1, balance.unknowns), dtype=float)
     found = np.empty((len(flat), len(Slot)))
-    fill_quantities(parameters, parameter_slope, values.ravel().copy(), flat, balance.truncated, found)
+    fill_read(system, balance, parameters, values.ravel().copy(), flat, found)
     return found.reshape(*motions.shape[:-1], len(Slot))

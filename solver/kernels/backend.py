@@ -20,6 +20,7 @@ import numpy as np
 from numba.core import compiler, compiler_machinery, errors, typed_passes, typing, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.environment import Environment
 from numba.core.imputils import lower_constant
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
@@ -64,11 +65,22 @@ class _Lowered(_Library):
 class _Unit(_Library):
     """A kernel's code and all that it calls, which cannot be seen from outside."""
 
+    is_shared = False
+
     def _optimize_final_module(self):
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name == "linkonce_odr":
                 function.linkage = "internal"
-        super()._optimize_final_module()
+        # Numba would write every loop for vectors as well, and unroll it. Those of kernels are short, over coordinates
+        # or harmonics: that doubles the code and the time to compile it, and makes nothing faster but a few loops of
+        # shared kernels, which are compiled once.
+        tuning = llvmlite.binding.create_pipeline_tuning_options(speed_level=2)
+        tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_interleaving = False
+        tuning.loop_unrolling = self.is_shared
+        builder = llvmlite.binding.create_pass_builder(self._codegen._tm, tuning)
+        passes = builder.getModulePassManager()
+        passes.add_refprune_pass()
+        passes.run(self._final_module, builder)
 
     def finish(self, lowered: _Lowered) -> None:
         """Compile a kernel that can be seen from outside."""
@@ -280,6 +292,7 @@ def _shared_unit(kernel, signature) -> compiler.CompileResult:
 def _compiled_alone(kernel, signature) -> compiler.CompileResult:
     lowered = _lower(kernel, signature)
     library = _new_unit(lowered)
+    library.is_shared = True
     library.finish(lowered.library)
     return lowered._replace(library=library)
 
@@ -290,6 +303,8 @@ def _compiled(kernel, signature) -> compiler.CompileResult:
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
     lowered = _kernel_type(kernel).lowered(signature)
+    if kernel.shared:
+        lowered = _with_constants_of_its_own(lowered)
     context = calling_kernels(cpu_target.target_context.subtarget(enable_nrt=owns_arrays(kernel)))
     library = _new_unit(lowered)
     if not kernel.shared:
@@ -300,6 +315,17 @@ def _compiled(kernel, signature) -> compiler.CompileResult:
     context.create_cfunc_wrapper(*wrapped)
     entry_point = context.get_executable(library, lowered.fndesc, lowered.environment)
     return lowered._replace(library=library, entry_point=entry_point)
+
+
+def _with_constants_of_its_own(lowered: compiler.CompileResult) -> compiler.CompileResult:
+    """A shared kernel for Python, whose call makes objects of constants that the shared unit does not have.
+
+    Numba knows constants by the name of their environment. Of two units that name the same one, those that are read
+    last would go without theirs.
+    """
+    description = copy.copy(lowered.fndesc)
+    description.env_name += ".python"
+    return lowered._replace(fndesc=description, environment=Environment.from_fndesc(description))
 
 
 def _new_unit(lowered: compiler.CompileResult) -> _Unit:
@@ -356,7 +382,7 @@ def _shared_by(kernel) -> list:
 @functools.cache
 def _surroundings() -> str:
     """What compiled code depends on beside the kernel."""
-    settings = [getattr(numba.config, name) for name in ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK")]
+    settings = [getattr(numba.config, name) for name in ("OPT", "BOUNDSCHECK")]
     versions = sys.version, numba.__version__, llvmlite.__version__, np.__version__
     sources = [Path(file).read_bytes() for file in (__file__, lowering.__file__, plain_code.__file__)]
     return repr((versions, cpu_target.target_context.codegen().magic_tuple(), settings, sources))

@@ -11,7 +11,10 @@ from solver.model.parameters import (
     ALPHA_2_PHASE,
     ALPHA_PHASE,
     BACK_GAP,
+    BACK_STIFFNESS,
     CONE,
+    CUBIC,
+    DASHPOT,
     DEGREES,
     F_E,
     F_E_PHASE,
@@ -48,6 +51,7 @@ __all__ = [
     "AXES",
     "SYSTEM_AXES",
     "axis_vectors",
+    "bounded_change",
     "check_axis",
     "check_values",
     "dead_zone_ends",
@@ -209,6 +213,11 @@ def dead_zone_ends(system: Model | ContactSystem, axis: str, values: np.ndarray)
     return -back * values if system.two_sided else np.full(np.shape(values), -np.inf), front * values
 
 
+def bounded_change(parameters: np.ndarray) -> bool:
+    """`ContactSystem.bounded_change` of what `packed` gives."""
+    return bool(np.isfinite(parameters[BACK_GAP]) and parameters[BACK_STIFFNESS] == 1.0 and parameters[CUBIC] == 0.0)
+
+
 def packed(system: Model | ContactSystem, axis: str, omega: float | None, order: int, period: int):
     """`parameters` with the axis at 0, and what it adds to them, for a balance of order H/nu on nu periods 2 pi/Omega.
 
@@ -255,8 +264,8 @@ def gear_vectors(
     vectors = []
     for vector, constant in ((parameters, 1.0), (parameter_slope, 0.0)):
         head = np.zeros(PAIRS)
-        counts = GEAR, order * period, period, 1 + len(stiffness), 1 + len(errors), 1.0
-        head[[KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, SIGN]] = np.multiply(constant, counts)
+        counts = GEAR, order * period, period, 1 + len(stiffness), 1 + len(errors), 1.0, 1.0
+        head[[KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, SIGN, BACK_STIFFNESS]] = np.multiply(constant, counts)
         head[[MESH_FREQUENCY, FRONT_GAP, BACK_GAP]] = vector[[OMEGA, B, B]]
         further, rest = (constant * np.array(pairs, dtype=float).ravel() for pairs in (stiffness, errors))
         vectors.append([head, vector[[ALPHA, ALPHA_PHASE]], further, vector, vector[[F_E, F_E_PHASE]], rest])
@@ -296,6 +305,7 @@ def _system_vector(system: ContactSystem, sizes: tuple, omega: float) -> np.ndar
     head = np.zeros(PAIRS)
     head[[KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, DEGREES, SIGN]] = SYSTEM, *sizes
     head[[MESH_FREQUENCY, FRONT_GAP, BACK_GAP]] = omega, system.front_gap, system.back_gap
+    head[[BACK_STIFFNESS, DASHPOT, CUBIC]] = system.back_stiffness, system.contact_dashpot, system.cubic
     pairs = np.array(system.stiffness_harmonics or ((0.0, 0.0),), dtype=float)
     loads = [np.zeros((sizes[3] + 1, system.degrees), dtype=complex) for _ in range(2)]
     for target, source in zip(loads, (system.load, system.inertial_load), strict=True):

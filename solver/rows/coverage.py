@@ -147,6 +147,13 @@ class CorrectedCoverage(Coverage):
         nothing = np.empty((0, self.span.problem.unknowns))
         return np.concatenate([nothing, *(motions[columns == column] for columns, motions in self._known)])
 
+    def know(self, curve: Curve) -> Crossings:
+        """From now on no branch is followed from what a curve passes at the probes; where that is."""
+        met = self.span.crossings(curve, self.probes)
+        ascending = np.argsort(met.column, kind="stable")
+        self._known.append((met.column[ascending], met.unknowns[ascending]))
+        return met
+
     def add(self, columns: np.ndarray, starts: np.ndarray) -> None:
         """Correct starts (k, n) at probes (k,), and follow the branches of those that are new, one after the other."""
         solutions = self.span.corrected(np.column_stack([starts, self.probes[columns]]))
@@ -181,10 +188,7 @@ class CorrectedCoverage(Coverage):
         curve = one_phase(self.span, self.span.traced(y))
         if len(curve.points) < 2:
             return
-        met = self.span.crossings(curve, self.probes)
-        self.branches.append((curve, met))
-        ascending = np.argsort(met.column, kind="stable")
-        self._known.append((met.column[ascending], met.unknowns[ascending]))
+        self.branches.append((curve, self.know(curve)))
         for y in curve.points[curve.event == Event.BRANCH_POINT]:
             self._switch(y)
 

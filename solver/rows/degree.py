@@ -1,8 +1,8 @@
 """Whether the solutions that are known at a point can be all, by the degree of the balance, and one that is missing.
 
-The dead zone between two flanks is a bounded change of a linear force, so the signs of det J over all solutions at a
-point add up to the sign of the linear system's determinant. Where they do not, a solution is missing or lies above the
-amplitude ceiling.
+The dead zone between two flanks of equal stiffness is a bounded change of a linear force, so the signs of det J over
+all solutions at a point add up to the sign of the linear system's determinant. Where they do not, a solution is missing
+or lies above the amplitude ceiling.
 """
 
 import dataclasses
@@ -10,6 +10,7 @@ import dataclasses
 import numpy as np
 
 from solver.continuation.solution_curve import EndReason
+from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import dead_zone_ends
 from solver.model.parameter_path import place_on
@@ -24,7 +25,7 @@ _STEP = 0.25
 def missing_degree(span: RowSpan, grid: np.ndarray, met) -> np.ndarray:
     """Whether the signs of det J over the solutions at each grid value fail to add up to the linear system's sign.
 
-    Of a contact with one flank no degree is known, and nothing is missing.
+    Where no degree is known, as of a contact with one flank, nothing is missing.
 
     Parameters
     ----------
@@ -47,11 +48,11 @@ def missing_degree(span: RowSpan, grid: np.ndarray, met) -> np.ndarray:
 def grown_solution(span: RowSpan, p: float) -> np.ndarray | None:
     """A solution at p, by continuing the backlash from 0; None if that leads above the amplitude ceiling.
 
-    Gaps grow from 0 in proportion; of a contact with one flank, whose force is never linear, there is no such solution.
+    Gaps grow from 0 in proportion; where the force is not linear without them, as of one flank, there is none.
     """
     system, omega = place_on(span.axis, p, span.system, span.omega)
     low, high = (float(end) for end in dead_zone_ends(system, "omega", np.array(0.0)))
-    if not np.isfinite(low):
+    if isinstance(system, ContactSystem) and not system.bounded_change:
         return None
     axis, end = ("b", system.b) if isinstance(system, Model) else ("gap_scale", 1.0)
     problem = span.balance.problem(system, axis, 0.0, end or 1.0, omega)

@@ -82,15 +82,18 @@ def distance_to_curve(y: np.ndarray, curve: Curve, scale: np.ndarray, period: in
 def one_phase(span: RowSpan, curve: Curve) -> Curve:
     """A subharmonic curve cut where its subharmonics vanish: beyond, it is the same motions one period later.
 
-    There it is singular, so that continuation gives up close by or steps across.
+    There it is singular, so that continuation gives up close by or steps across. A curve of four periods is cut where
+    it has the subharmonics of two left; where it has no others, it is a curve of two.
     """
-    period = span.balance.period
+    period, k = span.balance.period, np.repeat(np.arange(1, span.balance.harmonics + 1), 2)
     if period == 1 or not len(curve.points):
         return curve
-    subharmonic = np.repeat(np.arange(1, span.balance.harmonics + 1) % period != 0, 2)
-    motions = curve.points[:, 1:-1][:, subharmonic]
-    size = np.linalg.norm(motions, axis=1) / span.problem.scale[0]
-    if np.max(size) < _NO_SUBHARMONIC:
+    for divisor in (2, 4) if period == 4 else (period,):
+        motions = curve.points[:, 1:-1][:, k % divisor != 0]
+        size = np.linalg.norm(motions, axis=1) / span.problem.scale[0]
+        if np.max(size) >= _NO_SUBHARMONIC:
+            break
+    else:
         return curve
     largest = int(np.argmax(size))
     # Across the singular point the subharmonics change sign from one point to the next.

@@ -11,7 +11,7 @@ from solver.continuation.continuation import Continuation, Curve, EndReason, Eve
 from solver.continuation.problem import Balance
 from solver.enumeration.solutions import Above, Proof
 from solver.harmonic.describing_function import DescribingFunction
-from solver.harmonic.quantities import fill_quantities, fill_system_quantities
+from solver.harmonic.quantities import fill_read
 from solver.model.checks import ascending_grid, has_methods, instance_of
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
@@ -285,10 +285,7 @@ def _described(span: RowSpan, grid: np.ndarray, branches: Branches, raster: _Ras
         kind, modulus, tests = stability.kind.astype(np.int8), stability.modulus, stability.tests
     parameters = packed(span.system, span.axis, span.omega, span.balance.order, span.balance.period)
     quantities = np.empty((column.size, len(Slot)))
-    if isinstance(span.system, Model):
-        fill_quantities(*parameters, grid[column], unknowns, span.balance.truncated, quantities)
-    else:
-        fill_system_quantities(*parameters, grid[column], unknowns, quantities)
+    fill_read(span.system, span.balance, parameters, grid[column], unknowns, quantities)
     known = KnownMotions(grid[column], unknowns, tests)
     located = [
         locate_bifurcations(parameters, span.problem, curve, span.continuation, known) for curve in branches.curves

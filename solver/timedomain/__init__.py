@@ -7,6 +7,7 @@ from solver.timedomain.attractor import AttractorKind
 from solver.timedomain.attractor_row import AttractorRow, AttractorSearch, SeenFrom
 from solver.timedomain.attractors import continue_attractors, find_attractors, settle
 from solver.timedomain.integrator import Status, Trajectory, Zone, integrate
+from solver.timedomain.isolated import IsolatedBranch, IsolatedBranches, isolated_branches
 from solver.timedomain.orders import order_spectrum
 from solver.timedomain.poincare import Measurement, Sections, advance, growth, measure, monodromy
 from solver.timedomain.quantities import Quantities, motion_quantities
@@ -18,6 +19,8 @@ __all__ = [
     "AttractorKind",
     "AttractorRow",
     "AttractorSearch",
+    "IsolatedBranch",
+    "IsolatedBranches",
     "Measurement",
     "PeriodicOrbit",
     "Quantities",
@@ -34,6 +37,7 @@ __all__ = [
     "find_attractors",
     "growth",
     "integrate",
+    "isolated_branches",
     "measure",
     "monodromy",
     "motion_quantities",

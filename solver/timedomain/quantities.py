@@ -20,14 +20,14 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.quantities import Quantities, Slot
-from solver.flow.switched_system import FREQUENCY, HIGH, LOW
+from solver.flow.switched_system import DASHPOT, FREQUENCY, HIGH, LOW, strength_of
 from solver.flow.zone_flows import COEFFICIENTS, ZONE_FLOWS, apply_map, change_basis
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.model.checks import frequency, instance_of, whole_number
 from solver.model.condensation import NO_COUPLING, direction_squares, rotation_coupling
-from solver.model.contact_system import gear_system, support_kinds
+from solver.model.contact_system import ContactSystem, gear_system, support_kinds
 from solver.model.gear_model import Model
 from solver.model.packing import packed
 from solver.model.parameters import (
@@ -72,6 +72,7 @@ __all__ = [
     "motion_quantities",
     "new_work",
     "read",
+    "system_gauges",
 ]
 
 _F, _I, _B = types.float64, types.int64, types.boolean
@@ -121,7 +122,7 @@ def _gram() -> np.ndarray:
 _GRAM = _gram()
 
 
-@kernel(GAUGE(ARRAY, ARRAY, _F, _B))
+@kernel(GAUGE(ARRAY, ARRAY, _F, _B), shared=True)
 def gauge_at(parameters, parameter_slope, p, separate):
     """What is read of a system of packed parameters at one axis value.
 
@@ -282,6 +283,10 @@ def gather(flows, gauge, steps, count, work, room):
             flank = numbers[HIGH] if z == 1 else numbers[LOW]
             room.powers[0] -= flank
             _multiply(gauge.numbers[0], flows.stiffness[k], room.powers, powers)
+            strength, dashpot = strength_of(flows.system, 1 if z == 1 else -1), numbers[DASHPOT] / half
+            for j in range(COEFFICIENTS):
+                rate = (j + 1.0) * room.powers[j + 1] if j < COEFFICIENTS - 1 else 0.0
+                powers[j] = strength * (powers[j] + dashpot * rate)
             _widen(flows, step, _FORCE, work, room)
             room.powers[0] += flank
         totals[_ZONE] = z
@@ -355,10 +360,9 @@ def read(gauge, work, values):
     values[12] = (support if gauge.supports.shape[0] > 0 else 0.0) if gauge.numbers[2] > 0.0 else math.nan
 
 
-@kernel(_I(ZONE_FLOWS, ARRAY, ARRAY, _F, _B, ARRAY, _I, ARRAY))
-def _quantities(flows, parameters, parameter_slope, p, separate, state, periods, values):
+@kernel(_I(ZONE_FLOWS, GAUGE, ARRAY, _I, ARRAY))
+def _quantities(flows, gauge, state, periods, values):
     """Fill values (13,) with what a motion does over some periods; its state is overwritten."""
-    gauge = gauge_at(parameters, parameter_slope, p, separate)
     room, steps, work = new_room(flows), new_steps(flows), new_work(flows)
     clear(work)
     for _ in range(periods):
@@ -370,18 +374,38 @@ def _quantities(flows, parameters, parameter_slope, p, separate, state, periods,
     return COMPLETE
 
 
+def system_gauges(system: ContactSystem, rest: np.ndarray, front: np.ndarray) -> tuple[Gauge, ...]:
+    """What is read of a system that is no gear pair: the force over that at rest, where that presses the front flank.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    rest : (X, n) array
+        Coordinates at rest under the mean load with the front flank closed.
+    front : (X,) array
+        Front gap.
+    """
+    force, varying = system.force, system.varying_force
+    # The stiffness varies in the mesh force where both act along one direction; elsewhere there is no one mesh force.
+    share = float(varying @ force / (force @ force))
+    share = share if np.allclose(varying, share * force, rtol=1e-12, atol=0.0) else np.nan
+    closed = rest @ system.contact - front
+    closed = np.where(closed > 0.0, closed, np.nan)
+    return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), np.empty(0), np.empty((0, 0))) for at in closed)
+
+
 def motion_quantities(
-    model: Model, omega: float, state, periods: int = 1, *, tolerance: float = 1e-12
+    system: Model | ContactSystem, omega: float, state, periods: int = 1, *, tolerance: float = 1e-12
 ) -> tuple[Quantities, Status]:
     """Quantities of the motion from a state, over some forcing periods.
 
     Parameters
     ----------
-    model : Model
+    system : Model or ContactSystem
     omega : float
         Mesh frequency, > 0.
     state : (2 n,) array_like
-        y, then y', at tau = 0, of the coordinates of `gear_system(model)`, or of those with separate=True.
+        y, then y', at tau = 0; of a Model of the coordinates of `gear_system(model)`, or of those with separate=True.
     periods : int
         Forcing periods: those of the motion itself, or many for a motion without a period.
     tolerance : float
@@ -390,7 +414,8 @@ def motion_quantities(
     Returns
     -------
     quantities : Quantities
-        All nan where the status is not COMPLETE. The support force is nan where the gears' masses differ and a state
+        All nan where the status is not COMPLETE. Of a ContactSystem there is no transmission error and no support. The
+        support force is nan where the gears' masses differ and a state
         of `gear_system(model)` was given that is not on an orbit of so many periods: then the supports' own state is
         not known.
     status : Status
@@ -400,10 +425,32 @@ def motion_quantities(
     ParameterError
         If an argument is not allowed.
     """
-    instance_of("model", model, Model)
+    instance_of("system", system, Model, ContactSystem)
     omega, periods = frequency(omega), whole_number("periods", periods, 1, 10**9)
+    tolerance = checked_tolerance(tolerance)
+    read_of = _gear_reading if isinstance(system, Model) else _system_reading
+    moving, gauge, current = read_of(system, omega, state, periods, tolerance)
+    values = np.full(len(Slot), np.nan)
+    status = Status(_quantities(checked_flows(moving, omega, tolerance), gauge, current, periods, values))
+    return Quantities(*values.tolist()), status
+
+
+def _system_reading(
+    system: ContactSystem, omega: float, state, periods: int, tolerance: float
+) -> tuple[ContactSystem, Gauge, np.ndarray]:
+    """The system, what is read of it, and the state as it is carried on."""
+    closed = np.linalg.pinv(system.stiffness + np.outer(system.force, system.contact))
+    rest = closed @ (system.load[0].real + system.force * system.front_gap)
+    (gauge,) = system_gauges(system, rest[None], np.array([system.front_gap]))
+    return system, gauge, checked_state(system, state)
+
+
+def _gear_reading(
+    model: Model, omega: float, state, periods: int, tolerance: float
+) -> tuple[ContactSystem, Gauge, np.ndarray]:
+    """The same of a gear pair, with supports told apart where the motion allows that."""
     merged, apart = gear_system(model), gear_system(model, separate=True)
-    size, tolerance = np.size(state), checked_tolerance(tolerance)
+    size = np.size(state)
     system = apart if size == 2 * apart.degrees else merged
     current = checked_state(system, state)
     if system.degrees < apart.degrees:
@@ -413,10 +460,7 @@ def motion_quantities(
         near = 1e-6 * max(1.0, float(np.max(np.abs(current))))
         if orbit.status is ShootingStatus.CONVERGED and np.max(np.abs(together @ orbit.state - current)) <= near:
             system, current = apart, orbit.state.copy()
-    values = np.full(len(Slot), np.nan)
-    flows, vectors = checked_flows(system, omega, tolerance), packed(model, "omega", None, 1, 1)
-    status = Status(_quantities(flows, *vectors, omega, system is apart, current, periods, values))
-    return Quantities(*values.tolist()), status
+    return system, gauge_at(*packed(model, "omega", None, 1, 1), omega, system is apart), current
 
 
 def _merging(model: Model, merged: int, apart: int) -> np.ndarray:

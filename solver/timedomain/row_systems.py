@@ -5,15 +5,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver.flow.loads import loaded_system_at
-from solver.flow.switched_system import FREQUENCY, HIGH, LOW, count_degrees
+from solver.flow.switched_system import DASHPOT, FREQUENCY, HIGH, LOW, NUMBERS, STRENGTH, count_degrees
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.contact_system import ContactSystem, reduced
+from solver.model.contact_system import ContactSystem, reduced, refuse_cubic
 from solver.model.gear_model import Model
 from solver.model.packing import packed
 from solver.model.parameters import LOADS, STIFFNESSES
-from solver.timedomain.quantities import Gauge, gauge_at
+from solver.timedomain.quantities import Gauge, gauge_at, system_gauges
 
 __all__ = ["RowSystems", "motion_states", "random_states", "row_systems"]
 
@@ -126,6 +126,7 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
     omega : float or None
         The mesh frequency, unless it is the axis.
     """
+    refuse_cubic(system, "for attractors")
     parameters, slope = packed(system, axis, omega, 1, 1)
     degrees = np.empty(values.size, np.int64)
     _count(parameters, slope, values, degrees)
@@ -138,8 +139,8 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
         count = columns.size
         group = _Alike(
             columns,
-            np.empty((count, 5)),
-            np.empty((count, 3 * n, n)),
+            np.empty((count, NUMBERS)),
+            np.empty((count, 6 * n, n)),
             np.empty((count, 3, n)),
             np.zeros((count, stiffnesses, 2)),
             np.empty((count, 2 * (loads + 1), n)),
@@ -165,18 +166,9 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
     if isinstance(system, Model):
         gauges = tuple(gauge_at(parameters, slope, value, False) for value in values.tolist())
     else:
-        gauges = _gauges(reduced(system), rest, gaps[:, 1])
+        kept = reduced(system)
+        gauges = system_gauges(kept, rest[:, : kept.degrees], gaps[:, 1])
     return RowSystems(parameters, slope, values, degrees, rest, box, gaps, frequencies, gauges, tuple(alike))
-
-
-def _gauges(system: ContactSystem, rest: np.ndarray, front: np.ndarray) -> tuple[Gauge, ...]:
-    """What is read of a system that is no gear pair: the force over that at rest in contact, beyond a gap (X,)."""
-    force, varying = system.force, system.varying_force
-    # The stiffness varies in the mesh force where both act along one direction; elsewhere there is no one mesh force.
-    share = float(varying @ force / (force @ force))
-    share = share if np.allclose(varying, share * force, rtol=1e-12, atol=0.0) else np.nan
-    closed = rest[:, : system.degrees] @ system.contact - front
-    return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), np.empty(0), np.empty((0, 0))) for at in closed)
 
 
 def _solved(matrices: np.ndarray, rights: np.ndarray) -> np.ndarray:
@@ -224,7 +216,7 @@ def motion_states(row: RowSystems, motions: np.ndarray, period: int) -> np.ndarr
 
     The contact force f of that lambda acts on the linear system: in every harmonic k of Omega / nu
 
-        [-(k Omega / nu)^2 + i (k Omega / nu) D + S_0] Y_k = g_k - h f_k - q (s f)_k
+        [-(k Omega / nu)^2 + i (k Omega / nu) D + S_0] Y_k = g_k - (1 + i (k Omega / nu) c_c) h f_k - q (s f)_k
 
     Where S_0 is singular (a mean that the contact alone carries) the mean of lambda is imposed instead.
 
@@ -254,7 +246,8 @@ def _states(group: _Alike, cell: np.ndarray, motions: np.ndarray, period: int) -
     wave[:, 1 : order + 1] = 0.5 * (motions[:, 1::2] - 1j * motions[:, 2::2])
     displacement = np.fft.irfft(samples * wave, samples, axis=1)
     low, high = group.numbers[cell, LOW, None], group.numbers[cell, HIGH, None]
-    force = np.maximum(displacement - high, 0.0) + np.minimum(displacement - low, 0.0)
+    strength, dashpot = group.numbers[cell, STRENGTH, None], group.numbers[cell, DASHPOT, None]
+    force = np.maximum(displacement - high, 0.0) + strength * np.minimum(displacement - low, 0.0)
     theta = 2.0 * np.pi * np.arange(samples) / samples
     varied = np.zeros_like(force)
     for l in range(group.variation.shape[1]):
@@ -263,11 +256,12 @@ def _states(group: _Alike, cell: np.ndarray, motions: np.ndarray, period: int) -
     loads = group.load[cell][:, 0::2] + 1j * group.load[cell][:, 1::2]
     highest = min(max(4 * order, 4 * period, period * (loads.shape[1] - 1)), samples // 2 - 1)
     plain, varied = _one_sided(force, highest), _one_sided(varied * force, highest)
+    rates = np.arange(highest + 1) * group.numbers[cell, FREQUENCY, None] / period
+    plain = plain * (1.0 + 1j * rates * dashpot)
     right = -plain[:, :, None] * group.vectors[cell, 1][:, None] - varied[:, :, None] * group.vectors[cell, 2][:, None]
     kept = min(loads.shape[1], highest // period + 1)
     right[:, : kept * period : period] += loads[:, :kept]
-    rates = np.arange(highest + 1) * group.numbers[cell, FREQUENCY, None] / period
-    free, damping = group.matrices[cell, :n], group.matrices[cell, 2 * n :]
+    free, damping = group.matrices[cell, :n], group.matrices[cell, 3 * n : 4 * n]
     stiffness = free[:, None] + 1j * rates[:, :, None, None] * damping[:, None]
     stiffness = stiffness - (rates**2)[:, :, None, None] * np.eye(n)
     amplitude = np.zeros_like(right)

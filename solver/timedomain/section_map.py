@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.flow.switched_system import DASHPOT, strength_of
 from solver.flow.zone_flows import COEFFICIENTS, CUBE, ZONE_FLOWS, apply_map, matrix_at
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -65,7 +66,7 @@ class MapRoom(NamedTuple):
 MAP_ROOM = types.NamedTuple((ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, ARRAY, ARRAY), MapRoom)
 
 
-@kernel(MAP_ROOM(ZONE_FLOWS), inner=True)
+@kernel(MAP_ROOM(ZONE_FLOWS), inner=True, shared=True)
 def new_room(flows):
     """Room for `carry_period` along flows of so many coordinates."""
     size, width = flows.backward.shape[2], flows.backward.shape[3]
@@ -151,9 +152,12 @@ def _multiply(columns, vector, image):
     copy_into(vector, image)
 
 
-@kernel(types.void(ZONE_FLOWS, _I, _I, _F, MATRIX, MAP_ROOM), inner=True)
-def _change_zone(flows, row, after, at, tangents, room):
-    """Describe the motion, and deviations with it, by the flow of another zone, whose row is `after`, from u on."""
+@kernel(types.void(ZONE_FLOWS, _I, _I, _F, _F, MATRIX, MAP_ROOM), inner=True)
+def _change_zone(flows, row, after, at, jump, tangents, room):
+    """Describe the motion, and deviations with it, by the flow of another zone, whose row is `after`, from u on.
+
+    The speeds of deviations jump by -jump M^-1 h delta lambda.
+    """
     size, phi, gamma, state, image = flows.backward.shape[2], room.phi, room.gamma, room.state, room.image
     matrix_at(flows.forward, after, size, at, phi)
     for r in range(size):
@@ -172,6 +176,12 @@ def _change_zone(flows, row, after, at, tangents, room):
         state[r] = total
     for k in range(tangents.shape[0]):
         _multiply(phi, tangents[k], room.vector)
+        if jump != 0.0:
+            seen, vectors = 0.0, flows.system.vectors
+            for i in range(vectors.shape[1]):
+                seen += vectors[0, i] * tangents[k, i]
+            for i in range(vectors.shape[1]):
+                tangents[k, vectors.shape[1] + i] -= jump * vectors[1, i] * seen
         _multiply(gamma, tangents[k], room.vector)
 
 
@@ -216,9 +226,10 @@ def carry_period(flows, state, tangents, steps, ceiling, room):
             for i in range(room.state.shape[0]):
                 steps[step, STATE + i] = room.state[i]
         if side != 0:
+            jump = system.numbers[DASHPOT] * (strength_of(system, zone + side) - strength_of(system, zone))
             zone += side
             after = (zone % 3) * count + k
-            _change_zone(flows, row, after, end, tangents, room)
+            _change_zone(flows, row, after, end, jump, tangents, room)
             row, begin = after, end
             continue
         last = k == count - 1
@@ -252,7 +263,7 @@ def hull_of_step(flows, step, hull):
         keep_left(hull, (end - begin) / (1.0 - begin))
 
 
-@kernel(types.void(ZONE_FLOWS, MATRIX, _I, ARRAY, MAP_ROOM), inner=True)
+@kernel(types.void(ZONE_FLOWS, MATRIX, _I, ARRAY, MAP_ROOM), inner=True, shared=True)
 def widen_over(flows, steps, count, extremes, room):
     """Widen the lowest and highest lambda (2,) to all that it takes over so many steps."""
     for s in range(count):

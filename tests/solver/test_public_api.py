@@ -28,6 +28,8 @@ RESULTS = {
     "solver.regions.Regions",
     "solver.stability.Stability",
     "solver.timedomain.AttractorRow",
+    "solver.timedomain.IsolatedBranch",
+    "solver.timedomain.IsolatedBranches",
     "solver.timedomain.Measurement",
     "solver.timedomain.PeriodicOrbit",
     "solver.timedomain.Quantities",

@@ -1,8 +1,6 @@
 """Systems that are no bevel pair, each in a few lines: NLvib's two masses with a stop, a spur pair, a geared rotor.
 
-The two masses are the published example of NLvib (Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems,
-2019): masses 1 and 1, springs 0, 1, 1, dampers 0.03 k, a one-sided spring of stiffness 100 with gap 1 on mass 1, force
-0.1 on mass 2.
+Numbers of the two masses are in `tests.cases.two_masses`; here is how their motions lose stability.
 """
 
 import numpy as np
@@ -11,50 +9,8 @@ import pytest
 from solver import ContactSystem, Continuation, Event
 from solver.harmonic.galerkin import Galerkin
 from solver.stability import Instability, assess
-from solver.stability.bifurcations import with_bifurcations
 from solver.timedomain import AttractorKind, orbit_state, settle, shoot
-
-CHAIN = np.array([[1.0, -1.0], [-1.0, 2.0]])
-TWO_MASSES = ContactSystem(
-    mass=np.eye(2),
-    damping=0.03 * CHAIN,
-    stiffness=CHAIN,
-    contact=[1.0, 0.0],
-    force=[100.0, 0.0],
-    front_gap=1.0,
-    load=[[0.0, 0.0], [0.0, 0.1]],
-)
-
-
-def second_mass(balance, points):
-    """Fundamental of mass 2, from its own equation of motion."""
-    omega, first = points[:, -1], points[:, 1] - 1j * points[:, 2]
-    return np.abs((0.1 + (1.0 + 0.03j * omega) * first) / (2.0 - omega**2 + 0.06j * omega))
-
-
-def traced(order):
-    """From 0.8 down to 0.5."""
-    balance, continuation = Galerkin(order), Continuation(largest_step=0.05)
-    problem = balance.problem(TWO_MASSES, "omega", 0.5, 0.8)
-    start = np.zeros(balance.unknowns + 1)
-    free = np.linalg.solve(TWO_MASSES.dynamic_stiffness(0.8), TWO_MASSES.load[1])[0]
-    start[[1, 2, -1]] = free.real, -free.imag, 0.8
-    curve = continuation.trace(problem, start, 0.5, 0.8, heading=-1)
-    return balance, with_bifurcations(balance, problem, curve, continuation)
-
-
-def test_resonance_of_the_two_masses():
-    # The figure quoted for this example, 0.981 near 0.754, is not that of the parameters quoted with it: order 21,
-    # order 41 and shooting (next test) agree on the 0.937 below; the stop's own mass is the one that peaks at 0.754.
-    balance, curve = traced(21)
-    amplitude = second_mass(balance, curve.points)
-    assert curve.points[-1, -1] == 0.5
-    assert np.max(amplitude) == pytest.approx(0.9372, abs=2e-4)
-    assert curve.points[np.argmax(amplitude), -1] == pytest.approx(0.751, abs=0.001)
-    first = np.hypot(curve.points[:, 1], curve.points[:, 2])
-    assert curve.points[np.argmax(first), -1] == pytest.approx(0.754, abs=0.001)
-    folds = np.sort(curve.points[curve.event == Event.FOLD][:, -1])
-    np.testing.assert_allclose(folds, [0.653442, 0.755632], rtol=0, atol=2e-5)
+from tests.cases.two_masses import TWO_MASSES, second_mass, traced
 
 
 def test_period_doubling_around_the_peak_and_neimark_sacker_below():
@@ -66,7 +22,7 @@ def test_period_doubling_around_the_peak_and_neimark_sacker_below():
     np.testing.assert_allclose(np.sort(doublings), [0.7388, 0.7556], rtol=0, atol=0.003)
     np.testing.assert_allclose(np.sort(tori), [0.58190, 0.61861], rtol=0, atol=1e-4)
     chosen = {
-        Instability.PERIOD_DOUBLING: int(np.argmax(second_mass(balance, curve.points))),
+        Instability.PERIOD_DOUBLING: int(np.argmax(second_mass(curve.points))),
         Instability.NEIMARK_SACKER: _upper(curve, 0.6),
         Instability.NONE: _upper(curve, 0.635),
     }
@@ -90,7 +46,7 @@ def test_period_doubling_around_the_peak_and_neimark_sacker_below():
 
 def test_the_peak_at_order_21_is_a_period_doubling():
     balance, curve = traced(21)
-    place = int(np.argmax(second_mass(balance, curve.points)))
+    place = int(np.argmax(second_mass(curve.points)))
     found = assess(TWO_MASSES, "omega", curve.points[[place], -1], curve.points[[place], :-1], balance=balance)
     assert found.kind[0] == Instability.PERIOD_DOUBLING
 

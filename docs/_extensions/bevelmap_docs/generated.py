@@ -4,7 +4,7 @@ import re
 
 from sphinx.application import Sphinx
 
-from bevelmap_docs import commands, configuration, names, store
+from bevelmap_docs import cases, commands, configuration, names, store
 
 __all__ = ["GENERATORS", "MARK", "expanded", "setup"]
 
@@ -16,6 +16,7 @@ GENERATORS = {
     "usage": commands.usage_text,
     "arrays": store.arrays,
     "names": names.names,
+    "cases": cases.published,
 }
 
 

@@ -13,11 +13,12 @@ from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.wording import bound
 from pipeline.config.quantities import QUANTITIES
 from pipeline.config.schema import Attractors
-from pipeline.plan.numerics import model_at
+from pipeline.plan.numerics import System, model_at
 from pipeline.plan.plan import Plan
+from pipeline.plan.traits import contact_system
 from pipeline.store import groups
 from pipeline.store.row_groups import RowArray, RowGroup
-from solver import ImpactState, Model, gear_system
+from solver import ImpactState
 from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorRow, SeenFrom
 
@@ -47,9 +48,9 @@ NUMBERS = {
 }
 
 
-def state_size(model: Model) -> int:
-    """Numbers of a state of a gear: of its coordinates that are in motion, and of their speeds."""
-    return 2 * reduced(gear_system(model)).degrees
+def state_size(system: System) -> int:
+    """Numbers of a state: of the coordinates that are in motion, and of their speeds."""
+    return 2 * reduced(contact_system(system)).degrees
 
 
 def _largest_state(plan: Plan) -> int:

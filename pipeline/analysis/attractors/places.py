@@ -21,9 +21,10 @@ from pipeline.analysis.attractors.queries import wilson
 from pipeline.analysis.attractors.tasks import map_motions
 from pipeline.analysis.attractors.wording import attractor_name, bound
 from pipeline.config.schema import Attractors
-from pipeline.plan.numerics import point_of
+from pipeline.plan.numerics import System, point_of
 from pipeline.plan.plan import Plan
 from pipeline.plan.row_blocks import Block
+from pipeline.plan.traits import contact_system
 from pipeline.run.job import Job, say_failures
 from pipeline.run.kernels import ready_for_attractors
 from pipeline.run.progress import Reporter, RowProgress
@@ -31,7 +32,7 @@ from pipeline.run.sheets import csv_text, write_files
 from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
-from solver import Model
+from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorRow, AttractorSearch, find_attractors, settle
 from solver.timedomain.row_systems import row_systems
 
@@ -73,7 +74,7 @@ def place_task(path: str, plan: Plan, x: float, p: float, options: Attractors) -
     return place_of(model, omega, _nearest_motions(Path(path), plan, x, p), int(plan.solver["period"]), options)
 
 
-def place_of(model: Model, omega: float, motions: np.ndarray, period: int, options: Attractors) -> Place:
+def place_of(model: System, omega: float, motions: np.ndarray, period: int, options: Attractors) -> Place:
     """Attractors at one place and a slice of their basins; parameters as of `search_place`."""
     row = search_place(model, omega, motions, period, options)
     given = options.box is not None
@@ -87,12 +88,12 @@ def place_of(model: Model, omega: float, motions: np.ndarray, period: int, optio
     return Place(row, slots.reshape(options.slice, options.slice), displacement, speed)
 
 
-def search_place(model: Model, omega: float, motions: np.ndarray, period: int, options: Attractors) -> AttractorRow:
+def search_place(model: System, omega: float, motions: np.ndarray, period: int, options: Attractors) -> AttractorRow:
     """Attractors at one place, thoroughly.
 
     Parameters
     ----------
-    model : Model
+    model : Model or ContactSystem
     omega : float
     motions : (1, S, 2 H + 1) array
         Stable motions of the map to start from, nan where there is none.
@@ -131,11 +132,16 @@ def _search(options: Attractors) -> AttractorSearch:
     return dataclasses.replace(search_of(options), room=_ROOM)
 
 
-def states_at_rest(model: Model, omega: float, states: np.ndarray) -> np.ndarray:
-    """States (k, m) with these lambda and lambda' (k, 2), all other coordinates at rest under the mean load."""
-    rest = row_systems(model, "omega", np.array([omega]), None).rest[0]
+def states_at_rest(system: System, omega: float, states: np.ndarray) -> np.ndarray:
+    """States (k, m) with these lambda and lambda' (k, 2), all that lambda does not see at rest under the mean load."""
+    rest = row_systems(system, "omega", np.array([omega]), None).rest[0]
+    contact = reduced(contact_system(system)).contact
+    along, n = contact / (contact @ contact), contact.size
     full = np.tile(rest, (len(states), 1))
-    full[:, rest.size // 2 - 1], full[:, -1] = states.T
+    for part, wanted in ((slice(n), states[:, 0]), (slice(n, None), states[:, 1])):
+        # Where lambda is a coordinate of its own it is set to the last digit.
+        full[:, part] *= along != 1.0
+        full[:, part] += np.outer(wanted - full[:, part] @ contact, along)
     return full
 
 

@@ -16,13 +16,13 @@ from pipeline.analysis.attractors.dataset import empty_values, group_of, row_of_
 from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.options import keys_of, search_of
 from pipeline.config.schema import Attractors
-from pipeline.plan.numerics import model_at
+from pipeline.plan.numerics import model_at, row_system, sweep_axis
 from pipeline.plan.plan import Plan
 from pipeline.plan.row_blocks import Block
+from pipeline.plan.traits import contact_system
 from pipeline.run.kernels import ready_for_attractors
 from pipeline.store.row_groups import RowGroup
 from pipeline.store.tries import Tries
-from solver import gear_system
 from solver.timedomain import AttractorRow, continue_attractors, find_attractors
 
 __all__ = ["MAP", "Gains", "Receipt", "Spec", "continue_block", "gains_of_row", "map_motions", "search_block"]
@@ -96,7 +96,7 @@ def search_block(spec: Spec, block: Block) -> Receipt:
         grid = spec.grid
         return find_attractors(
             model,
-            grid.plan.sweep.name,
+            sweep_axis(grid.plan),
             grid.x,
             omega=omega,
             motions=motions[row - block.start],
@@ -105,8 +105,8 @@ def search_block(spec: Spec, block: Block) -> Receipt:
             search=search,
         )
 
-    rows = range(block.start, block.stop)
-    return _computed(spec, block, 0, rows, found, [empty_values(spec.group)] * len(rows))
+    rows, group = range(block.start, block.stop), spec.group
+    return _computed(spec, group, block, 0, rows, found, [empty_values(group)] * len(rows))
 
 
 def continue_block(spec: Spec, block: Block, round: int, brought: dict[int, Gains]) -> Receipt:
@@ -121,26 +121,37 @@ def continue_block(spec: Spec, block: Block, round: int, brought: dict[int, Gain
     brought : dict
         Row -> what is brought to it.
     """
-    search = search_of(spec.options)
-    stored = spec.group.read(block)
+    search, group = search_of(spec.options), spec.group
+    stored = group.read(block)
     if stored is None:
-        raise OSError(f"rows {block.start}-{block.stop - 1} of {spec.group.folder} are stored no longer")
+        raise OSError(f"rows {block.start}-{block.stop - 1} of {group.folder} are stored no longer")
 
     def found(row: int, model, omega: float | None) -> AttractorRow:
         grid, (columns, kinds, states) = spec.grid, brought[row]
         before = row_of_values(known[row - block.start], _state_size(spec.grid, row))
         return continue_attractors(
-            model, grid.plan.sweep.name, grid.x, before, columns, kinds, states, round=round, omega=omega, search=search
+            model,
+            sweep_axis(grid.plan),
+            grid.x,
+            before,
+            columns,
+            kinds,
+            states,
+            round=round,
+            omega=omega,
+            search=search,
         )
 
     known = [{name: values[i, ...] for name, values in stored.items()} for i in range(block.stop - block.start)]
-    return _computed(spec, block, round, sorted(brought), found, known)
+    return _computed(spec, group, block, round, sorted(brought), found, known)
 
 
-def _computed(spec: Spec, block: Block, round: int, rows, found: Callable, values: list[dict]) -> Receipt:
+def _computed(
+    spec: Spec, group: RowGroup, block: Block, round: int, rows, found: Callable, values: list[dict]
+) -> Receipt:
     """Compute some rows of a block and write all of it; `values` is what was known of them."""
     ready_for_attractors()
-    begin, group, gains, failures = perf_counter(), spec.group, {}, []
+    begin, gains, failures = perf_counter(), {}, []
     with Tries(group.folder, block.start, spec.limit) as tries:
         for row in rows:
             plane, _, value = spec.grid.place(row)
@@ -168,8 +179,8 @@ def _computed(spec: Spec, block: Block, round: int, rows, found: Callable, value
 
 
 def _row_of(plane: Plan, value: float):
-    """The gear of a row, and its frequency where that is not the sweep parameter."""
-    return model_at(plane, value, plane.sweep.low), value if plane.parameter.name == "omega" else plane.omega
+    """The system of a row, and its frequency where that is not the sweep parameter."""
+    return row_system(plane, value), value if plane.parameter.name == "omega" else plane.omega
 
 
 def _state_size(grid: Grid, row: int) -> int:
@@ -182,8 +193,8 @@ def _state_size(grid: Grid, row: int) -> int:
 def _sizes(plane: Plan, value: float, x: np.ndarray) -> np.ndarray:
     """Gap and static deflection of every cell of a row."""
     if plane.sweep.name == "omega":
-        return np.full(x.size, gear_system(model_at(plane, value, plane.sweep.low)).motion_size)
-    return np.array([gear_system(model_at(plane, value, column)).motion_size for column in x.tolist()])
+        return np.full(x.size, contact_system(row_system(plane, value)).motion_size)
+    return np.array([contact_system(model_at(plane, value, column)).motion_size for column in x.tolist()])
 
 
 def gains_of_row(values: dict[str, np.ndarray]) -> dict[int, Gains]:

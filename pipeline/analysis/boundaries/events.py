@@ -9,14 +9,16 @@ import numpy as np
 from pipeline.analysis.boundaries.contradictions import contradictory_cells
 from pipeline.plan.numerics import balance_of, frame_of
 from pipeline.plan.plan import Plan
+from pipeline.plan.traits import dead_zone
 from pipeline.plane.stored import StoredPlane
 from solver import Event
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS
+from solver.model.packing import dead_zone_ends
 from solver.model.parameter_path import place_on
 
-__all__ = ["MARGINS", "RowEvents", "half_backlash", "read_events"]
+__all__ = ["MARGINS", "RowEvents", "dead_zone_at", "read_events"]
 
-#: Grazing -> (sign of the amplitude, sign of b) in its margin lambda_m +- lambda_a -+ b.
+#: Grazing -> (sign of the amplitude, sign of the flank) in its margin lambda_m +- lambda_a -+ b.
 MARGINS = {
     Event.MIN_AT_DRIVE: (-1.0, 1.0),
     Event.MIN_AT_BACK: (-1.0, -1.0),
@@ -67,16 +69,23 @@ class RowEvents:
         return [(Event(kind), y) for kind, y in zip(self.kind.tolist(), points, strict=True) if kind in kinds]
 
 
-def half_backlash(plan: Plan, x, p) -> np.ndarray:
-    """b at places of the plane, arrays of one shape."""
-    axes = {plan.sweep.name: x, plan.parameter.name: p}
-    if "b" in axes:
-        return np.broadcast_to(np.asarray(axes["b"], dtype=float), np.shape(x))
-    model, _, axis, _, _ = frame_of(plan)
-    if isinstance(axis, str):
-        return np.full(np.shape(x), model.b)
+def dead_zone_at(plan: Plan, x, p) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the gap, low and high, at places of the plane, arrays of one shape."""
+    system, x_axis, axis, _, _ = frame_of(plan)
+    if isinstance(axis, str) and axis not in _GAPS:
+        return dead_zone_ends(system, x_axis, np.asarray(x, dtype=float))
     rows, place = np.unique(p, return_inverse=True)
-    return np.array([place_on(axis, row, model)[0].b for row in rows])[place].reshape(np.shape(p))
+    if isinstance(axis, str):
+        ends = dead_zone_ends(system, axis, rows)
+    else:
+        zones = [dead_zone(place_on(axis, row, system)[0]) for row in rows]
+        ends = np.array(zones).reshape(-1, 2).T
+    low, high = (end[place].reshape(np.shape(p)) for end in ends)
+    return low, high
+
+
+#: Axes that move the gap.
+_GAPS = ("b", "gap", "gap_scale")
 
 
 def read_events(path: Path, plan: Plan) -> RowEvents:
@@ -105,7 +114,7 @@ def _events_of(part: StoredPlane) -> RowEvents:
         motions = np.stack([table[name] for name in ("mean", "cos", "sin")], axis=2)
     lowest, highest = balance.extremes(motions)
     x, p = table[plan.sweep.name], np.broadcast_to(values[:, None], table["mean"].shape)
-    b = half_backlash(plan, x, p)
+    back, front = dead_zone_at(plan, x, p)
     # Of the two neighbours on the branch the one that tells more decides.
     ahead, telling = np.zeros(row.size), np.zeros(row.size)
     for step in (-1, 1):
@@ -116,7 +125,7 @@ def _events_of(part: StoredPlane) -> RowEvents:
         side = np.sign(move)
         for grazing, (of_size, of_b) in MARGINS.items():
             here = kind == grazing
-            margin = ((lowest if of_size < 0.0 else highest) - of_b * b)[row[here], other[here]]
+            margin = ((lowest if of_size < 0.0 else highest) - (back if of_b < 0.0 else front))[row[here], other[here]]
             weight[here] = np.abs(margin)
             side[here] *= np.sign(margin) * np.where(table["stable"][row[here], point[here]] == 1, 1.0, -1.0)
         better = same & (weight > telling)

@@ -8,9 +8,8 @@ import numpy as np
 from pipeline.analysis.attractors.options import limits_of
 from pipeline.analysis.attractors.queries import hysteresis_intervals
 from pipeline.analysis.diagram.options import Way
-from pipeline.plan.numerics import model_at
+from pipeline.plan.numerics import System, row_system, sweep_axis
 from pipeline.plan.plan import Plan
-from solver import Model
 from solver.timedomain import AttractorKind, AttractorSearch, SlowRun, slow_run
 
 __all__ = ["DIRECTIONS", "Followed", "follow"]
@@ -39,9 +38,9 @@ class Followed:
     runs: dict[str, SlowRun]
 
     @property
-    def model(self) -> Model:
-        """The gear of the row."""
-        return model_at(self.plan, self.way.value, self.plan.sweep.low)
+    def system(self) -> System:
+        """The system of the row, to be varied along the swept parameter."""
+        return row_system(self.plan, self.way.value)
 
     @cached_property
     def hysteresis(self) -> np.ndarray:
@@ -79,14 +78,14 @@ def follow(plan: Plan, way: Way) -> Followed:
         Of a plane.
     way : Way
     """
-    sweep, columns = plan.sweep.name, np.array(way.columns)
+    sweep, columns = sweep_axis(plan), np.array(way.columns)
     omega = way.value if plan.parameter.name == "omega" else plan.omega
     transient, watched = limits_of(way.max_periods)
     search = AttractorSearch(transient=transient, watched=watched)
-    model = model_at(plan, way.value, plan.sweep.low)
-    up = slow_run(model, sweep, columns, omega=omega, search=search)
+    system = row_system(plan, way.value)
+    up = slow_run(system, sweep, columns, omega=omega, search=search)
     last = up.state[-1]
     # Nothing is left to go on from where the motion has become unbounded.
     state = None if np.isnan(last).all() else last[np.isfinite(last)]
-    down = slow_run(model, sweep, columns[::-1], omega=omega, state=state, search=search)
+    down = slow_run(system, sweep, columns[::-1], omega=omega, state=state, search=search)
     return Followed(plan, way, {"up": up, "down": down})

@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.analysis.diagram.following import Followed
 from pipeline.analysis.diagram.options import SpectrumOptions
 from pipeline.plan.numerics import point_of
-from solver import gear_system
+from pipeline.plan.traits import contact_system
 from solver.timedomain import AttractorKind, SlowRun, order_spectrum, trajectory
 from solver.timedomain.integrator import with_the_rest
 
@@ -84,7 +84,7 @@ def spectra_of(followed: Followed, options: SpectrumOptions) -> Spectra:
 
 def _spectrum(model, omega: float, run: SlowRun, i: int, options: SpectrumOptions, samples: int) -> np.ndarray:
     """Amplitudes of one step at the orders 0, 1/periods, ...; the powers of several records are averaged."""
-    kind, system = AttractorKind(int(run.kind[i])), gear_system(model)
+    kind, system = AttractorKind(int(run.kind[i])), contact_system(model)
     whole = kind.periodic and options.periods % int(kind) == 0
     records = 1 if whole else _RECORDS
     state = with_the_rest(system, run.state[i][np.isfinite(run.state[i])])

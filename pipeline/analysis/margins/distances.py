@@ -10,7 +10,7 @@ from pipeline.analysis.margins.curves import Boundaries, P, X, boundaries_of, tr
 from pipeline.analysis.margins.lines import Line, codes_along, divided, swept
 from pipeline.analysis.margins.options import Design, nominal_value
 from pipeline.plan.axes import Axis
-from pipeline.plan.numerics import model_at
+from pipeline.plan.numerics import gear_at
 from pipeline.plan.plan import Plan
 from solver import Event
 
@@ -149,8 +149,8 @@ def margins_of_further(plan: Plan, design: Design, name: str) -> list[Margin]:
 
 def across(plan: Plan, design: Design, axis: Axis) -> Plan:
     """The plane of the swept axis and of a parameter that is no axis, the row parameter being that of the point."""
-    model = dataclasses.asdict(model_at(plan, design.p, design.x))
-    gear = {key: value for key, value in model.items() if key not in (axis.name, plan.sweep.name)}
+    numbers = gear_at(plan, design.p, design.x)
+    gear = {key: value for key, value in numbers.items() if key not in (axis.name, plan.sweep.name)}
     omega = design.p if plan.parameter.name == "omega" else plan.omega
     omega = None if axis.name == "omega" else omega
     return dataclasses.replace(plan, gear=gear, parameter=axis, omega=omega, thermal=None)

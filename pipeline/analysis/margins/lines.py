@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.plan.numerics import balance_of, continuation_of, frame_of, model_at, row_axis, seeds_of
+from pipeline.plan.numerics import balance_of, continuation_of, frame_of, row_axis, seeds_of, system_along
 from pipeline.plan.plan import Plan
 from solver import Event, Row, sweep_row
 from solver.boundaries import FOLDS_AND_GRAZINGS, row_events
@@ -80,7 +80,8 @@ def codes_along(
             return lambda places: row_codes(plane, p, np.asarray(places, dtype=float), ceiling)
         return lambda places: np.concatenate([row_codes(plane, float(p), np.array([x]), ceiling) for p in places])
     omega = None if "omega" in (axis, plan.sweep.name) else _frequency(plan, x, p)
-    plane = Plane(model_at(plan, p, x), axis, plan.sweep.name, ends, (plan.sweep.low, plan.sweep.high), omega)
+    start = system_along(plan, p, x, axis, plan.sweep.name)
+    plane = Plane(*start, ends, (plan.sweep.low, plan.sweep.high), omega)
     return lambda places: row_codes(plane, x, np.asarray(places, dtype=float), ceiling)
 
 
@@ -163,8 +164,7 @@ def _labelled(low: float, high: float, codes) -> list[Stretch]:
 def row_along(plan: Plan, axis: str, grid: np.ndarray, x: float, p: float) -> Row:
     """The branches along one parameter through a place of the plane, and the motions at ascending values of it."""
     return sweep_row(
-        model_at(plan, p, x),
-        axis,
+        *system_along(plan, p, x, axis),
         grid,
         omega=None if axis == "omega" else _frequency(plan, x, p),
         continuation=continuation_of(plan.solver),

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 from pipeline.config.schema import Margins
 from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import Axis
+from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import model_at, row_axis
 from pipeline.plan.plan import Plan
 from pipeline.plan.points import number_of, point_on
 from pipeline.plan.scales import scales_of
-from solver import SCALAR_PARAMETERS, ParameterError, Scales
+from solver import ParameterError, Scales
 
 __all__ = ["Design", "design_of", "nominal_value", "replaced"]
 
@@ -60,7 +61,7 @@ def design_of(options: Margins, plan: Plan) -> Design:
     if not isinstance(tolerances, dict):
         raise _refused("tolerances", tolerances, "numbers by name, such as {f_e: 0.02}")
     allowed = "a number, at least 0"
-    names = dict.fromkeys(("omega", *SCALAR_PARAMETERS, plan.parameter.name))
+    names = dict.fromkeys(("omega", *kind_of(plan).axes, plan.parameter.name))
     for name in tolerances:
         if name not in names:
             raise ConfigurationError(f"margins.tolerances.{name} is not allowed: it must be one of {', '.join(names)}")
@@ -128,12 +129,8 @@ def _moved(plan: Plan) -> tuple[str, ...]:
 
 def nominal_value(plan: Plan, x: float, p: float, name: str) -> float:
     """A parameter's value at a place of the plane; raises ValueError where it has several."""
-    model = model_at(plan, p, x)
-    named = {"omega": plan.omega, "translation_coupling": model.sigma, "rotation_coupling": model.rotation}
-    named |= {plan.sweep.name: x, plan.parameter.name: p}
-    values = named[name] if name in named else getattr(model, name)
-    (value,) = set(values) if isinstance(values, tuple) else (values,)
-    return float(value)
+    named = {"omega": plan.omega, plan.sweep.name: x, plan.parameter.name: p}
+    return float(named[name]) if name in named else kind_of(plan).value(plan.gear, model_at(plan, p, x), name)
 
 
 def replaced(plan: Plan, values: dict[str, float], x: float, p: float) -> Plan:

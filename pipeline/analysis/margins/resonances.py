@@ -1,9 +1,13 @@
 """Linear resonances over which a range of frequencies lies, named by the mesh strain energy of their modes."""
 
 from dataclasses import dataclass
+from functools import singledispatch
 
 import numpy as np
 
+from pipeline.plan.numerics import System
+from pipeline.plan.traits import excitation_harmonics, stiffness_harmonics
+from pipeline.plane.resonances import contact_modes
 from solver import Model
 
 __all__ = ["Resonance", "mesh_modes", "resonances_in"]
@@ -37,7 +41,15 @@ class Resonance:
         return f"Ω = {self.omega:.4g} (mode of {100.0 * self.mesh_energy:.0f} % mesh strain energy{how})"
 
 
-def mesh_modes(model: Model) -> list[tuple[float, float]]:
+@singledispatch
+def mesh_modes(system) -> list[tuple[float, float]]:
+    """Natural frequency of every linear mode in contact that strains the mesh, and the share of its strain energy that
+    does, ascending."""
+    return list(contact_modes(system))
+
+
+@mesh_modes.register
+def _(model: Model) -> list[tuple[float, float]]:
     """Natural frequency of every linear mode of the pair in contact that strains the mesh, and the share of its strain
     energy that does, λ²/(λ² + Σ k_j x_j²/κ_g), ascending (docs/physics.md, section 10).
 
@@ -56,12 +68,12 @@ def mesh_modes(model: Model) -> list[tuple[float, float]]:
     return found
 
 
-def resonances_in(model: Model, low: float, high: float) -> list[Resonance]:
+def resonances_in(system: System, low: float, high: float) -> list[Resonance]:
     """Resonances within a range of the mesh frequency, ascending: k Ω on a natural frequency for every harmonic k of
     the excitation, and Ω on twice one where the stiffness varies."""
-    harmonics = (model.stiffness_harmonics(), model.error_harmonics())
+    harmonics = (stiffness_harmonics(system), excitation_harmonics(system))
     orders = {k for one in harmonics for k, (amplitude, _) in enumerate(one, start=1) if amplitude} | {1}
     varies = any(amplitude for amplitude, _ in harmonics[0])
     ratios = [1.0 / k for k in orders] + ([2.0] if varies else [])
-    found = [Resonance(ratio * natural, natural, share) for natural, share in mesh_modes(model) for ratio in ratios]
+    found = [Resonance(ratio * natural, natural, share) for natural, share in mesh_modes(system) for ratio in ratios]
     return sorted((one for one in found if low <= one.omega <= high), key=lambda one: one.omega)

@@ -5,8 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver import Model, gear_system
+from pipeline.plan.numerics import System
+from pipeline.plan.traits import contact_force, contact_system
+from solver import ContactSystem
 from solver.timedomain import advance, trajectory
+from solver.timedomain.integrator import with_the_rest
 from solver.timedomain.orders import order_spectrum
 
 __all__ = ["APERIODIC", "HIGHEST_ORDER", "Curves", "harmonic_curves", "integrated_curves", "own_period"]
@@ -46,35 +49,36 @@ class Curves:
     amplitudes: np.ndarray
 
 
-def integrated_curves(model: Model, omega: float, state: np.ndarray, repeats: int | None) -> Curves:
+def integrated_curves(system: System, omega: float, state: np.ndarray, repeats: int | None) -> Curves:
     """Curves of the motion from a state on an attractor.
 
     Parameters
     ----------
-    model : Model
+    system : Model or ContactSystem
     omega : float
     state : (2 n,) array
-        At the start of a forcing period, in the coordinates of `gear_system(model)`.
+        At the start of a forcing period, in the coordinates of `contact_system(system)` that are in motion.
     repeats : int or None
         Forcing periods after which the motion repeats; None where it does not.
     """
-    found = trajectory(model, omega, state, repeats or APERIODIC, _SAMPLES)
+    state = with_the_rest(contact_system(system), state)
+    found = trajectory(system, omega, state, repeats or APERIODIC, _SAMPLES)
     orders, amplitudes = order_spectrum(found.displacement, repeats or APERIODIC, None if repeats else "hann")
     drawn = slice(None if repeats else _PATH * _SAMPLES)
     displacement, speed = found.displacement[drawn], found.speed[drawn]
     points = np.stack([displacement, speed], axis=1)[::_SAMPLES]
     if repeats is None:
-        points = _sections(model, omega, state)
+        points = _sections(contact_system(system), omega, state)
     kept = (orders > 0.0) & (orders <= HIGHEST_ORDER)
     return Curves(
         repeats, found.periods[drawn], displacement, speed, found.force[drawn], points, orders[kept], amplitudes[kept]
     )
 
 
-def _sections(model: Model, omega: float, state: np.ndarray) -> np.ndarray:
-    system = gear_system(model)
+def _sections(system: ContactSystem, omega: float, state: np.ndarray) -> np.ndarray:
     states = advance(system, omega, state, _POINTS, tolerance=1e-12).states[0]
-    return np.stack([states[:, system.degrees - 1], states[:, -1]], axis=1)
+    n = system.degrees
+    return np.stack([states[:, :n] @ system.contact, states[:, n:] @ system.contact], axis=1)
 
 
 def own_period(motion: np.ndarray, period: int) -> tuple[np.ndarray, int]:
@@ -101,12 +105,12 @@ def own_period(motion: np.ndarray, period: int) -> tuple[np.ndarray, int]:
     ), period // times
 
 
-def harmonic_curves(model: Model, omega: float, motion: np.ndarray, repeats: int) -> Curves:
+def harmonic_curves(system: System, omega: float, motion: np.ndarray, repeats: int) -> Curves:
     """Curves of a motion of a harmonic balance.
 
     Parameters
     ----------
-    model : Model
+    system : Model or ContactSystem
     omega : float
     motion : (2 H + 1,) array
         Lambda_0, c_1, s_1, ... of lambda over theta = Omega tau / repeats.
@@ -119,8 +123,7 @@ def harmonic_curves(model: Model, omega: float, motion: np.ndarray, repeats: int
     wave, slope = np.cos(theta[:, None] * k), np.sin(theta[:, None] * k)
     displacement = motion[0] + wave @ cosines + slope @ sines
     speed = (wave @ (k * sines) - slope @ (k * cosines)) * omega / repeats
-    stiffness = 1.0 + model.variation_translation * model.stiffness_variation(2.0 * np.pi * periods)
-    force = stiffness * (np.maximum(displacement - model.b, 0.0) + np.minimum(displacement + model.b, 0.0))
+    force = contact_force(system, displacement, 2.0 * np.pi * periods)
     points, orders = np.stack([displacement, speed], axis=1)[::_SAMPLES], k / repeats
     kept = orders <= HIGHEST_ORDER
     amplitudes = np.hypot(cosines, sines)

@@ -9,13 +9,14 @@ from pipeline.analysis.attractors.places import search_place
 from pipeline.analysis.attractors.wording import attractor_name, bound
 from pipeline.analysis.motion.curves import APERIODIC, Curves, harmonic_curves, integrated_curves, own_period
 from pipeline.config.schema import Attractors
-from pipeline.plan.numerics import point_of
+from pipeline.plan.numerics import System, point_of
 from pipeline.plan.plan import Plan
+from pipeline.plan.traits import contact_system, dead_zone, static_force
 from pipeline.plane.motions import SolvedMotions, motions_of_place
-from solver import Model, gear_system
 from solver.contact.quantities import Quantities
 from solver.stability import Instability
 from solver.timedomain import AttractorKind, AttractorRow, motion_quantities
+from solver.timedomain.integrator import with_the_rest
 
 __all__ = ["MapMotion", "Motion", "Motions", "attractor_motion", "map_motion", "motions_at"]
 
@@ -94,10 +95,10 @@ class Motions:
     ----------
     x, p : float
         The place, on the swept axis and on the row axis.
-    model : Model
+    model : Model or ContactSystem
     omega : float
     static_force : float
-        f_pm/c.
+        f_pm/c of a bevel pair; of another system the contact force at rest.
     attractors : tuple of Motion
     others : tuple of MapMotion
         Those that no attractor is.
@@ -111,7 +112,7 @@ class Motions:
 
     x: float
     p: float
-    model: Model
+    model: System
     omega: float
     static_force: float
     attractors: tuple[Motion, ...]
@@ -120,6 +121,11 @@ class Motions:
     unsettled: int
     unbounded: int
     notes: tuple[str, ...]
+
+    @property
+    def gap(self) -> tuple[float, float]:
+        """Ends of the gap, low and high; low is -inf where there is no back flank."""
+        return dead_zone(self.model)
 
 
 def motions_at(plan: Plan, x: float, p: float, options: Attractors) -> Motions:
@@ -146,7 +152,7 @@ def motions_at(plan: Plan, x: float, p: float, options: Attractors) -> Motions:
     settled = [slot for slot, kind in enumerate(row.kind[0].tolist()) if AttractorKind(kind).settled]
     order = sorted(settled, key=lambda slot: (-int(row.hits[0, slot]), slot))
     names = {slot: _letter(i) for i, slot in enumerate(order)}
-    partner = _partners(of_map, period, row, gear_system(model).motion_size, options.tolerance)
+    partner = _partners(of_map, period, row, contact_system(model).motion_size, options.tolerance)
     leads = [names.get(slot) for slot in row.motion[0].tolist()]
     described = [map_motion(of_map, i, period, model, omega, leads[i]) for i in range(len(partner))]
     taken = {slot: motion for slot, motion in zip(partner.tolist(), described, strict=True) if slot >= 0}
@@ -157,7 +163,7 @@ def motions_at(plan: Plan, x: float, p: float, options: Attractors) -> Motions:
         p,
         model,
         omega,
-        model.f_pm / model.rotation,
+        static_force(model),
         attractors,
         tuple(motion for slot, motion in zip(partner.tolist(), described, strict=True) if slot < 0),
         int(row.starts[0]),
@@ -194,7 +200,7 @@ def _partners(of_map: SolvedMotions, period: int, row: AttractorRow, size: float
 
 
 def map_motion(
-    of_map: SolvedMotions, i: int, period: int, model: Model, omega: float, leads: str | None = None
+    of_map: SolvedMotions, i: int, period: int, system: System, omega: float, leads: str | None = None
 ) -> MapMotion:
     """One of the motions of a place, over its own period.
 
@@ -205,7 +211,7 @@ def map_motion(
         Which of them, from 0.
     period : int
         Forcing periods that their balance is over.
-    model : Model
+    system : Model or ContactSystem
     omega : float
     leads : str, optional
         Name of the attractor that integration from it ends on.
@@ -219,12 +225,12 @@ def map_motion(
         float(of_map.multiplier[i]) ** (repeats / period),
         leads,
         Quantities(*of_map.quantities[i].tolist()),
-        harmonic_curves(model, omega, unknowns, repeats),
+        harmonic_curves(system, omega, unknowns, repeats),
     )
 
 
 def attractor_motion(
-    row: AttractorRow, slot: int, name: str, of_map: MapMotion | None, model: Model, omega: float
+    row: AttractorRow, slot: int, name: str, of_map: MapMotion | None, system: System, omega: float
 ) -> Motion:
     """One attractor of a cell, integrated over its own period.
 
@@ -236,13 +242,14 @@ def attractor_motion(
     name : str
     of_map : MapMotion or None
         The motion of the map that it is.
-    model : Model
+    system : Model or ContactSystem
     omega : float
     """
     kind = AttractorKind(int(row.kind[0, slot]))
     repeats = int(kind) if kind.periodic else None
     state, exponent = row.state[0, slot], float(row.lyapunov[0, slot])
-    quantities, _ = motion_quantities(model, omega, state, repeats or APERIODIC)
+    whole = with_the_rest(contact_system(system), state[np.isfinite(state)])
+    quantities, _ = motion_quantities(system, omega, whole, repeats or APERIODIC)
     return Motion(
         name,
         attractor_name(int(kind), int(row.impact[0, slot])),
@@ -253,7 +260,7 @@ def attractor_motion(
         float(row.lyapunov_error[0, slot]),
         of_map,
         quantities,
-        integrated_curves(model, omega, state, repeats),
+        integrated_curves(system, omega, state[np.isfinite(state)], repeats),
     )
 
 

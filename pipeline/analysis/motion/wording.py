@@ -108,7 +108,8 @@ def quantity_line(quantities: Quantities, scales: Scales | None) -> str:
     return ";  ".join(
         (
             f"λ from {shown('lowest')} to {shown('highest')}, RMS {shown('rms')}",
-            f"transmission error RMS {shown('error_rms')}",
+            # There is none of a system that is no bevel pair.
+            *([] if math.isnan(quantities.error_rms) else [f"transmission error RMS {shown('error_rms')}"]),
             f"K_v {shown('dynamic_factor')}",
             f"contact loss {shown('contact_loss')}",
             f"impact velocity {shown('impact_velocity')}",

@@ -9,10 +9,10 @@ import pipeline
 from pipeline.errors import ConfigurationError
 from pipeline.explorer import answers
 from pipeline.explorer.fixed_parameters import changed_plan, fixed_parameters
+from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import point_of
 from pipeline.plane.motions import proven_label
 from solver import gear_system
-from solver.model.packing import AXES
 from solver.timedomain import AttractorKind, orbit_state
 from tests.pipeline.planes import small_plan, traced_store
 
@@ -109,11 +109,15 @@ def test_a_value_out_of_range_is_refused(name, value):
         changed_plan(PLAN, {name: value})
 
 
-@pytest.mark.parametrize("overrides", [["plane=omega_fe"], ["plane=b_fe"], ["gear=miter"], ["plane=omega_xi"]])
+@pytest.mark.parametrize(
+    "overrides",
+    [["plane=omega_fe"], ["plane=b_fe"], ["gear=miter"], ["plane=omega_xi"], ["gear=spur", "plane=omega_excitation"]],
+)
 def test_every_fixed_parameter_may_have_both_ends_of_its_range(overrides):
     plan = small_plan(*overrides)
     found = fixed_parameters(plan)
-    assert {"alpha", "f_pm"} <= {one.name for one in found} <= set(AXES)
+    assert {"alpha", "f_pm" if plan.kind == "bevel" else "mean_load"} <= {one.name for one in found}
+    assert {one.name for one in found} <= {"omega", *kind_of(plan).axes}
     for one in found:
         assert one.low < one.high and one.low <= one.value <= one.high
         for value in (one.low, one.high):

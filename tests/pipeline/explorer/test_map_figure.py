@@ -36,7 +36,7 @@ def test_regions_and_lines_of_a_figure_are_the_layers(layers):
     assert list(areas["colour"]) == [one.colour for one in shown.classes]
     for xs, ys, one in zip(areas["xs"], areas["ys"], shown.classes, strict=True):
         corners = [np.column_stack([x, y]) for (x,), (y,) in zip(xs, ys, strict=True)]
-        assert all(np.array_equal(a, b) for a, b in zip(corners, one.polygons, strict=True))
+        assert all(np.allclose(a, b, atol=2e-9) for a, b in zip(corners, one.polygons, strict=True))
     for kind in shown.lines:
         lines = renderer(found, kind.kind).data_source.data
         np.testing.assert_array_equal(np.concatenate(lines["xs"]), np.concatenate(kind.lines)[:, 0])
@@ -44,7 +44,7 @@ def test_regions_and_lines_of_a_figure_are_the_layers(layers):
     texts = [item.label.value for item in found.select_one(Legend).items]
     assert all(any(text.startswith(one.name) for text in texts) for one in (*shown.classes, *shown.shades))
     (hover,) = found.select(HoverTool)
-    assert [row[0] for row in hover.tooltips] == ["Ω", "f_e", "n/I", "integration", "label of the cell"]
+    assert [row[0] for row in hover.tooltips] == ["Ω", "f_e", "n/I", "integration", "verdict"]
 
 
 def test_values_come_back_from_what_is_sent(layers):

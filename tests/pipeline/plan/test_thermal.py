@@ -11,7 +11,7 @@ import pipeline
 from pipeline import store
 from pipeline.__main__ import main
 from pipeline.analysis import boundaries
-from pipeline.analysis.boundaries.events import half_backlash
+from pipeline.analysis.boundaries.events import dead_zone_at
 from pipeline.config.compose import compose
 from pipeline.config.units import celsius, quantity
 from pipeline.errors import ConfigurationError
@@ -151,7 +151,7 @@ def test_every_stage_reads_the_gear_of_its_row(stored):
         lowest = (here["mean"] - here.amplitude).values
         assert np.all(lowest[free] > model.b)
         assert np.all(lowest[here.impact.values == ImpactState.SINGLE_SIDED] <= model.b)
-        assert half_backlash(swept, np.array([0.7]), np.array([value]))[0] == model.b
+        assert dead_zone_at(swept, np.array([0.7]), np.array([value]))[1][0] == model.b
         assert gear_system(model).front_gap == model.b
 
 

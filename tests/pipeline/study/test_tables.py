@@ -265,7 +265,9 @@ def test_an_isola_has_its_peak():
         "impact": np.zeros(len(unknowns), int),
         "branch": np.repeat([0, 1], [len(curve.points) for curve in curves]),
     }
-    peak = resonance_peak(points, pieces_of_row(points, np.full(len(unknowns), gear.b)), 0.0, 0.9)
+    peak = resonance_peak(
+        points, pieces_of_row(points, *np.multiply.outer((-gear.b, gear.b), np.ones(len(unknowns)))), 0.0, 0.9
+    )
     stable = closed.stable == 1
     assert peak.amplitude == pytest.approx(np.max(closed.amplitude[stable]), rel=2e-3)
     assert 0.5116 < peak.omega < 0.5802

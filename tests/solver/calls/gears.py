@@ -4,7 +4,7 @@ import numpy as np
 
 from solver import Scales
 from tests.public import COUNT, NAME, NOT_NEGATIVE, NUMBER, OBJECT, POSITIVE, argument, array, optional
-from tests.solver.calls.subjects import GEAR, GRID, PAIR, TEETH, model, pair, stop, teeth, tooth_mesh
+from tests.solver.calls.subjects import GEAR, GRID, PAIR, ROTOR, TEETH, model, pair, stop, teeth, tooth_mesh
 
 
 def gear_arguments() -> dict:
@@ -30,6 +30,15 @@ def pair_arguments() -> dict:
     series = {"mesh_stiffness_harmonics": harmonics(((2e7, 0.0),)), "error_harmonics": harmonics()}
     loads = of("torque torque_fluctuation", NUMBER, PAIR)
     return above | angles | least | two | six | given | series | loads | {"teeth": argument((20, 30), teeth)}
+
+
+def rotor_arguments() -> dict:
+    above = of("mesh_stiffness", POSITIVE, ROTOR) | of("mesh_damping half_backlash", NOT_NEGATIVE, ROTOR)
+    two = of("inertia base_radius mass support_stiffness", gears(2, POSITIVE), ROTOR)
+    two |= of("far_inertia shaft_stiffness", gears(2, POSITIVE), ROTOR)
+    two |= of("support_damping shaft_damping", gears(2, NOT_NEGATIVE), ROTOR)
+    series = {f"{name}_harmonics": harmonics() for name in ("stiffness", "error", "torque")}
+    return above | two | series | of("torque", NUMBER, ROTOR)
 
 
 def gears(count: int, wrong: tuple) -> tuple:
@@ -79,6 +88,9 @@ CALLS = {
             np.ones((2, 2)), array(np.ones((2, 2)), np.ones((2, 3)), np.ones((0, 2)).tolist(), 1j * np.ones((2, 2)))
         ),
         "inertial_load": argument(np.ones((2, 2)), array(np.ones((2, 2)), np.ones((2, 3)), 1j * np.ones((2, 2)))),
+        "back_stiffness": argument(2.0, POSITIVE),
+        "contact_dashpot": argument(0.1, NOT_NEGATIVE),
+        "cubic": argument(0.1, NUMBER),
     },
     "solver.ContactSystem.at": lambda: {
         "self": stop(),
@@ -135,6 +147,13 @@ CALLS = {
         "second": argument(teeth(), OBJECT),
         "shaft_angle": argument(90.0, (*POSITIVE, 180.0, 179.9)),
         "face_width": argument(0.01, (*POSITIVE, 1.0)),
+    },
+    "solver.geared_rotor": rotor_arguments,
+    "solver.spur_pair": lambda: {
+        "damping_ratio": argument(0.05, NOT_NEGATIVE),
+        "gap": argument(1.0, NOT_NEGATIVE),
+        "mean_load": argument(0.1, NUMBER),
+        **{f"{name}_harmonics": harmonics() for name in ("stiffness", "error", "load")},
     },
     "solver.iso_6336_stiffness": lambda: {"mesh": argument(tooth_mesh(), OBJECT)},
     "solver.thumb_stiffness": lambda: {"mesh": argument(tooth_mesh(), OBJECT)},

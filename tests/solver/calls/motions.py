@@ -61,6 +61,12 @@ def found():
     return solver.timedomain.find_attractors(stop(), "omega", [0.9], search=quick())
 
 
+@functools.cache
+def stop_row() -> solver.Row:
+    seeds = solver.LiftedSeeds(2)
+    return solver.sweep_row(stop(), "omega", [0.8, 1.0], balance=Galerkin(3), seeds=seeds)
+
+
 def places(**further) -> dict:
     """A system and the values of its frequency."""
     return {
@@ -137,12 +143,20 @@ CALLS = {
         tolerance=tolerances(),
         max_steps=argument(1000, (*COUNT, 0)),
     ),
+    "solver.timedomain.isolated_branches": lambda: {
+        "row": argument(stop_row(), (*OBJECT, row())),
+        "values": argument([0.9], array([0.9], [0.5], [1.1], [0.95, 0.9]), "attractors"),
+        "omega": argument(None, WRONG_OMEGA),
+        "attractors": argument(found(), optional(OBJECT)),
+        "search": argument(quick(), wrong_settings()),
+        "continuation": argument(None, optional(OBJECT)),
+    },
     "solver.timedomain.measure": lambda: batch(
         periods=periods(), divisor=periods(), order=argument(4, COUNT), tolerance=tolerances(), ceiling=ceilings()
     ),
     "solver.timedomain.monodromy": lambda: batch(periods=periods(), tolerance=tolerances(), ceiling=ceilings()),
     "solver.timedomain.motion_quantities": lambda: {
-        "model": argument(model(), OBJECT),
+        "system": argument(model(), OBJECT),
         "omega": argument(0.9, POSITIVE),
         "state": argument(GEAR_STATE, array(GEAR_STATE, [1.0] * 3, [GEAR_STATE] * 2)),
         "periods": periods(),

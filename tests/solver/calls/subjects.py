@@ -21,6 +21,11 @@ GEAR |= dict(alpha_phase=0.0, alpha_harmonics=(), f_e_phase=0.0, f_e_harmonics=(
 
 PAIR = dict(teeth=(20, 30), module=4e-3, shaft_angle=90.0, pressure_angle=20.0, face_width=0.02, mass=(0.8, 1.7))
 PAIR |= dict(inertia=(5e-4, 2e-3), support_stiffness=1e8, support_damping=100.0, mesh_stiffness=2e8)
+ROTOR = dict.fromkeys(
+    ("inertia", "base_radius", "mass", "support_stiffness", "far_inertia", "shaft_stiffness"), (1.0, 2.0)
+)
+ROTOR |= dict(support_damping=(0.1, 0.1), shaft_damping=(0.1, 0.1))
+ROTOR |= dict(mesh_stiffness=1.0, mesh_damping=0.1, half_backlash=1.0, torque=0.1)
 PAIR |= dict(mesh_damping_ratio=0.05, half_backlash=5e-5, torque=100.0, mesh_stiffness_harmonics=((2e7, 0.0),))
 PAIR |= dict(error_harmonics=((5e-6, 0.0),), load_torque=None, torque_fluctuation=0.0, reference_length=None)
 

@@ -4,10 +4,12 @@ import json
 import os
 import subprocess
 import sys
+from collections import namedtuple
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -66,7 +68,66 @@ def quartered(x):
     return halved(halved(x))
 
 
+Several = namedtuple("Several", "given vector matrix flags")
+SEVERAL = types.NamedTuple((ARRAY, ARRAY, MATRIX, types.int8[::1]), Several)
+
+
+@kernel(SEVERAL(ARRAY, _I), shared=True)
+def several(values, count):
+    """One of its arguments, and new arrays of several types."""
+    matrix, flags = np.zeros((count, 2)), np.zeros(count, np.int8)
+    matrix[count - 1, 1], flags[0] = values[0], count
+    return Several(values, values.copy(), matrix, flags)
+
+
+@kernel(types.Tuple((ARRAY, SEVERAL))(ARRAY, _I))
+def several_times(values, count):
+    made = several(values, count)
+    for _ in range(count):
+        made = several(made.given, count)
+    return values, made
+
+
+@kernel(ARRAY(ARRAY, ARRAY, types.boolean), shared=True)
+def one_of(left, right, is_left):
+    return left if is_left else right
+
+
+@kernel(_F(ARRAY, ARRAY))
+def sum_of_both(left, right):
+    return one_of(left, right, True)[0] + one_of(left.copy(), right, False)[0]
+
+
 VALUES = np.array([1.0, -2.0, 4.0])
+USERS = "first_user", "second_user", "several", "several_times", "one_of", "sum_of_both"
+CALLS = 600
+
+
+def _called_by_both(values, other) -> None:
+    """Call shared kernels from Python as well as from others, which hand out their arguments and new arrays."""
+    for count in (1, 2, 3) * (CALLS // 3):
+        alone, (same, inside) = several(values, count), several_times(values, count)
+        assert type(alone) is type(inside) is Several
+        for one in (alone, inside):
+            assert one.given is values is same
+            for array, expected in zip(one, several.__wrapped__(values, count), strict=True):
+                assert array.dtype == expected.dtype
+                np.testing.assert_array_equal(array, expected)
+            one.vector[:] = one.matrix[:] = np.nan
+        assert one_of(values, other, True) is values and one_of(values, other, False) is other
+
+
+def results() -> list[float]:
+    """Numbers from all kernels; every array is freed once."""
+    values, other = VALUES.copy(), np.full(3, 0.25)
+    found = [first_user(values, 2)[1], second_user(values, 2), sum_of_both(values, other)]
+    _nrt_python.memsys_enable_stats()
+    held, before = (sys.getrefcount(values), sys.getrefcount(other)), rtsys.get_allocation_stats()
+    _called_by_both(values, other)
+    after = rtsys.get_allocation_stats()
+    assert (sys.getrefcount(values), sys.getrefcount(other)) == held
+    assert after.alloc - before.alloc == after.free - before.free >= 9 * CALLS
+    return found
 
 
 def test_every_user_finds_it():
@@ -110,9 +171,9 @@ for name in ("_compiled", "_compiled_alone"):
         made.append(kernel.__name__)
         return original(kernel, signature)
     setattr(backend, name, listed)
-from tests.solver.kernels.test_shared import VALUES, first_user, second_user
-kept = [first_user.is_kept(), second_user.is_kept()]
-results = [first_user(VALUES, 2)[1], second_user(VALUES, 2)]
+from tests.solver.kernels import test_shared
+kept = [getattr(test_shared, name).is_kept() for name in test_shared.USERS]
+results = test_shared.results()
 print(json.dumps([kept, made, results]))
 """
 
@@ -128,16 +189,22 @@ def test_it_is_compiled_once_and_again_if_it_is_lost(tmp_path):
         )
         assert done.returncode == 0, done.stderr
         kept, made, results = json.loads(done.stdout)
-        assert results == [9.0, 4.0]
+        assert results == [9.0, 4.0, 1.25]
         return kept, sorted(made)
 
-    everything = ["first_user", "second_user", "spread", "total", "total"]
-    assert run() == ([False, False], everything)
-    assert run() == ([True, True], [])
-    (lost,) = (tmp_path / "bevelmap").glob("*.spread-*.kernel")
-    lost.unlink()
-    assert run() == ([False, False], ["spread"])
-    (damaged,) = (tmp_path / "bevelmap").glob("*.spread-*.kernel")
-    damaged.write_bytes(damaged.read_bytes()[:-1])
-    assert run() == ([True, True], ["spread"])
-    assert run() == ([True, True], [])
+    def entries(name):
+        return list((tmp_path / "bevelmap").glob(f"*.{name}-*.kernel"))
+
+    # What Python and other kernels call is kept twice: once for each.
+    everything = [*USERS, "spread", "total", "total", "several", "one_of"]
+    assert run() == ([False] * 6, sorted(everything))
+    assert run() == ([True] * 6, [])
+    (spread,), for_each = entries("spread"), entries("several")
+    assert len(for_each) == 2
+    for lost in (spread, for_each[0]):
+        lost.unlink()
+    assert run()[1] == ["several", "spread"]
+    spread.write_bytes(spread.read_bytes()[:-1])
+    for_each[1].unlink()
+    assert run()[1] == ["several", "spread"]
+    assert run() == ([True] * 6, [])

@@ -3,42 +3,17 @@
 import numpy as np
 import pytest
 
-from solver import ContactSystem, Event, Galerkin, LiftedSeeds, Proof, enumerate_row, sweep_row
+from solver import ContactSystem, Galerkin, LiftedSeeds, Proof, enumerate_row, sweep_row
 from solver.boundaries import boundary_curves, row_events
 from solver.contact.impact import domain_label
 from solver.contact.quantities import Slot
 from solver.regions.regions import regions
+from tests.cases.curves import folds
+from tests.cases.kahraman_singh import SPUR
+from tests.cases.stop import STOP
+from tests.cases.two_stops import TWO_STOPS
 
-#: A mass and a stop: x'' + 0.03 x' + x + 10 max(x - 1, 0) = 0.1 cos.
-STOP = ContactSystem([[1.0]], [[0.03]], [[1.0]], [1.0], [10.0], 1.0, load=[[0.0], [0.1]])
 SOFT_STOP = ContactSystem([[1.0]], [[0.1]], [[1.0]], [1.0], [10.0], 1.0, load=[[0.1], [0.1]])
-#: Between two stops: x'' + 0.06 x' + 0.3 x + 0.5 f(x) = 0.03 cos, gap 0.2.
-TWO_STOPS = ContactSystem([[1.0]], [[0.06]], [[0.3]], [1.0], [0.5], 0.2, 0.2, load=[[0.0], [0.03]])
-#: Two masses coupled by a spring that is stiffer one way: K = I + 0.1 [[1, -1], [-1, 1]], 0.9 more for x_1 > x_2.
-COUPLING = np.array([[1.0, -1.0], [-1.0, 1.0]])
-BILINEAR = ContactSystem(
-    np.eye(2),
-    0.03 * np.eye(2),
-    np.eye(2) + 0.1 * COUPLING,
-    [1.0, -1.0],
-    [0.9, -0.9],
-    0.0,
-    load=[[0.0, 0.0], [0.0, 0.15]],
-)
-#: The spur pair of docs/physics.md, section 9.
-SPUR = ContactSystem(
-    [[1.0]],
-    [[0.1]],
-    [[0.0]],
-    [1.0],
-    [1.0],
-    1.0,
-    1.0,
-    [1.0],
-    ((-0.2, 0.0), (-0.1, 0.0), (-0.05, 0.0)),
-    [[0.1]],
-    [[0.0], [0.01], [0.004], [0.002]],
-)
 #: Pinion and wheel on supports, and their relative rotation; a damper in one support alone, so that no modes are real.
 ROTOR = ContactSystem(
     np.diag([1.0, 2.0, 0.5]),
@@ -55,34 +30,16 @@ ROTOR = ContactSystem(
 )
 
 
-def folds(row) -> list[float]:
-    return sorted(float(p) for curve in row.curves for p in curve.points[curve.event == Event.FOLD, -1])
-
-
 @pytest.mark.parametrize(
     ("system", "low", "high"), [(STOP, 0.9, 1.5), (TWO_STOPS, 0.5, 1.0), (SPUR, 0.3, 2.0), (ROTOR, 0.3, 2.5)]
 )
 def test_rows_are_proven(system, low, high):
     row = sweep_row(system, "omega", np.linspace(low, high, 120))
     assert not row.notes and np.all(row.certified == 1) and not np.any(row.open)
-    assert len(folds(row)) >= 2
+    assert len(folds(*row.curves)) >= 2
     proven = enumerate_row(system, "omega", row.grid)
     np.testing.assert_array_equal(row.n_solutions, proven.n_solutions)
     np.testing.assert_allclose(row.motions, proven.motions, rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("system", "order", "low", "high", "expected"),
-    [
-        (STOP, 15, 0.9, 1.5, [1.046394, 1.339895]),
-        (TWO_STOPS, 9, 0.5, 1.0, [0.665708, 0.781234]),
-        (BILINEAR, 45, 0.4, 0.5, [0.447641, 0.457760]),
-    ],
-)
-def test_published_folds(system, order, low, high, expected):
-    seeds = LiftedSeeds(9 if order > 20 else 30)
-    row = sweep_row(system, "omega", np.linspace(low, high, 30), balance=Galerkin(order), seeds=seeds)
-    np.testing.assert_allclose(folds(row), expected, rtol=0, atol=2e-6)
 
 
 def test_orders_above_one_leave_the_first_where_springs_hold_a_varying_contact():
@@ -190,18 +147,6 @@ def test_quantities_are_those_of_sampled_motions(system, omega, share):
         else:
             assert np.isnan(found[Slot.DYNAMIC_FACTOR])
         assert np.isnan(found[Slot.SUPPORT_FORCE])
-
-
-@pytest.mark.parametrize("stiffness", [10.0, 100.0, 1e3, 1e4])
-def test_two_masses_with_a_stop_of_any_stiffness(stiffness):
-    """M = I, K = [[1, -1], [-1, 2]], C = 0.06 K: where the free motion reaches the stop does not depend on the stop."""
-    chain = np.array([[1.0, -1.0], [-1.0, 2.0]])
-    system = ContactSystem(
-        np.eye(2), 0.03 * chain, chain, [1.0, 0.0], [stiffness, 0.0], 1.0, load=[[0.0, 0.0], [0.0, 0.1]]
-    )
-    row = sweep_row(system, "omega", np.linspace(0.3, 2.0, 200))
-    assert not row.notes and np.all(row.certified == 1)
-    assert len(folds(row)) == 2 and folds(row)[0] == pytest.approx(0.653442, abs=1e-5)
 
 
 def test_many_degrees_of_freedom_damped_in_no_proportion():

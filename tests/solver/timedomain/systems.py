@@ -68,8 +68,11 @@ def field_of(system: ContactSystem, omega: float):
             for l, (alpha, phase) in enumerate(system.stiffness_harmonics, start=1)
         )
         load = sum((loads[l] * np.exp(1j * l * omega * time)).real for l in range(order + 1))
-        contact = system.contact_force(system.contact @ z[:n])
+        place, speed = system.contact @ z[:n], system.contact @ z[n:]
+        contact = system.contact_force(place)
+        rate = speed if place > system.front_gap else system.back_stiffness * speed if place < -system.back_gap else 0.0
         force = (system.force + system.varying_force * variation) * contact
+        force = force + system.force * (system.contact_dashpot * rate + system.cubic * place**3)
         return np.concatenate([z[n:], inverse @ (load - system.damping @ z[n:] - system.stiffness @ z[:n] - force)])
 
     return field
