@@ -52,10 +52,12 @@ def _sample(item: LegendItem) -> str:
     style = {name: _value(drawn, getattr(drawn.glyph, name, None), item.index or 0) for name in _STYLES}
     if style["marker"] is None:
         return _stroke(style["line_color"], style["line_dash"])
+    if style["marker"] == "square" and style["fill_color"] is not None:
+        return _box(f'<rect width="16" height="11" fill="{style["fill_color"]}"/>')
     return f'<span style="margin-right:4px">{_MARKS.get(style["marker"], "•")}</span>'
 
 
-_STYLES = ("line_color", "line_dash", "marker")
+_STYLES = ("line_color", "line_dash", "marker", "fill_color")
 _MARKS = {"circle": "●", "diamond": "◇", "square": "□", "inverted_triangle": "▽", "star": "☆", "x": "×"}
 
 

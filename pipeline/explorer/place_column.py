@@ -202,7 +202,7 @@ class PlaceColumn:
     def _draw_states(self, place) -> None:
         figure, source = state_plane(self._found.attractors, place, self._state.start or self._first_state())
         source.on_change("data", self._dragged)
-        self.states_told.object = ""
+        self.states_told.object = taken_out(figure)
         _put(self.states, [figure])
 
     def _first_state(self) -> tuple[float, float]:
