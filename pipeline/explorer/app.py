@@ -247,8 +247,11 @@ class _Page:
         try:
             content = download(self._content, self._state, what, kind)
         except Exception as error:  # of a store that is gone, or of what there is not
-            self._wrong.object = note(said(error, self._opened.path))
-            raise
+            # What is saved then says so, as the page does.
+            words = said(error, self._opened.path)
+            self._wrong.object = note(words)
+            button.filename = "not-saved.txt"
+            return io.BytesIO(f"{words}\n".encode())
         button.filename = file_name(self._content, self._state, what, kind)
         return io.BytesIO(content)
 

@@ -200,3 +200,13 @@ def test_figures_and_numbers_are_saved(reader, served, tmp_path):
     numbers = saved()
     assert numbers.suffix == ".json" and len(json.loads(numbers.read_text())["data_vars"]["amplitude"]["data"]) == 3
     assert "plane.motions_at(omega=0.6, f_e=0.2)" in one.page.locator("pre").first.inner_text()
+    # Where there is nothing to be saved, the file and the page say why.
+    selects.nth(1).select_option(label="map, as shown")
+    selects.nth(2).select_option(label="png")
+    away = served.store.with_name("away.zarr")
+    served.store.rename(away)
+    try:
+        assert "is gone" in saved().read_text()
+    finally:
+        away.rename(served.store)
+    one.page.locator(".map").get_by_text("is gone").wait_for()
