@@ -31,11 +31,7 @@ _SHAPES = {
 
 def legend(layer: Layer) -> str:
     """Of a layer, as HTML."""
-    entries = [
-        (_framed(f'<rect width="{_WIDE}" height="{_HIGH}" fill="{one.colour}"/>'), one.name, one.share)
-        for one in layer.classes
-        if one.share or layer.exact
-    ]
+    entries = [(_framed(_area(one.colour)), one.name, one.share) for one in layer.classes if one.share or layer.exact]
     entries += [(_framed(_pattern(one)), one.name, one.share) for one in layer.shades]
     entries += [(_line(**line_style(one.kind)), one.label, "") for one in layer.lines]
     entries += [(_mark(MARKERS[one.kind][0], "white"), one.label, "") for one in layer.marks]
@@ -61,12 +57,15 @@ def _listed(entries) -> str:
 def _sample(item: LegendItem) -> str:
     drawn = item.renderers[0]
     style = {name: _value(drawn, getattr(drawn.glyph, name, None), item.index or 0) for name in _STYLES}
-    if style.pop("marker") is None:
+    marker, fill = style.pop("marker"), style.pop("fill_color")
+    if marker is None:
         return _line(**style)
-    return _mark(drawn.glyph.marker, _value(drawn, drawn.glyph.fill_color, 0) or "none")
+    if marker == "square" and fill is not None:
+        return _framed(_area(fill))
+    return _mark(marker, fill or "none")
 
 
-_STYLES = ("line_color", "line_width", "line_dash", "marker")
+_STYLES = ("line_color", "line_width", "line_dash", "marker", "fill_color")
 
 
 def _value(drawn, found, index: int):
@@ -86,6 +85,10 @@ def _svg(drawn: str) -> str:
 def _framed(drawn: str) -> str:
     frame = f'<rect x="0.5" y="0.5" width="{_WIDE - 1}" height="{_HIGH - 1}" fill="none" stroke="#555"/>'
     return _svg(drawn + frame)
+
+
+def _area(colour: str) -> str:
+    return f'<rect width="{_WIDE}" height="{_HIGH}" fill="{colour}"/>'
 
 
 def _pattern(shade: Shade) -> str:
