@@ -142,14 +142,15 @@ def test_beside_the_mean_stands_the_amplitude(traced):
     assert [name for name in names if name] == ["mean", "amplitude"]
 
 
-def test_files_have_the_name_of_the_quantity(traced, tmp_path):
+def test_files_have_the_name_of_the_quantity(tmp_path):
+    path = small_store(tmp_path / "plane.zarr", small_plan(columns=21, rows=6))
     one, two = (
-        figures.draw(traced, tmp_path / folder, [0.3], ["png"], 40, quantity="peak_to_peak", of="mildest", only=only)
+        figures.draw(path, tmp_path / folder, [0.3], ["png"], 40, quantity="peak_to_peak", of="mildest", only=only)
         for folder, only in (("one", ["map", "map-quantity", "curves"]), ("two", ["map-quantity", "curves"]))
     )
     assert {path.name for path in one} == {"map.png", "map-peak_to_peak-mildest.png", "curves-peak_to_peak.png"}
     assert len(two) == 2 and all(path.read_bytes() == (tmp_path / "one" / path.name).read_bytes() for path in two)
-    only = figures.draw(traced, tmp_path, [0.3], ["png"], 40, quantity="amplitude", only=["map-quantity", "curves"])
+    only = figures.draw(path, tmp_path, [0.3], ["png"], 40, quantity="amplitude", only=["map-quantity", "curves"])
     assert [path.name for path in only] == ["curves.png", "map-amplitude-worst.png"]
 
 
