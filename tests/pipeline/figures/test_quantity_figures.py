@@ -16,6 +16,7 @@ from pipeline.plane.row_curves import curves_at
 from pipeline.plane.stored import read_stored
 from solver import Event
 from solver.stability import Instability
+from tests.conftest import slow_but
 from tests.pipeline.planes import contents, small_plan, small_store, traced_store
 
 
@@ -117,7 +118,13 @@ def test_physical_values_stand_at_the_bar_and_beside_curves(tmp_path):
     assert all(not axes.child_axes for axes in factor.axes if axes.get_position().width < 0.1)
 
 
-@pytest.mark.parametrize("name", [name for name in QUANTITIES if name != "mean"])
+#: One with a backbone, one with a sign, one of the loads, and one of a share.
+_DRAWN = ("amplitude", "lowest", "dynamic_factor", "contact_loss")
+
+
+@pytest.mark.parametrize(
+    ("name",), slow_but([(name,) for name in _DRAWN], [(name,) for name in QUANTITIES if name != "mean"])
+)
 def test_curves_are_of_the_quantity_with_its_events(traced, name):
     plane = read_stored(traced)
     figure, row = draw_curves(plane, [0.3], name), curves_at(plane, 0.3)
