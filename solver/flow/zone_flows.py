@@ -121,7 +121,7 @@ def padded(size):
     return (size + 3) // 4 * 4
 
 
-@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _I), inner=True)
+@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _I), inner=True, shared=True)
 def new_flows(system, room):
     """Room for the flows of a system, in so many intervals."""
     size = 2 * system.vectors.shape[1]

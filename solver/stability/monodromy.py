@@ -82,7 +82,7 @@ class Room(NamedTuple):
 ROOM = types.NamedTuple((SWITCHED_SYSTEM, BLOCK_SERIES, BLOCKS, ARRAY, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
 
 
-@kernel(ROOM(_I, _I, _I), inner=True)
+@kernel(ROOM(_I, _I, _I), inner=True, shared=True)
 def _room(degrees, stiffnesses, unknowns):
     columns = 2 * degrees
     return Room(
@@ -113,7 +113,7 @@ def new_room(parameters, parameter_slope, p, unknowns):
     return _room(count_degrees(parameters, parameter_slope, p), int(parameters[STIFFNESSES]), unknowns)
 
 
-@kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True)
+@kernel(ROOM(ARRAY, ARRAY, _F, ROOM), inner=True, shared=True)
 def fitted_room(parameters, parameter_slope, p, room):
     """The room, or a new one where the system has another number of coordinates, with the system at p filled in.
 
