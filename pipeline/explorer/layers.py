@@ -23,7 +23,8 @@ def layer_names(plane: StoredPlane) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        "domains", "dynamic", "attractors", "credibility" where attractors are stored, then the quantities.
+        "domains", "dynamic", "attractors" and "credibility" where attractors are stored, then the quantities that
+        motions of this gear have.
     """
     found = ("attractors", "credibility") if read_attractors(plane.path) is not None else ()
     return ("domains", "dynamic", *found, *(name for name in QUANTITIES if name not in kind_of(plane.plan).lacks))

@@ -61,7 +61,7 @@ COEFFICIENTS = types.Tuple((types.UniTuple(VALUES, 3), types.UniTuple(CONSTANTS,
 _RIGHT = 0.5 * math.pi
 
 
-@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
+@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True, shared=True)
 def plane_coefficients(parameters, parameter_slope, y):
     """What `solver.harmonic.condensed.coefficients` gives of a gear pair at (x, p), with the derivatives by both.
 
@@ -79,7 +79,7 @@ def plane_coefficients(parameters, parameter_slope, y):
     return (values, by_x, by_p), (constants, constants_x, constants_p)
 
 
-@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True)
+@kernel(COEFFICIENTS(ARRAY, ARRAY, ARRAY), inner=True, shared=True)
 def system_plane_coefficients(parameters, parameter_slope, y):
     """`plane_coefficients` of a `ContactSystem`.
 

@@ -35,7 +35,7 @@ from solver.flow.switched_system import (
 from solver.flow.taylor import fill_sources
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, refuse_cubic
 
 __all__ = [
     "CUBE",
@@ -121,7 +121,7 @@ def padded(size):
     return (size + 3) // 4 * 4
 
 
-@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _I), inner=True)
+@kernel(ZONE_FLOWS(SWITCHED_SYSTEM, _I), inner=True, shared=True)
 def new_flows(system, room):
     """Room for the flows of a system, in so many intervals."""
     size = 2 * system.vectors.shape[1]
@@ -445,5 +445,12 @@ def _tabulated(system, tolerance):
 
 @lru_cache(maxsize=4)
 def loaded_flows(system: ContactSystem, omega: float, tolerance: float) -> ZoneFlows:
-    """The flows of a system under its load at one frequency. They serve many calls; no kernel writes into them."""
+    """The flows of a system under its load at one frequency. They serve many calls; no kernel writes into them.
+
+    Raises
+    ------
+    ParameterError
+        If there is a cubic spring.
+    """
+    refuse_cubic(system, "where motions are carried by tables of affine flows")
     return _tabulated(loaded_system(system, omega), tolerance)

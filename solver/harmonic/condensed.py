@@ -114,7 +114,7 @@ def gaps(parameters, parameter_slope, p):
     return front, back, d_front, d_back, parameters[BACK_STIFFNESS]
 
 
-@kernel(CONDENSED(ARRAY, ARRAY, _F), inner=True)
+@kernel(CONDENSED(ARRAY, ARRAY, _F), inner=True, shared=True)
 def system_coefficients(parameters, parameter_slope, p):
     """What `coefficients` gives, of a `ContactSystem`.
 

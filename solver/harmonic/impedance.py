@@ -79,7 +79,7 @@ def stiffness_phasor(parameters, parameter_slope, p, l):
     return phasor(parameters, parameter_slope, p, stiffness_slot(l))
 
 
-@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
+@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True, shared=True)
 def _gear_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a gear pair."""
     model, along = gear_numbers(parameters, parameters), gear_numbers(parameters, parameter_slope)
@@ -116,7 +116,7 @@ def _complex(number, p, slope):
     return complex(number[0] + p * slope[0], number[1] + p * slope[1]), complex(slope[0], slope[1])
 
 
-@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True)
+@kernel(types.UniTuple(_FOUR, 2)(ARRAY, ARRAY, _F, _C, _C, _I), inner=True, shared=True)
 def system_impedance(parameters, parameter_slope, p, s, d_s, l):
     """`impedance` of a `ContactSystem`."""
     n, loads = int(parameters[DEGREES]), int(parameters[LOADS])

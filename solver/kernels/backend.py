@@ -65,11 +65,22 @@ class _Lowered(_Library):
 class _Unit(_Library):
     """A kernel's code and all that it calls, which cannot be seen from outside."""
 
+    is_shared = False
+
     def _optimize_final_module(self):
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name == "linkonce_odr":
                 function.linkage = "internal"
-        super()._optimize_final_module()
+        # Numba would write every loop for vectors as well, and unroll it. Those of kernels are short, over coordinates
+        # or harmonics: that doubles the code and the time to compile it, and makes nothing faster but a few loops of
+        # shared kernels, which are compiled once.
+        tuning = llvmlite.binding.create_pipeline_tuning_options(speed_level=2)
+        tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_interleaving = False
+        tuning.loop_unrolling = self.is_shared
+        builder = llvmlite.binding.create_pass_builder(self._codegen._tm, tuning)
+        passes = builder.getModulePassManager()
+        passes.add_refprune_pass()
+        passes.run(self._final_module, builder)
 
     def finish(self, lowered: _Lowered) -> None:
         """Compile a kernel that can be seen from outside."""
@@ -281,6 +292,7 @@ def _shared_unit(kernel, signature) -> compiler.CompileResult:
 def _compiled_alone(kernel, signature) -> compiler.CompileResult:
     lowered = _lower(kernel, signature)
     library = _new_unit(lowered)
+    library.is_shared = True
     library.finish(lowered.library)
     return lowered._replace(library=library)
 
@@ -370,7 +382,7 @@ def _shared_by(kernel) -> list:
 @functools.cache
 def _surroundings() -> str:
     """What compiled code depends on beside the kernel."""
-    settings = [getattr(numba.config, name) for name in ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK")]
+    settings = [getattr(numba.config, name) for name in ("OPT", "BOUNDSCHECK")]
     versions = sys.version, numba.__version__, llvmlite.__version__, np.__version__
     sources = [Path(file).read_bytes() for file in (__file__, lowering.__file__, plain_code.__file__)]
     return repr((versions, cpu_target.target_context.codegen().magic_tuple(), settings, sources))

@@ -23,7 +23,7 @@ _F, _I, _B = types.float64, types.int64, types.boolean
 _SMALLEST = 1e-8
 
 
-@kernel(types.void(ARRAY, _F), inner=True)
+@kernel(types.void(ARRAY, _F), inner=True, shared=True)
 def keep_right(hull, at):
     """Replace coefficients over [0, 1] by those over [at, 1] (de Casteljau)."""
     rest = 1.0 - at
@@ -32,7 +32,7 @@ def keep_right(hull, at):
             hull[j] = rest * hull[j] + at * hull[j + 1]
 
 
-@kernel(types.void(ARRAY, _F), inner=True)
+@kernel(types.void(ARRAY, _F), inner=True, shared=True)
 def keep_left(hull, at):
     """Replace coefficients over [0, 1] by those over [0, at]."""
     rest = 1.0 - at

@@ -159,7 +159,7 @@ def _describe(flows, cell, first, ceiling, numbers, room):
         describe_motion(flows, cell.gauge, state, displacement[:periods], numbers[slot], steps, ceiling, room)
 
 
-@kernel(types.void(ZONE_FLOWS, GAUGE, ARRAY, ARRAY, ARRAY, MATRIX, _F, MAP_ROOM), inner=True)
+@kernel(types.void(ZONE_FLOWS, GAUGE, ARRAY, ARRAY, ARRAY, MATRIX, _F, MAP_ROOM), inner=True, shared=True)
 def describe_motion(flows, gauge, state, displacement, numbers, steps, ceiling, room):
     """Fill in what a motion does over some periods.
 

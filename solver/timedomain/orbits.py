@@ -51,7 +51,7 @@ class Orbit(NamedTuple):
 ORBIT = types.NamedTuple((MATRIX, ARRAY, MATRIX, MATRIX, ARRAY, ARRAY, ARRAY), Orbit)
 
 
-@kernel(ORBIT(ZONE_FLOWS), inner=True)
+@kernel(ORBIT(ZONE_FLOWS), inner=True, shared=True)
 def new_orbit(flows):
     """Room for orbits along flows of so many coordinates."""
     size = flows.backward.shape[2]

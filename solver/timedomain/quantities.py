@@ -122,7 +122,7 @@ def _gram() -> np.ndarray:
 _GRAM = _gram()
 
 
-@kernel(GAUGE(ARRAY, ARRAY, _F, _B))
+@kernel(GAUGE(ARRAY, ARRAY, _F, _B), shared=True)
 def gauge_at(parameters, parameter_slope, p, separate):
     """What is read of a system of packed parameters at one axis value.
 

@@ -66,7 +66,7 @@ class MapRoom(NamedTuple):
 MAP_ROOM = types.NamedTuple((ARRAY, ARRAY, ARRAY, MATRIX, MATRIX, ARRAY, ARRAY, ARRAY), MapRoom)
 
 
-@kernel(MAP_ROOM(ZONE_FLOWS), inner=True)
+@kernel(MAP_ROOM(ZONE_FLOWS), inner=True, shared=True)
 def new_room(flows):
     """Room for `carry_period` along flows of so many coordinates."""
     size, width = flows.backward.shape[2], flows.backward.shape[3]
@@ -263,7 +263,7 @@ def hull_of_step(flows, step, hull):
         keep_left(hull, (end - begin) / (1.0 - begin))
 
 
-@kernel(types.void(ZONE_FLOWS, MATRIX, _I, ARRAY, MAP_ROOM), inner=True)
+@kernel(types.void(ZONE_FLOWS, MATRIX, _I, ARRAY, MAP_ROOM), inner=True, shared=True)
 def widen_over(flows, steps, count, extremes, room):
     """Widen the lowest and highest lambda (2,) to all that it takes over so many steps."""
     for s in range(count):

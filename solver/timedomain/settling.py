@@ -276,7 +276,7 @@ def _approached(system, known, sections):
     return answer
 
 
-@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True)
+@kernel(_I(ZONE_FLOWS, KNOWN, ARRAY, LIMITS, MEMORY, ORBIT, MAP_ROOM), inner=True, shared=True)
 def settle_state(flows, known, state, limits, memory, orbit, room):
     """Follow a motion until it is known where it settles.
 
