@@ -174,7 +174,7 @@ class PlaceColumn:
         self.told.object = f"<p>{words}.</p><p class='quiet'>{quantities}</p>"
         cards = [motion] if motion.of_map is None else [motion, motion.of_map]
         units = units_of(self._content.shown(self._state.physical), self._found)
-        figures = motion_figures(cards, self._found.model.b, units, height=_CARD, sizing_mode="stretch_width")
+        figures = motion_figures(cards, self._found.gap, units, height=_CARD, sizing_mode="stretch_width")
         self.card_legend.object = "".join(taken_out(one) for one in figures.values())
         pairs = (("time", "force"), ("phase", "spectrum"))
         rows = [row(*(figures[name] for name in pair), sizing_mode="stretch_width") for pair in pairs]
