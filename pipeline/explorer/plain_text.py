@@ -19,6 +19,9 @@ _LETTERS = {
     r"\lambda": "λ",
     r"\psi": "ψ",
     r"\mu": "μ",
+    r"\zeta": "ζ",
+    r"\tau": "τ",
+    r"\ldots": "…",
     r"\,": " ",
 }
 _COMMAND = re.compile(r"\\(?:[A-Za-z]+|,)")
