@@ -188,7 +188,7 @@ def encoded(layer: Layer) -> np.ndarray:
     ends."""
     values = layer.cells.values
     if layer.ends is None:
-        return np.where(values < 0, _NO_CLASS, values).astype(np.uint8)
+        return np.where(values >= 0, values, _NO_CLASS).astype(np.uint8)
     (low, high), known = layer.ends, np.isfinite(values)
     share = np.where(known, (np.where(known, values, low) - low) / (high - low), 0.0)
     return np.where(known, np.rint(share * (NO_VALUE - 1)), NO_VALUE).astype(np.uint16)
