@@ -7,8 +7,9 @@ from pipeline.config.quantities import Quantity
 
 __all__ = ["axis_text", "plain", "quantity_title"]
 
-#: A letter with the space that ends its name, or a narrow space.
+#: A letter with the space that ends its name, dots, or a narrow space.
 _COMMAND = re.compile(r"\\([A-Za-z]+ ?|,)")
+_SIGNS = {",": " ", "ldots": "…"}
 #: What Unicode writes otherwise.
 _SPELT = {"lambda": "lamda", "varepsilon": "epsilon", "varphi": "phi"}
 
@@ -25,11 +26,13 @@ def plain(text: str) -> str:
 
 
 def _letter(found: re.Match) -> str:
-    """The Greek letter that a command stands for; a space; else its name."""
+    """The sign or Greek letter that a command stands for, else its name."""
     name = found[1].strip()
+    if name in _SIGNS:
+        return _SIGNS[name]
     size, spelt = "capital" if name[0].isupper() else "small", _SPELT.get(name.lower(), name)
     try:
-        return " " if name == "," else unicodedata.lookup(f"greek {size} letter {spelt}".upper())
+        return unicodedata.lookup(f"greek {size} letter {spelt}".upper())
     except KeyError:
         return name
 
