@@ -140,6 +140,8 @@ class _Compiler(compiler.CompilerBase):
 
     def define_pipelines(self):
         passes = compiler_machinery.PassManager("kernel")
+        # Numba would analyse the whole code anew after each step, though each one does where the next needs it.
+        passes._ENFORCING = False
         for one in _PASSES:
             passes.add_pass(one, one.__name__)
         passes.finalize()
