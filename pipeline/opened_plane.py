@@ -336,6 +336,32 @@ class OpenPlane:
         queries, (x, p) = _queries(), self._place(place)
         return queries.attractors_near(queries.attractors_of(self.path), self.plan, x, p)
 
+    def isolated_branches(self, **value: float) -> xr.Dataset:
+        """The branches that the integrated row nearest to a value of the row parameter lacks, along `isolated_point`.
+
+        They are followed from attractors (`attractors.branches`): isolas, and motions of several mesh periods.
+
+        Returns
+        -------
+        Dataset
+            `branch`, `period` and `closed` of every point; amplitudes, `stable`, `instability`, `event`, ...
+
+        Raises
+        ------
+        StoreError
+            If they have not been sought.
+        solver.ParameterError
+            If it is no value of the row parameter, or outside of its range.
+        """
+        from pipeline.analysis.attractors.isolated import isolated_near, read_isolated
+
+        p, found = self._value(self.plan.parameter, value), read_isolated(self.path)
+        if found is None:
+            raise StoreError(
+                f"{self.path} has no isolated branches: run stages=[attractors] attractors.branches=5 first"
+            )
+        return isolated_near(found, self.plan, p)
+
     def hysteresis(self) -> xr.DataArray:
         """Where runs along the row meet other attractors upwards than downwards, bool; raises as `attractors_at`."""
         queries = _queries()

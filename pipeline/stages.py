@@ -65,7 +65,13 @@ STAGES = (
     Entry(
         "margins", "how far a design point is from anything that changes its label", "pipeline.figures.margins_stage"
     ),
+    Entry("explore", "the stored plane in a browser, asked by clicking", "pipeline.explorer.stage"),
     Entry("figures", "pictures of the stored plane; nothing is solved again", "pipeline.figures.stage"),
+    Entry(
+        "page",
+        "the plane as one HTML file to mail: its map with all layers, curves of some rows",
+        "pipeline.explorer.page_stage",
+    ),
     Entry(
         "check",
         "every file of a store against its checksum and the template; repair of what is damaged",

@@ -32,7 +32,7 @@ _HOMES = {
     "gear.tooth_stiffness": ("ToothMesh", "bevel_mesh"),
     "harmonic.backbone": ("Backbone", "backbone"),
     "harmonic.describing_function": ("DescribingFunction", "first_order_problem"),
-    "harmonic.free_vibration": ("FreeVibration", "free_vibration"),
+    "harmonic.free_vibration": ("FreeVibration", "FreeVibrationStatus", "free_vibration"),
     "harmonic.galerkin": ("Galerkin",),
     "harmonic.steady": ("SolveStatus", "SteadyMotion", "solve"),
     "harmonic.uncondensed": ("translations", "uncondensed_balance"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -67,6 +68,11 @@ MODELS = {"published": published, "consistent": consistent, "antiphase": antipha
 def slow_but(ordinary, cases):
     """Cases for `parametrize`, of which only some are in the ordinary suite."""
     return [case if case in ordinary else pytest.param(*case, marks=pytest.mark.slow) for case in cases]
+
+
+def pytest_collection_finish(session):
+    """What has been collected stays until the end: it need not be searched for garbage time and again."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)

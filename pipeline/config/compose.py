@@ -1,5 +1,6 @@
 """From overrides to a checked configuration: composition by Hydra, types by the schema, one line for every mistake."""
 
+import contextlib
 import dataclasses
 import difflib
 import functools
@@ -10,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from omegaconf import OmegaConf
+from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
 from pipeline.config.allowed import check_all
@@ -155,11 +156,10 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
     values = [override for override in overrides if _VALUE.fullmatch(override)]
     choosing = tuple(override for override in overrides if not _VALUE.fullmatch(override))
     try:
-        composed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
-        plain = pickle.loads(composed)
+        chosen, typed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
+        plain = pickle.loads(chosen)
         ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
-        # Both are this call's own, so that neither has to be copied.
-        typed = OmegaConf.unsafe_merge(OmegaConf.structured(Configuration), plain)
+        typed = _typed(plain, typed, values)
         OmegaConf.resolve(typed)
         missing = OmegaConf.missing_keys(typed)
         if missing:
@@ -179,11 +179,22 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
         ) from None
 
 
+def _typed(plain: DictConfig, of_files: bytes | None, values: Sequence[str]) -> DictConfig:
+    """A configuration with types, from what its files have and the sections that these overrides change."""
+    if of_files is not None and not any(override.startswith("~") for override in values):
+        changed = {key_of(override).split(".")[0] for override in values}
+        # What cannot be is said of the whole.
+        with contextlib.suppress(OmegaConfBaseException, ValueError, TypeError):
+            return OmegaConf.unsafe_merge(pickle.loads(of_files), OmegaConf.masked_copy(plain, changed))
+    return OmegaConf.unsafe_merge(OmegaConf.structured(Configuration), plain)
+
+
 @functools.lru_cache(maxsize=64)
 def _files_chosen(
     overrides: tuple[str, ...], config_dir: str | None, state: tuple
-) -> tuple[bytes, tuple[tuple[str, str], ...]]:
-    """What Hydra makes of the overrides that choose files, pickled; and which file each group took.
+) -> tuple[bytes, bytes | None, tuple[tuple[str, str], ...]]:
+    """What Hydra makes of the overrides that choose files, pickled; the same with types, None where a file has a value
+    that has to be overridden; and which file each group took.
 
     It takes a tenth of a second, and what gives keys their values is the quick part.
     """
@@ -196,7 +207,11 @@ def _files_chosen(
     plain = OmegaConf.masked_copy(composed, [key for key in composed if key != "hydra"])
     # No value may be given to a key that is not there, unless + says so.
     OmegaConf.set_struct(plain, True)
-    return pickle.dumps(plain), tuple((key, value) for key, value in choices.items() if not key.startswith("hydra/"))
+    typed = None
+    with contextlib.suppress(OmegaConfBaseException, ValueError, TypeError):
+        typed = pickle.dumps(OmegaConf.merge(OmegaConf.structured(Configuration), plain))
+    groups = tuple((key, value) for key, value in choices.items() if not key.startswith("hydra/"))
+    return pickle.dumps(plain), typed, groups
 
 
 def _state(config_dir: str | None) -> tuple:

@@ -82,6 +82,8 @@ def system_numbers(config: System) -> tuple[dict, None]:
         "matrices": numbers,
         "front_gap": front,
         "back_gap": None if back == math.inf else back,
+        "back_stiffness": config.back_stiffness,
+        "contact_dashpot": config.contact_dashpot,
         "alpha": config.alpha,
         "alpha_phase": config.alpha_phase,
         "alpha_harmonics": pairs_of("gear.system.alpha_harmonics", config.alpha_harmonics),

@@ -70,6 +70,8 @@ def rotor_numbers(config: Rotor) -> tuple[dict, dict | None]:
     numbers = {
         "gap": 1.0,
         "mean_load": torque / radius[0] / unit["torque"],
+        "back_stiffness": config.back_stiffness,
+        "contact_dashpot": config.contact_dashpot,
         "alpha": config.alpha,
         "alpha_phase": config.alpha_phase,
         "excitation": config.excitation,

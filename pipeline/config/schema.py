@@ -119,6 +119,8 @@ class Spur:
 
     damping_ratio: float = allowed(0.0)
     gap: float = allowed(0.0)
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
     mean_load: float = MISSING
     alpha: float = MISSING
     alpha_phase: float = MISSING
@@ -137,6 +139,8 @@ class Rotor:
     mesh_stiffness: Any = MISSING
     mesh_damping_ratio: float = allowed(0.0)
     half_backlash: Any = MISSING
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
     torque: Any = MISSING
     mass: Any = MISSING
     support_stiffness: Any = MISSING
@@ -167,6 +171,8 @@ class System:
     inertial_load: Any = MISSING
     front_gap: float | None = MISSING
     back_gap: float | None = MISSING
+    back_stiffness: float = allowed(0.0, above=True)
+    contact_dashpot: float = allowed(0.0)
     alpha: float = MISSING
     alpha_phase: float = MISSING
     alpha_harmonics: Any = MISSING
@@ -318,6 +324,14 @@ class Figures:
 
 
 @dataclass
+class Page:
+    """What the page of a plane has besides its map; units and `of` are those of the figures."""
+
+    rows: int = allowed(0, 40)
+    quantities: list[str] = allowed(names=tuple(QUANTITIES))
+
+
+@dataclass
 class Attractors:
     """Which cells are integrated, and from how many random starts; see `pipeline.analysis.attractors.options`."""
 
@@ -328,6 +342,7 @@ class Attractors:
     max_periods: int = allowed(FEWEST_PERIODS, 10**7)
     tolerance: float = allowed(0.0, 1.0, above=True)
     delta: float = allowed(0.0, 1.0)
+    branches: int = allowed(0, 32)
     points: Any = MISSING
     box: Any = MISSING
     slice: int = allowed(0, 2000)
@@ -390,6 +405,14 @@ class Spectrum:
 
 
 @dataclass
+class Explore:
+    """The page of a plane, and what it shows first; see `pipeline.explorer.view_state`."""
+
+    port: int = allowed(0, 65535)
+    view: str | None = MISSING
+
+
+@dataclass
 class Report:
     """The reproduction report."""
 
@@ -413,7 +436,9 @@ class Configuration:
     diagram: Diagram = MISSING
     spectrum: Spectrum = MISSING
     margins: Margins = MISSING
+    explore: Explore = MISSING
     figures: Figures = MISSING
+    page: Page = MISSING
     check: Check = MISSING
     debug: Debug = MISSING
     report: Report = MISSING

@@ -54,7 +54,12 @@ def _without_value(plane: StoredPlane, values: np.ndarray, frame: MapFrame) -> t
 
 
 def _share(cells: np.ndarray) -> str:
-    return f"{100.0 * cells.mean():.1f} %"
+    return percents([int(cells.sum()), int((~cells).sum())])[0]
+
+
+def _shares(counts: list[int]) -> list[str]:
+    """In percent; empty of what there is none of, so that no legend has it."""
+    return [share if count else "" for share, count in zip(percents(counts), counts, strict=True)]
 
 
 def _ends(values: np.ndarray) -> tuple[float, float] | None:
@@ -81,7 +86,7 @@ def attractor_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer
     calmest = np.min(np.where(kinds < 0, len(CLASSES), kinds), axis=-1)
     alarming, several = np.max(kinds, axis=-1), np.sum(kinds >= 0, axis=-1) >= 2
     alone = np.where(several, len(CLASSES), np.where(calmest == len(CLASSES), len(CLASSES) + 1, calmest))
-    shares = percents(np.bincount(alone.ravel(), minlength=len(CLASSES) + 2).tolist())
+    shares = _shares(np.bincount(alone.ravel(), minlength=len(CLASSES) + 2).tolist())
     shades = []
     for number, (name, colour) in enumerate(CLASSES):
         here = several & (alarming == number) & (calmest != number)
@@ -127,7 +132,7 @@ def credibility_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Lay
     counts = [int(np.sum(judged[labels != 0] == kind)) for kind in kinds]
     classes = tuple(
         AreaClass(kind.words, hex_colour(COLOURS[kind]), share)
-        for kind, share in zip(kinds, percents(counts), strict=True)
+        for kind, share in zip(kinds, _shares(counts), strict=True)
     )
     right, several = several_right(labels, judged)
     title = (

@@ -7,6 +7,7 @@ from pipeline.explorer.cell_layers import attractor_layer, credibility_layer, qu
 from pipeline.explorer.layer_data import Layer
 from pipeline.explorer.map_frame import frame_of_map
 from pipeline.explorer.region_layers import region_layer
+from pipeline.plan.kinds import kind_of
 from pipeline.plane.stored import StoredPlane
 
 __all__ = ["DETAIL", "layer", "layer_names"]
@@ -22,10 +23,11 @@ def layer_names(plane: StoredPlane) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        "domains", "dynamic", "attractors", "credibility" where attractors are stored, then the quantities.
+        "domains", "dynamic", "attractors" and "credibility" where attractors are stored, then the quantities that
+        motions of this gear have.
     """
     found = ("attractors", "credibility") if read_attractors(plane.path) is not None else ()
-    return ("domains", "dynamic", *found, *QUANTITIES)
+    return ("domains", "dynamic", *found, *(name for name in QUANTITIES if name not in kind_of(plane.plan).lacks))
 
 
 def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "worst", detail: float = DETAIL) -> Layer:

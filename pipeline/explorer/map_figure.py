@@ -22,7 +22,7 @@ from pipeline.explorer.sources import Sources
 from pipeline.explorer.styles import FONT, MARKERS, hatch_style, line_style
 from pipeline.figures.palette import hex_colour, sequential_colours
 
-__all__ = ["NO_VALUE", "encoded", "map_figure", "update_map"]
+__all__ = ["NO_VALUE", "add_layer", "encoded", "map_figure", "update_map"]
 
 #: Codes of cells: classes in 8 bits and quantities in 16, the largest one where there is nothing.
 _NO_CLASS, NO_VALUE = 255, 65535
@@ -73,7 +73,7 @@ def map_figure(layer: Layer, *, sources: Sources | None = None, legend: bool = T
     found.title.update(text_font=FONT, text_font_size="14px")
     for axis in found.axis:
         axis.update(axis_label_text_font=FONT, axis_label_text_font_style="normal", major_label_text_font=FONT)
-    _fill(found, layer, Sources() if sources is None else sources, legend)
+    add_layer(found, layer, sources, legend=legend)
     return found
 
 
@@ -83,7 +83,7 @@ def update_map(found, layer: Layer) -> None:
     found.renderers = []
     found.right = []
     found.tools = [tool for tool in found.tools if not isinstance(tool, HoverTool)]
-    _fill(found, layer, Sources(), legend)
+    add_layer(found, layer, legend=legend)
 
 
 def _range(axis: MapAxis) -> Range1d:
@@ -91,7 +91,17 @@ def _range(axis: MapAxis) -> Range1d:
     return Range1d(axis.low, axis.high, bounds=(axis.low - room, axis.high + room))
 
 
-def _fill(found, layer: Layer, sources: Sources, legend: bool) -> None:
+def add_layer(found, layer: Layer, sources: Sources | None = None, *, legend: bool = True) -> None:
+    """Draw a layer over what a figure shows; everything that is added has the layer's name among its tags.
+
+    Parameters
+    ----------
+    found : bokeh.plotting.figure
+        Of `map_figure`.
+    layer, sources, legend
+        As there.
+    """
+    sources, before = Sources() if sources is None else sources, set(_parts(found))
     found.title.text = layer.title
     found.xaxis.axis_label, found.yaxis.axis_label = layer.x.label, layer.y.label
     items = []
@@ -142,6 +152,12 @@ def _fill(found, layer: Layer, sources: Sources, legend: bool) -> None:
             ),
             "right",
         )
+    for one in set(_parts(found)) - before:
+        one.tags = [layer.name]
+
+
+def _parts(found) -> list:
+    return [*found.renderers, *found.right, *found.tools]
 
 
 def _told(name: str, share: str) -> str:

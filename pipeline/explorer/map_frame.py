@@ -92,7 +92,8 @@ def _modes(plane: StoredPlane, frame: MapFrame, allowed: np.ndarray) -> list[Lin
     kinds = []
     for number, (energy, seen) in enumerate(zip(mesh_energies(plane), plane.resonances, strict=True)):
         if seen:
-            line = thinned(np.column_stack([plane.modes[:, number], plane.rows]), allowed) * frame.size
+            line = np.column_stack([plane.modes[:, number], plane.rows])
+            line = thinned(line[np.isfinite(line[:, 0])], allowed) * frame.size
             kinds.append(LineKind(f"mode {number + 1}", f"linear mode, {energy}", (line,)))
     return kinds
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, HoverTool, Legend, LegendItem, Range1d, Span
 from bokeh.plotting import figure
 
@@ -20,7 +21,7 @@ from pipeline.plane.quantities import scale_of
 from pipeline.plane.row_curves import RowCurves
 from solver import ImpactState, Scales
 
-__all__ = ["MOTION_FIGURES", "curves_figure", "motion_figures"]
+__all__ = ["MOTION_FIGURES", "curves_figure", "motion_figures", "rows_figure", "value_limits"]
 
 #: The figures of motions, in order.
 MOTION_FIGURES = ("time", "force", "phase", "spectrum")
@@ -58,22 +59,39 @@ def curves_figure(
     bokeh.plotting.figure
         Named "curves"; its renderers "branches" and those of events.
     """
+    return rows_figure((curves,), axis, quantity=quantity, scales=scales, **size)
+
+
+def rows_figure(
+    rows: Sequence[RowCurves], axis: MapAxis, *, quantity: str = AMPLITUDE.name, scales: Scales | None = None, **size
+):
+    """The same of several rows over one another; the number of a row is the tag of what is drawn of it."""
     size = {"width": 620, "height": 360, "x_range": Range1d(axis.low, axis.high), "name": "curves", **size}
     scale = scale_of(QUANTITIES[quantity], scales)
     factor = 1.0 if scale is None else scale.shown
-    x, y = curves.points["position"] * axis.size, curves.values(quantity) * factor
     found = _figure(axis.label, quantity_title(QUANTITIES[quantity], "" if scale is None else scale.unit), **size)
-    found.y_range = Range1d(*_limits(curves, quantity, factor))
-    pieces = list(zip(curves.pieces, curves.lasting.tolist(), strict=True))
+    lows, highs = zip(*(value_limits(row, quantity, scales) for row in rows), strict=True)
+    found.y_range = Range1d(min(lows), max(highs))
+    items: dict[str, LegendItem] = {}
+    for number, row in enumerate(rows):
+        for item in _draw_row(found, row, axis, quantity, factor, number):
+            items.setdefault(item.label.value, item)
+    _add_legend(found, [items[text] for text in sorted(items, key=lambda text: (text in MARKS, text))])
+    return found
+
+
+def _draw_row(found, row: RowCurves, axis: MapAxis, quantity: str, factor: float, number: int) -> list[LegendItem]:
+    x, y = row.points["position"] * axis.size, row.values(quantity) * factor
+    pieces = list(zip(row.pieces, row.lasting.tolist(), strict=True))
+    dashes = [screen_dashes(LINES[line_of(piece, lasts)][1]["linestyle"], _WIDTH) for piece, lasts in pieces]
     data = {
         "xs": [x[piece.slice] for piece, _ in pieces],
         "ys": [y[piece.slice] for piece, _ in pieces],
         "colour": [_colour(piece.impact) for piece, _ in pieces],
-        "dash": [screen_dashes(LINES[line_of(piece, lasts)][1]["linestyle"], _WIDTH) for piece, lasts in pieces],
+        "dash": ["" if dash == "solid" else dash for dash in dashes],
         "standing": [LINES[line_of(piece, lasts)][0] for piece, lasts in pieces],
         "state": [_state_text(piece.impact) for piece, _ in pieces],
     }
-    data["dash"] = ["" if dash == "solid" else dash for dash in data["dash"]]
     drawn = found.multi_line(
         "xs",
         "ys",
@@ -84,12 +102,13 @@ def curves_figure(
         line_join="round",
         name="branches",
     )
+    drawn.tags = [number]
     items = [
-        LegendItem(label=text, renderers=[drawn], index=number)
-        for text, number in _first_of_each(zip(data["state"], data["standing"], strict=True))
+        LegendItem(label=value(text), renderers=[drawn], index=index)
+        for text, index in _first_of_each(zip(data["state"], data["standing"], strict=True))
     ]
     for name, (events, style) in MARKS.items():
-        here = np.isin(curves.points["event"], events)
+        here = np.isin(row.points["event"], events)
         if np.any(here):
             filled = style.get("markerfacecolor", "none") != "none"
             mark = found.scatter(
@@ -101,12 +120,12 @@ def curves_figure(
                 line_color="black",
                 name=name,
             )
-            items.append(LegendItem(label=name, renderers=[mark]))
-    rows = [(axis.symbol, "$x{0.0000}"), (plain(QUANTITIES[quantity].symbol), "$y{0.0000}")]
-    rows += [("motion", "@standing"), ("state", "@state")]
-    found.add_tools(HoverTool(renderers=[drawn], tooltips=rows, line_policy="interp"))
-    _add_legend(found, items)
-    return found
+            mark.tags = [number]
+            items.append(LegendItem(label=value(name), renderers=[mark]))
+    told = [(axis.symbol, "$x{0.0000}"), (plain(QUANTITIES[quantity].symbol), "$y{0.0000}")]
+    told += [("motion", "@standing"), ("state", "@state")]
+    found.add_tools(HoverTool(renderers=[drawn], tooltips=told, line_policy="interp", tags=[number]))
+    return items
 
 
 def _first_of_each(kinds) -> list[tuple[str, int]]:
@@ -117,9 +136,12 @@ def _first_of_each(kinds) -> list[tuple[str, int]]:
     return sorted(known.items())
 
 
-def _limits(curves: RowCurves, quantity: str, factor: float) -> tuple[float, float]:
-    """Of what is shown: a branch that runs on to the ceiling would hide the others."""
-    values = curves.values(quantity) * factor
+def value_limits(
+    curves: RowCurves, quantity: str = AMPLITUDE.name, scales: Scales | None = None
+) -> tuple[float, float]:
+    """Of the axis of a row: a branch that runs on to the ceiling would hide the others."""
+    scale = scale_of(QUANTITIES[quantity], scales)
+    values = curves.values(quantity) * (1.0 if scale is None else scale.shown)
     bounded = values[np.isfinite(values)]
     if bounded.size == 0:
         return 0.0, 1.0
@@ -207,7 +229,7 @@ def motion_figures(cards: Sequence[Motion | MapMotion], b: float, units: Units, 
             )
         else:
             found["spectrum"].line(curves.orders, amplitudes, name=text, **style)
-        items.append(LegendItem(label=text, renderers=[line]))
+        items.append(LegendItem(label=value(text), renderers=[line]))
     found["spectrum"].y_range = Range1d(largest * 10.0**-_DECADES, 2.0 * largest)
     _add_legend(found["time"], items)
     return found

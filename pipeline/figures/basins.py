@@ -11,7 +11,7 @@ from pipeline.figures.naming import symbol
 from pipeline.figures.palette import hex_colour
 from pipeline.plane.stored import StoredPlane
 
-__all__ = ["draw_basins"]
+__all__ = ["basin_colours", "draw_basins"]
 
 #: Inches of a panel, of its legend, between panels, and above each.
 _SIDE, _BESIDE, _BETWEEN, _ABOVE = 2.5, 1.9, 0.62, 0.3
@@ -65,7 +65,7 @@ def _ends(values: np.ndarray) -> tuple[float, float]:
     return float(values[0] - half), float(values[-1] + half)
 
 
-def _palette(kinds: np.ndarray) -> list[tuple[int, int, int]]:
+def basin_colours(kinds: np.ndarray) -> list[tuple[int, int, int]]:
     """Colour of every attractor: that of its kind, darker for each further one of the same class."""
     classes, colours = class_of(kinds), []
     for slot, number in enumerate(classes.tolist()):
@@ -76,13 +76,13 @@ def _palette(kinds: np.ndarray) -> list[tuple[int, int, int]]:
 
 
 def _colours(place) -> np.ndarray:
-    table = np.array([*_palette(place.kind.values), _UNKNOWN], dtype=np.uint8)
+    table = np.array([*basin_colours(place.kind.values), _UNKNOWN], dtype=np.uint8)
     return table[place.slice.values]
 
 
 def _entries(place) -> list[Entry]:
     kinds, impacts = place.kind.values, place.impact.values
-    colours, filled = _palette(kinds), np.flatnonzero(kinds)
+    colours, filled = basin_colours(kinds), np.flatnonzero(kinds)
     share = 100.0 * np.array([np.mean(place.slice.values == slot) for slot in filled])
     entries = [Entry("initial states end on", "slice")]
     for slot, part in zip(filled.tolist(), share.tolist(), strict=True):

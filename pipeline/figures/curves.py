@@ -1,5 +1,7 @@
 """A quantity and the mean over the swept parameter, for a few rows: stability, impact state, every event."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -9,6 +11,7 @@ from matplotlib.patches import Rectangle
 from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
+from pipeline.figures.isolated_curves import IsolatedCurves, isolated_curves_at
 from pipeline.figures.layout import from_zero
 from pipeline.figures.naming import STATE_NAMES, axis_label, quantity_text, value_text
 from pipeline.figures.palette import hex_colour, state_colour
@@ -75,7 +78,12 @@ def chosen_values(plane: StoredPlane, values: list[float] | None) -> list[float]
     return list(dict.fromkeys(float(value) for value in values))
 
 
-def draw_curves(plane: StoredPlane, values: list[float] | None, quantity: str = AMPLITUDE.name) -> Drawing:
+def draw_curves(
+    plane: StoredPlane,
+    values: list[float] | None,
+    quantity: str = AMPLITUDE.name,
+    rows: Sequence[RowCurves] | None = None,
+) -> Drawing:
     """Draw the curves at some values of the row parameter, a line of two panels each.
 
     Parameters
@@ -85,15 +93,21 @@ def draw_curves(plane: StoredPlane, values: list[float] | None, quantity: str = 
         None: a quarter, half and three quarters of the axis. What is no row of the plane is solved.
     quantity : str
         One of `pipeline.config.quantities.QUANTITIES`; the mean is drawn beside it, and beside the mean the amplitude.
+    rows : sequence of RowCurves, optional
+        Solved already, in place of those at the values.
 
     Returns
     -------
     Drawing
     """
-    rows = [curves_at(plane, value) for value in chosen_values(plane, values)]
+    if rows is None:
+        rows = [curves_at(plane, value) for value in chosen_values(plane, values)]
     sweep = plane.plan.sweep
     names = (quantity, AMPLITUDE.name if quantity == "mean" else "mean")
+    isolated = [isolated_curves_at(plane, row.value, names) for row in rows]
     keys = _legend_keys(plane, rows, names)
+    for found in filter(None, isolated):
+        keys |= found.keys
     bottom = _BOTTOM + _PITCH * -(-len(keys) // _COLUMNS) + 0.08
     top = _TOP + HEAD + (0.0 if plane.scales is None else LIFT)
     height = bottom + len(rows) * (_HEIGHT + _BETWEEN) - _BETWEEN + top
@@ -101,8 +115,8 @@ def draw_curves(plane: StoredPlane, values: list[float] | None, quantity: str = 
     write_heading(figure, plane)
     aside = 0.0 if plane.scales is None else _ASIDE
     width = (_WIDTH - _LEFT - _RIGHT - _BESIDE - 2 * aside) / 2
-    limits = _limits(rows, names)
-    for line, row in enumerate(rows):
+    limits = _limits(rows, names, isolated)
+    for line, (row, found) in enumerate(zip(rows, isolated, strict=True)):
         low = height - top - (line + 1) * _HEIGHT - line * _BETWEEN
         for column, name in enumerate(names):
             left = _LEFT + column * (width + aside + _BESIDE)
@@ -117,6 +131,8 @@ def draw_curves(plane: StoredPlane, values: list[float] | None, quantity: str = 
                 _draw_frequencies(axes, row, name, limits[line].get("amplitude", (0.0, 0.0))[1])
             if row.pieces:
                 _draw_row(axes, row, name)
+                if found is not None:
+                    found.draw(axes, name)
                 if column == 0:
                     _draw_exits(axes, row, name)
                 _enlarge_crowded(figure, axes, row, name)
@@ -272,9 +288,11 @@ def _runaway(row: RowCurves) -> list[int]:
     return [number for number, _, reason in row.ends if reason is EndReason.AMPLITUDE_CEILING]
 
 
-def _limits(rows: list[RowCurves], names: tuple[str, ...]) -> list[dict[str, tuple[float, float]]]:
+def _limits(
+    rows: list[RowCurves], names: tuple[str, ...], isolated: list[IsolatedCurves | None]
+) -> list[dict[str, tuple[float, float]]]:
     """Axis limits by row and quantity: the same for all rows, except where a branch runs away to the ceiling."""
-    extents = [_extent(row, names) if row.pieces else None for row in rows]
+    extents = [_extent(row, names, found) if row.pieces else None for row, found in zip(rows, isolated, strict=True)]
     shared = [extent for row, extent in zip(rows, extents, strict=True) if extent and not _runaway(row)]
     lows, highs = zip(*(np.transpose(extent) for extent in shared or [[(0.0, 1.0)] * len(names)]), strict=True)
     common = list(zip(np.fmin.reduce(lows), np.fmax.reduce(highs), strict=True))
@@ -294,7 +312,7 @@ def _with_margin(name: str, low: float, high: float) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _extent(row: RowCurves, names: tuple[str, ...]) -> list[tuple[float, float]]:
+def _extent(row: RowCurves, names: tuple[str, ...], isolated: IsolatedCurves | None) -> list[tuple[float, float]]:
     """Least and largest value of every quantity that the axes should show.
 
     A branch that runs away to the amplitude ceiling is shown a little beyond the last event on it.
@@ -308,7 +326,8 @@ def _extent(row: RowCurves, names: tuple[str, ...]) -> list[tuple[float, float]]
     for name in names:
         values = row.values(name)[shown]
         high = top if name == AMPLITUDE.name else np.fmax.reduce(values)
-        extents.append((float(np.fmin.reduce(values)), float(high)))
+        low, others = np.fmin.reduce(values), (np.nan, np.nan) if isolated is None else isolated.extent(name)
+        extents.append((float(np.fmin(low, others[0])), float(np.fmax(high, others[1]))))
     return extents
 
 

@@ -22,6 +22,7 @@ from pipeline.figures.naming import axis_label, symbol, value_text
 from pipeline.figures.palette import hex_colour, text_colour
 from pipeline.figures.physical_axes import LIFT, show_units
 from pipeline.plan.numerics import System, sweep_axis
+from pipeline.plan.traits import dead_zone
 from pipeline.plane.resonances import contact_modes
 from pipeline.plane.row_curves import RowCurves
 from pipeline.plane.stored import StoredPlane
@@ -309,5 +310,7 @@ def _legend_keys(plane: StoredPlane, followed: Followed, curves: RowCurves) -> d
             keys[f"map: {name}"] = Line2D([], [], color=_MAP, linewidth=0.9, linestyle=style["linestyle"])
     if plane.over_frequency:
         keys["linear natural frequency"] = Line2D([], [], **FREQUENCY)
-    keys[r"gap, $|\lambda| \leq b$"] = Rectangle((0, 0), 1, 1, facecolor="0.93", edgecolor="0.3", linewidth=0.4)
+    low, high = dead_zone(followed.system)
+    gap = r"gap, $|\lambda| \leq b$" if low == -high else "gap"
+    keys[gap] = Rectangle((0, 0), 1, 1, facecolor="0.93", edgecolor="0.3", linewidth=0.4)
     return keys | kind_keys(followed.runs.values())

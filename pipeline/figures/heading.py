@@ -1,5 +1,7 @@
 """The head of a figure: which gear, which balance, which grid, and what is held fixed."""
 
+import functools
+
 from matplotlib.figure import Figure
 from matplotlib.textpath import TextPath
 
@@ -33,8 +35,14 @@ def write_heading(figure: Figure, plane: StoredPlane) -> None:
 
 def _fitting(left: str, right: str, width: float) -> float:
     """The size of letters at which both ends of a line have room, at most the usual one."""
-    inches = sum(TextPath((0.0, 0.0), text, size=_SIZE).get_extents().x1 / 72.0 for text in (left, right) if text)
+    inches = sum(_inches(text) for text in (left, right) if text)
     return min(_SIZE, _SIZE * (width - _LEFT - RIGHT - _BETWEEN) / inches) if inches else _SIZE
+
+
+@functools.lru_cache(maxsize=64)
+def _inches(text: str) -> float:
+    """The width of a text in letters of the usual size; the figures of a plane have the same ones."""
+    return TextPath((0.0, 0.0), text, size=_SIZE).get_extents().x1 / 72.0
 
 
 def balance_text(plan: Plan) -> str:

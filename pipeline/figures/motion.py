@@ -247,7 +247,7 @@ def _draw_legend(figure: Drawing, cards, gap: tuple[float, float], height: float
         handles.append(Line2D([], [], **{**_BALANCE, "zorder": 1}, label="harmonic balance of the map"))
     handles += [
         Line2D([], [], markersize=4.2, markeredgewidth=0.6, **_POINT, label="start of a mesh period"),
-        *([Patch(facecolor="0.9", label="gap, $|λ| ≤ b$")] if gap[1] > gap[0] else []),
+        *([Patch(facecolor="0.9", label="gap, $|λ| ≤ b$" if gap[0] == -gap[1] else "gap")] if gap[1] > gap[0] else []),
     ]
     figure.legend(
         handles=handles,

@@ -9,7 +9,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.plan import Plan
 
-__all__ = ["check_options"]
+__all__ = ["check_options", "check_quantity", "check_units"]
 
 #: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
 NARROWEST = 1e-5
@@ -80,17 +80,26 @@ def check_options(
     words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
     for name, value in {"formats": formats, "dpi": dpi, **words}.items():
         check_one(Figures, f"figures.{name}", value)
-    if quantity in kind_of(plan).lacks:
-        names = ", ".join(name for name in QUANTITIES if name not in kind_of(plan).lacks)
-        raise ConfigurationError(
-            f"figures.quantity = {quantity!r} is not allowed: this gear has none; it must be one of {names}"
-        )
+    check_quantity(plan, "figures.quantity", quantity)
+    check_units(plan, units)
+    if window is not None:
+        _check_window(plan, window)
+
+
+def check_quantity(plan: Plan, key: str, quantity: str | None) -> None:
+    """Raise ConfigurationError, which names the key, unless motions of the gear have a quantity; None asks for none."""
+    lacks = kind_of(plan).lacks
+    if quantity in lacks:
+        names = ", ".join(name for name in QUANTITIES if name not in lacks)
+        raise ConfigurationError(f"{key} = {quantity!r} is not allowed: this gear has none; it must be one of {names}")
+
+
+def check_units(plan: Plan, units: str) -> None:
+    """Raise ConfigurationError unless a plane can be shown in these units."""
     if units == "physical" and plan.physical is None:
         raise ConfigurationError(
             "figures.units = 'physical' is not allowed: it must be dimensionless, as this plane's gear is"
         )
-    if window is not None:
-        _check_window(plan, window)
 
 
 def _check_window(plan: Plan, window: list[float]) -> None:

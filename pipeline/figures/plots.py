@@ -167,7 +167,8 @@ class Plots:
         Raises
         ------
         ConfigurationError
-            If the plane has none: its rows do not run over the mesh frequency, or there is no mean load.
+            If the plane has none: its rows do not run over the mesh frequency, there is no mean load, or it is of a
+            system that is no bevel pair.
         """
         self._check(None, None, "static", units)
         from pipeline.figures.backbone import draw_backbone, has_backbone
@@ -176,7 +177,8 @@ class Plots:
         plane = self._read("static", units)
         if not has_backbone(plane):
             raise ConfigurationError(
-                "backbone is not allowed for this plane: its rows must run over omega, and f_pm must not be 0"
+                "backbone is not allowed for this plane: its rows must run over omega, those of a bevel pair, and f_pm "
+                "must not be 0"
             )
         with own_style():
             return draw_backbone(plane)

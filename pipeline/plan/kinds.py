@@ -94,8 +94,8 @@ class GearKind:
 
 
 def _spur(numbers: dict) -> ContactSystem:
-    harmonics = {name: numbers[name] for name in ("error_harmonics", "load_harmonics")}
-    return spur_pair(1.0, 1.0, 1.0, stiffness_harmonics=[(0.0, 0.0), *numbers["alpha_harmonics"]], **harmonics)
+    others = {name: value for name, value in numbers.items() if name != "alpha_harmonics"}
+    return spur_pair(1.0, 1.0, 1.0, stiffness_harmonics=[(0.0, 0.0), *numbers["alpha_harmonics"]], **others)
 
 
 #: A factor on the mean load of 1 is the mean load, one on the damping of ratio 1 the damping ratio.
@@ -133,8 +133,8 @@ def _system(numbers: dict) -> ContactSystem:
     loads = {name: np.array(arrays[name]) @ (1.0, 1.0j) for name in ("load", "inertial_load") if name in arrays}
     back = math.inf if numbers["back_gap"] is None else numbers["back_gap"]
     harmonics = [(0.0, 0.0), *numbers["alpha_harmonics"]]
-    gaps = {"front_gap": numbers["front_gap"], "back_gap": back}
-    return ContactSystem(**{**arrays, **loads}, **gaps, stiffness_harmonics=harmonics)
+    law = {name: numbers[name] for name in ("front_gap", "back_stiffness", "contact_dashpot") if name in numbers}
+    return ContactSystem(**{**arrays, **loads}, **law, back_gap=back, stiffness_harmonics=harmonics)
 
 
 #: Of a system that is no bevel pair only lambda and the contact force are read.

@@ -12,13 +12,23 @@ from pipeline.config.systems import SECTIONS, described, section_of
 from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import ROLES, axes_of
 from pipeline.plan.kinds import APART, BEVEL, KINDS, kind_of
-from pipeline.plan.numerics import balance_of, continuation_of, frame_of, model_at, row_axis, seeds_of
+from pipeline.plan.numerics import (
+    balance_of,
+    continuation_of,
+    frame_of,
+    model_at,
+    row_axis,
+    row_system,
+    seeds_of,
+    sweep_axis,
+)
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import cycle_note, scales_from, teeth_note
 from pipeline.plan.thermal import thermal_numbers
 from pipeline.plan.traits import feels, lowest_stiffness
 from pipeline.plan.unfelt import unfelt_harmonics
-from solver import GearPair, Model, ParameterError
+from solver import GearPair, Model, ParameterError, ProvenSeeds
+from solver.enumeration.condensed import UnprovableError, condensed_over
 
 __all__ = ["asked_numbers", "check_numbers", "gear_of", "plan", "warnings"]
 
@@ -67,6 +77,7 @@ def plan(settings: Settings) -> Plan:
     # What an axis replaces does not belong to the configuration.
     result = Plan(**{**found, "gear": {key: value for key, value in gear.items() if key not in names}})
     check_numbers(result)
+    _check_provable(result)
     return result
 
 
@@ -184,6 +195,23 @@ def check_numbers(plan: Plan) -> None:
                 key = _key_of(error, plan)
                 message = str(error).replace(error.name, key, 1)
                 raise ConfigurationError(message) from None
+
+
+def _check_provable(plan: Plan) -> None:
+    """Raise if every solution is to be proven of a system of which nothing can be, before every row fails of it."""
+    if plan.kind == BEVEL.name or not isinstance(seeds_of(plan.solver), ProvenSeeds):
+        return
+    ends = np.array([plan.sweep.low, plan.sweep.high])
+    for plane in _outer_planes(plan):
+        for row in (plan.parameter.low, plan.parameter.high):
+            omega = row if plan.parameter.name == "omega" else plane.omega
+            try:
+                condensed_over(row_system(plane, row), sweep_axis(plane), ends, omega)
+            except UnprovableError as error:
+                asked = plan.solver["certify"]
+                raise ConfigurationError(
+                    f"solver.certify = {asked!r} is not allowed for this gear: it must be none, because {error}"
+                ) from None
 
 
 def _check_axes(plan: Plan) -> None:

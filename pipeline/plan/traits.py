@@ -17,6 +17,7 @@ __all__ = [
     "force_share",
     "is_loaded_pair",
     "lowest_stiffness",
+    "squeezed",
     "static_force",
     "stiffness_harmonics",
 ]
@@ -75,10 +76,24 @@ def contact_force(system: Model | ContactSystem, displacement: np.ndarray, angle
 
     Of a `ContactSystem` nan where the stiffness does not vary along the force: there is no one mesh force then.
     """
-    low, high = dead_zone(system)
     varied = sum((a * np.cos(l * angle + p) for l, (a, p) in enumerate(stiffness_harmonics(system), start=1)), 0.0)
-    squeezed = np.maximum(displacement - high, 0.0) + np.minimum(displacement - low, 0.0)
-    return (1.0 + force_share(system) * varied) * squeezed
+    return (1.0 + force_share(system) * varied) * squeezed(system, displacement)
+
+
+@singledispatch
+def squeezed(system, displacement: np.ndarray) -> np.ndarray:
+    """f at displacements lambda."""
+    raise TypeError(f"{type(system).__name__} is no system")
+
+
+@squeezed.register
+def _(system: Model, displacement: np.ndarray) -> np.ndarray:
+    return np.maximum(displacement - system.b, 0.0) + np.minimum(displacement + system.b, 0.0)
+
+
+@squeezed.register
+def _(system: ContactSystem, displacement: np.ndarray) -> np.ndarray:
+    return system.contact_force(displacement)
 
 
 @singledispatch

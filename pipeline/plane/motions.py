@@ -58,6 +58,11 @@ class SolvedMotions:
     proof: Proof | None
     doubts: tuple[str, ...]
 
+    @property
+    def values(self) -> dict[str, np.ndarray]:
+        """Name -> (S,) array, those of `MOTION` and of `pipeline.config.quantities.READ`."""
+        return {name: getattr(self, name) for name in MOTION} | {one.name: self.quantities[:, one.slot] for one in READ}
+
 
 def motions_of_place(plan: Plan, x: float, p: float) -> SolvedMotions:
     """Every motion at a place: at first order enumerated, else those of its row.
@@ -105,7 +110,7 @@ def solved_motions(plan: Plan, x: float, p: float) -> dict[str, np.ndarray]:
     found = motions_of_place(plan, x, p)
     if found.proof not in (None, Proof.PROVEN):
         raise _unproven(plan, x, p, found.proof)
-    return {name: getattr(found, name) for name in MOTION} | {one.name: found.quantities[:, one.slot] for one in READ}
+    return found.values
 
 
 def _enumerated(plan: Plan, x: float, p: float) -> SolvedMotions:

@@ -107,15 +107,17 @@ def _crests(points: dict[str, np.ndarray], pieces: list[Piece]) -> list[Peak]:
         closed = last > first + 2 and (position[first], amplitude[first]) == (position[last], amplitude[last])
         # A closed curve is not cut by where it happened to be started.
         before[first], after[last] = (last - 1, first + 1) if closed else (-1, -1)
+    inner = np.flatnonzero(stable & (before >= 0) & (after >= 0))
+    left, right, fold = before[inner], after[inner], points["event"][inner] == Event.FOLD
+    along = amplitude[inner] >= amplitude[np.where(stable[left], left, right)]
+    over = (amplitude[inner] >= amplitude[left]) & (amplitude[inner] > amplitude[right]) & stable[left] & stable[right]
     crests = []
-    for i in np.flatnonzero(stable & (before >= 0) & (after >= 0)):
-        left, right = before[i], after[i]
-        if points["event"][i] == Event.FOLD:
-            if amplitude[i] >= amplitude[left if stable[left] else right]:
-                crests.append(Peak(float(position[i]), float(amplitude[i]), True))
-        elif stable[left] and stable[right] and amplitude[i] >= amplitude[left] and amplitude[i] > amplitude[right]:
-            place, height = _vertex(position[[left, i, right]], amplitude[[left, i, right]])
-            crests.append(Peak(place, height, False))
+    for i in np.flatnonzero(np.where(fold, along, over)):
+        three = [left[i], inner[i], right[i]]
+        place, height = (position[inner[i]], amplitude[inner[i]])
+        if not fold[i]:
+            place, height = _vertex(position[three], amplitude[three])
+        crests.append(Peak(float(place), float(height), bool(fold[i])))
     return crests
 
 

@@ -9,6 +9,7 @@ from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.sweep import compute
 from pipeline.run.workforce import Workforce
+from pipeline.stages import STAGES
 from pipeline.store.repair import repair
 
 __all__ = ["STAGE"]
@@ -40,7 +41,9 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     status = _again(job, workforce, reporter) if blocks else 0
     left = store.find_damage(path)
     for name in groups:
-        reporter.line(f"check: the damaged group {name} was taken away: stages=[{name}] makes it again")
+        # Places and isolated branches are made with attractors.
+        stage = name if any(entry.name == name for entry in STAGES) else "attractors"
+        reporter.line(f"check: the damaged group {name} was taken away: stages=[{stage}] makes it again")
     mended = f"check: {what} mended ({perf_counter() - begin:.2f} s)"
     reporter.line(mended if not left else f"check: {len(left)} still damaged")
     if status or left:

@@ -6,7 +6,14 @@ from collections.abc import Iterable
 from pipeline.plan.kinds import BEVEL
 from solver.kernels.warm import kernels_of, warm
 
-__all__ = ["NEEDED", "kernels_for", "ready_for_attractors", "ready_for_rows"]
+__all__ = [
+    "NEEDED",
+    "kernels_for",
+    "kernels_for_isolated",
+    "ready_for_attractors",
+    "ready_for_isolated",
+    "ready_for_rows",
+]
 
 _ROWS = {
     "describing_function": (
@@ -47,6 +54,9 @@ _ATTRACTORS = (
     "solver.timedomain.quantities.gauge_at",
     "solver.timedomain.row_systems",
 )
+
+#: Branches from attractors: rows of order H, and the harmonics of motions.
+_ISOLATED = (*_ROWS["galerkin"], "solver.timedomain.poincare._measure")
 
 #: A row followed up and down.
 _RUNS = (
@@ -97,6 +107,13 @@ NEEDED = {
     "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.zone_flows._tabulated")),
     "debug": _ROWS,
 }
+#: Whatever is asked of a place: its row, its motions, and boundaries of margins.
+NEEDED["explore"] = {
+    balance: tuple(
+        dict.fromkeys(name for stage in ("sweep", "motion", "boundaries") for name in NEEDED[stage][balance])
+    )
+    for balance in _ROWS
+}
 
 
 #: What is called in place of a bevel pair's kernel where another system is solved.
@@ -107,7 +124,6 @@ _OF_SYSTEMS = {
         "solver.harmonic.describing_function.system_residual_and_jacobian"
     ),
     "solver.harmonic.describing_function.test_functions": "solver.harmonic.describing_function.system_test_functions",
-    "solver.continuation.setup.no_contacts": "solver.harmonic.contact_extrema.contacts",
     "solver.boundaries.first_order._bifurcation_balance": "solver.boundaries.first_order._system_bifurcation_balance",
     "solver.boundaries.first_order._fold_balance": "solver.boundaries.first_order._system_fold_balance",
     "solver.boundaries.first_order._grazing_balance": "solver.boundaries.first_order._system_grazing_balance",
@@ -117,8 +133,21 @@ _OF_SYSTEMS = {
 
 def kernels_for(stages: Iterable[str], balance: str, kind: str = BEVEL.name) -> list[str]:
     """Names of what stages need for a kind of system, in the order to compile them in."""
-    names = (name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ()))
-    return list(dict.fromkeys(name if kind == BEVEL.name else _OF_SYSTEMS.get(name, name) for name in names))
+    return _of_kind((name for stage in stages for name in NEEDED.get(stage, {}).get(balance, ())), kind)
+
+
+def kernels_for_isolated(kind: str = BEVEL.name) -> list[str]:
+    """The same of what the stage attractors needs besides, where branches are asked for."""
+    return _of_kind(_ISOLATED, kind)
+
+
+def _of_kind(names: Iterable[str], kind: str) -> list[str]:
+    names = list(dict.fromkeys(names))
+    if kind == BEVEL.name:
+        return names
+    # A stop may be so stiff that contacts are looked for along its branches.
+    contacts = ["solver.harmonic.contact_extrema.contacts"] if "solver.continuation.arclength.trace" in names else []
+    return list(dict.fromkeys([*(_OF_SYSTEMS.get(name, name) for name in names), *contacts]))
 
 
 @functools.cache
@@ -131,3 +160,9 @@ def ready_for_rows(balance: str, kind: str = BEVEL.name) -> None:
 def ready_for_attractors() -> None:
     """Compile or load what attractors need, once in this process."""
     warm(kernels_of(_ATTRACTORS))
+
+
+@functools.cache
+def ready_for_isolated(kind: str = BEVEL.name) -> None:
+    """Compile or load what branches from attractors need, once in this process."""
+    warm(kernels_of(kernels_for_isolated(kind)))

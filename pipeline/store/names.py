@@ -13,7 +13,7 @@ METADATA = "zarr.json"
 #: The group that the rows themselves fill.
 ROWS = "branches"
 #: Groups that stages add, arrays in them and no further groups.
-ADDED = ("attractors", "boundaries", "places")
+ADDED = ("attractors", "boundaries", "isolated", "places")
 #: Those of them that are written block by block; see `pipeline.store.row_groups`.
 IN_BLOCKS = ("attractors",)
 

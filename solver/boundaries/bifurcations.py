@@ -120,7 +120,7 @@ def _carry(here, start, zone, switches, matrix, columns, rows):
     series, states = new_block_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
     for i in range(size):
         states[i // 4, i, i % 4] = 1.0
-    scale = period / system.numbers[FREQUENCY]
+    scale, none = period / system.numbers[FREQUENCY], np.empty(0)
     # Contacts at once: two where one begins and another ends at the same angle.
     begin, front, back = start, 1.0 if zone > 0 else 0.0, 1.0 if zone < 0 else 0.0
     for c in range(switches.shape[0] + 1):
@@ -129,7 +129,7 @@ def _carry(here, start, zone, switches, matrix, columns, rows):
         parts = 1 if end > begin else int(math.ceil((begin - end) * scale))
         for part in range(parts):
             left, right = begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts
-            if not carry_deviations(system, zone, left * scale, right * scale, states, series):
+            if not carry_deviations(system, zone, left * scale, right * scale, none, states, series):
                 return False
         if c == switches.shape[0]:
             break

@@ -28,7 +28,7 @@ from solver.model.checks import (
     list_length,
     value_range,
 )
-from solver.model.contact_system import SYSTEM_AXES, ContactSystem
+from solver.model.contact_system import SYSTEM_AXES, ContactSystem, refuse_cubic
 from solver.model.gear_model import Model
 from solver.model.packing import AXES, check_values, dead_zone_ends, packed
 from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
@@ -104,6 +104,7 @@ class Plane:
 
     def __post_init__(self):
         instance_of("system", self.system, Model, ContactSystem)
+        refuse_cubic(self.system, "for boundaries")
         allowed = AXES if isinstance(self.system, Model) else SYSTEM_AXES
         for name in ("x_axis", "p_axis"):
             axis = getattr(self, name)

@@ -55,6 +55,8 @@ def condensed_over(system: Model | ContactSystem, axis: str, values: np.ndarray,
     if isinstance(system, Model):
         enclose_gear(*axis_vectors(system, axis, omega), values, enclosed)
         return enclosed
+    if system.cubic != 0.0:
+        raise UnprovableError("cubic", system.cubic, "0 for a proof")
     refused = enclose_system(*packed(system, axis, omega, 1, 1), values, enclosed)
     if refused:
         name, allowed = _REFUSED[refused]

@@ -10,7 +10,8 @@ Small deviations obey the same equation without g. Where c_c is not 0 they jump 
 
     delta y' -> delta y' - (r_after - r_before) c_c M^-1 h delta lambda
 
-whatever lambda' is: y' + c_c M^-1 h f(lambda) has a derivative without a jump.
+whatever lambda' is: y' + c_c M^-1 h f(lambda) has a derivative without a jump. A cubic spring adds k_3 M^-1 h lambda^3
+in every zone, and to deviations from a motion lambda_0 3 k_3 M^-1 h lambda_0^2 delta lambda.
 """
 
 import math
@@ -44,6 +45,7 @@ from solver.model.parameters import (
     stiffness_slot,
     system_matrices,
 )
+from solver.model.parameters import CUBIC as PACKED_CUBIC
 from solver.model.parameters import DASHPOT as PACKED_DASHPOT
 
 __all__ = [
@@ -59,17 +61,17 @@ __all__ = [
 _I, _F = types.int64, types.float64
 
 # Slots of `numbers`.
-FREQUENCY, LOW, HIGH, LENGTH, ONE_ZONE, STRENGTH, DASHPOT, NUMBERS = range(8)
+FREQUENCY, LOW, HIGH, LENGTH, ONE_ZONE, STRENGTH, DASHPOT, CUBIC, NUMBERS = range(9)
 
 
 class SwitchedSystem(NamedTuple):
     """A system of n coordinates at one parameter; see the module.
 
-    `numbers` (7,): Omega, the ends of the dead zone (low, high), a length that errors of motions are compared with, 1
-    where the dead zone is empty between equal flanks so that there is one zone, how stiff the back flank is, and c_c.
-    `matrices` (6 n, n): S and then D of the zones free, front, back. `vectors` (3, n): w, M^-1 h, q. `variation` (L,
-    2): real and imaginary parts of S_l. `load` (2 (L' + 1), n): real and imaginary parts of M^-1 F_l; without rows for
-    deviations alone.
+    `numbers` (8,): Omega, the ends of the dead zone (low, high), a length that errors of motions are compared with, 1
+    where the dead zone is empty between equal flanks so that there is one zone, how stiff the back flank is, c_c, and
+    k_3. `matrices` (6 n, n): S and then D of the zones free, front, back. `vectors` (3, n): w, M^-1 h, q. `variation`
+    (L, 2): real and imaginary parts of S_l. `load` (2 (L' + 1), n): real and imaginary parts of M^-1 F_l; without rows
+    for deviations alone.
     """
 
     numbers: np.ndarray
@@ -157,6 +159,7 @@ def system_at(parameters, parameter_slope, p, system):
     low, (omega, _) = -back, number_at(parameters, parameter_slope, p, MESH_FREQUENCY)
     numbers[FREQUENCY], numbers[LOW], numbers[HIGH] = omega, low, high
     numbers[STRENGTH], numbers[DASHPOT] = parameters[BACK_STIFFNESS], parameters[PACKED_DASHPOT]
+    numbers[CUBIC] = parameters[PACKED_CUBIC]
     numbers[LENGTH], numbers[ONE_ZONE] = 1.0, 1.0 if low == high and numbers[STRENGTH] == 1.0 else 0.0
     for l in range(variation.shape[0]):
         at = stiffness_slot(l + 1)
@@ -242,8 +245,9 @@ def loaded_system(system: ContactSystem, omega: float) -> SwitchedSystem:
     length = max(abs(high), abs(low) if system.two_sided else 0.0, np.max(np.abs(load)))
     strengths, closing = (0.0, 1.0, system.back_stiffness), np.outer(force, system.contact)
     one_zone = low == high and system.back_stiffness == 1.0
+    law = system.back_stiffness, system.contact_dashpot, system.cubic
     return SwitchedSystem(
-        np.array([omega, low, high, length, float(one_zone), system.back_stiffness, system.contact_dashpot]),
+        np.array([omega, low, high, length, float(one_zone), *law]),
         np.concatenate(
             [
                 *(stiffness + strength * closing for strength in strengths),

@@ -6,10 +6,11 @@ the stages of a Runge-Kutta step of order 8. With Taylor coefficients written wi
 
     (j + 2)(j + 1) y_{j+2} = -(j + 1) D y_{j+1} - S y_j - q sum_i s_i lambda_{j-i} + g_j
 
-with g for the motion and without it for deviations. The polynomial is as accurate within the step as at its end:
-switches, extremes and integrals are taken from it and no step is ever repeated. Steps are chosen from the last two
-coefficients (A. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order Taylor
-methods", Experimental Mathematics 14 (2005) 99-117, section 3.2).
+with g for the motion and without it for deviations. A cubic spring adds the product of three series, or for deviations
+that of 3 k_3 lambda^2 with theirs; convergence then ends somewhere, which the steps feel. The polynomial is as accurate
+within the step as at its end: switches, extremes and integrals are taken from it and no step is ever repeated. Steps
+are chosen from the last two coefficients (A. Jorba, M. Zou, "A software package for the numerical integration of ODEs
+by means of high-order Taylor methods", Experimental Mathematics 14 (2005) 99-117, section 3.2).
 
 A motion has the scalar recurrence (`motion_series`). The deviations of a monodromy matrix stand in blocks of four,
 which run through it side by side (`carry_deviations`): the contact term is a product of scalar series, one for each
@@ -22,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.flow.switched_system import DASHPOT, FREQUENCY, HIGH, LOW, STRENGTH, SWITCHED_SYSTEM, strength_of
+from solver.flow.switched_system import CUBIC, DASHPOT, FREQUENCY, HIGH, LOW, STRENGTH, SWITCHED_SYSTEM, strength_of
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 
@@ -77,15 +78,18 @@ class Series(NamedTuple):
 
 
 class BlockSeries(NamedTuple):
-    """The series of blocks of deviations: y (blocks, m + 1, n, 4), lambda (blocks, m + 1, 4), s (m + 1,)."""
+    """The series of blocks of deviations: y (blocks, m + 1, n, 4), lambda (blocks, m + 1, 4), s (m + 1,), and for a
+    cubic spring the lambda of the motion that they are deviations from and 3 k_3 times its square (m + 1,)."""
 
     y: np.ndarray
     contact: np.ndarray
     stiffness: np.ndarray
+    motion: np.ndarray
+    bend: np.ndarray
 
 
 SERIES = types.NamedTuple((MATRIX, ARRAY, ARRAY, MATRIX), Series)
-BLOCK_SERIES = types.NamedTuple((types.float64[:, :, :, ::1], BLOCKS, ARRAY), BlockSeries)
+BLOCK_SERIES = types.NamedTuple((types.float64[:, :, :, ::1], BLOCKS, ARRAY, ARRAY, ARRAY), BlockSeries)
 
 
 @kernel(_I(_I), inline=True)
@@ -105,7 +109,13 @@ def new_series(degrees):
 def new_block_series(degrees, columns):
     """Room for the series of so many deviations of n coordinates."""
     blocks, size = count_blocks(columns), DEVIATION_ORDER + 1
-    return BlockSeries(np.zeros((blocks, size, degrees, 4)), np.empty((blocks, size, 4)), np.empty(size))
+    return BlockSeries(
+        np.zeros((blocks, size, degrees, 4)),
+        np.empty((blocks, size, 4)),
+        np.empty(size),
+        np.empty(size),
+        np.empty(size),
+    )
 
 
 @kernel(types.void(SWITCHED_SYSTEM, _I, _F, ARRAY, MATRIX), inner=True)
@@ -161,7 +171,8 @@ def motion_series(system, zone, time, state, series):
     y, contact, stiffness = series.y, series.contact, series.stiffness
     first, strength = n * (zone % 3), strength_of(system, zone)
     second, varied = first + 3 * n, zone != 0 and system.variation.shape[0] > 0
-    contact[0], contact[1] = 0.0, 0.0
+    contact[0], contact[1], cubic = 0.0, 0.0, system.numbers[CUBIC]
+    square = np.empty(order if cubic != 0.0 else 0)
     for i in range(n):
         y[0, i], y[1, i] = state[i], state[n + i]
         contact[0] += system.vectors[0, i] * state[i]
@@ -172,6 +183,13 @@ def motion_series(system, zone, time, state, series):
             for i in range(j + 1):
                 product += stiffness[i] * contact[j - i]
             product *= strength
+        cube = 0.0
+        if cubic != 0.0:
+            square[j] = 0.0
+            for i in range(j + 1):
+                square[j] += contact[i] * contact[j - i]
+            for i in range(j + 1):
+                cube += cubic * square[i] * contact[j - i]
         scale = 1.0 / ((j + 2.0) * (j + 1.0))
         total = 0.0
         for i in range(n):
@@ -182,14 +200,37 @@ def motion_series(system, zone, time, state, series):
             value -= (j + 1.0) * rate
             if varied:
                 value -= system.vectors[2, i] * product
+            if cubic != 0.0:
+                value -= system.vectors[1, i] * cube
             value *= scale
             y[j + 2, i] = value
             total += system.vectors[0, i] * value
         contact[j + 2] = total
 
 
-@kernel(types.void(SWITCHED_SYSTEM, _I, types.float64[:, :, ::1], MATRIX, ARRAY), inner=True)
-def _block_series(system, zone, y, contact, stiffness):
+@kernel(types.void(SWITCHED_SYSTEM, ARRAY, _F, BLOCK_SERIES), inner=True)
+def _fill_bend(system, motion, time, series):
+    """Fill in 3 k_3 lambda^2 about a time, of a motion (Lambda_0, c_1, s_1, ...) of theta = Omega tau/nu."""
+    place, bend, size = series.motion, series.bend, series.bend.shape[0]
+    # The first number is Omega/nu.
+    for j in range(size):
+        place[j] = motion[1] if j == 0 else 0.0
+    for k in range(1, motion.shape[0] // 2):
+        rate = k * motion[0]
+        # cosine and sine carry the factor (k Omega/nu)^j / j! and turn by a quarter per order.
+        cosine, sine = math.cos(rate * time), math.sin(rate * time)
+        for j in range(size):
+            place[j] += motion[2 * k] * cosine + motion[2 * k + 1] * sine
+            factor = rate / (j + 1)
+            cosine, sine = -sine * factor, cosine * factor
+    for j in range(size):
+        bend[j] = 0.0
+        for i in range(j + 1):
+            bend[j] += 3.0 * system.numbers[CUBIC] * place[i] * place[j - i]
+
+
+@kernel(types.void(SWITCHED_SYSTEM, _I, types.float64[:, :, ::1], MATRIX, ARRAY, ARRAY), inner=True)
+def _block_series(system, zone, y, contact, stiffness, bend):
     """Fill in the series of one block, y (m + 1, n, 4) and contact (m + 1, 4), from y_0 and y_1."""
     n, order = system.vectors.shape[1], stiffness.shape[0] - 1
     matrices, vectors = system.matrices, system.vectors
@@ -213,12 +254,20 @@ def _block_series(system, zone, y, contact, stiffness):
                 p1 += s * contact[i, 1]
                 p2 += s * contact[i, 2]
                 p3 += s * contact[i, 3]
+        c0, c1, c2, c3 = 0.0, 0.0, 0.0, 0.0
+        if system.numbers[CUBIC] != 0.0:
+            for i in range(j + 1):
+                s = bend[j - i]
+                c0 += s * contact[i, 0]
+                c1 += s * contact[i, 1]
+                c2 += s * contact[i, 2]
+                c3 += s * contact[i, 3]
         grade = j + 1.0
         scale = -1.0 / ((j + 2.0) * grade)
         t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
         for i in range(n):
-            q = strength * vectors[2, i]
-            v0, v1, v2, v3 = q * p0, q * p1, q * p2, q * p3
+            q, h = strength * vectors[2, i], vectors[1, i]
+            v0, v1, v2, v3 = q * p0 + h * c0, q * p1 + h * c1, q * p2 + h * c2, q * p3 + h * c3
             for l in range(n):
                 spring, drag = matrices[first + i, l], grade * matrices[second + i, l]
                 v0 += spring * y[j, l, 0] + drag * y[j + 1, l, 0]
@@ -340,18 +389,34 @@ def change_contact(system, before, after, states):
                 states[block, n + i, column] -= jump * vectors[1, i] * seen
 
 
-@kernel(_B(SWITCHED_SYSTEM, _I, _F, _F, BLOCKS, BLOCK_SERIES), inner=True, shared=True)
-def carry_deviations(system, zone, begin, end, states, series):
-    """Carry deviations through a zone from one time to another; False where they are not finite any more."""
+@kernel(_B(SWITCHED_SYSTEM, _I, _F, _F, ARRAY, BLOCKS, BLOCK_SERIES), inner=True, shared=True)
+def carry_deviations(system, zone, begin, end, motion, states, series):
+    """Carry deviations through a zone from one time to another; False where they are not finite any more.
+
+    Parameters
+    ----------
+    system : SwitchedSystem
+    zone : int
+    begin, end : float
+        Times tau.
+    motion : (2 H + 2,) array
+        Omega/nu, then (Lambda_0, c_1, s_1, ...) of the motion that they are deviations from: read for a cubic spring
+        alone, and may be empty for other systems.
+    states : BLOCKS
+        Overwritten.
+    series : BlockSeries
+    """
     n, time, no_load = system.vectors.shape[1], begin, np.empty((0, 0))
     for _ in range(_MOST_STEPS):
         fill_sources(system, zone, time, series.stiffness, no_load)
+        if system.numbers[CUBIC] != 0.0:
+            _fill_bend(system, motion, time, series)
         for block in range(states.shape[0]):
             y, state = series.y[block], states[block]
             for i in range(n):
                 for column in range(4):
                     y[0, i, column], y[1, i, column] = state[i, column], state[n + i, column]
-            _block_series(system, zone, y, series.contact[block], series.stiffness)
+            _block_series(system, zone, y, series.contact[block], series.stiffness, series.bend)
         step, rest = _block_step(states, series), end - time
         if step >= rest:
             _blocks_at(series, rest, states)

@@ -35,7 +35,7 @@ from solver.flow.switched_system import (
 from solver.flow.taylor import fill_sources
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, refuse_cubic
 
 __all__ = [
     "CUBE",
@@ -445,5 +445,12 @@ def _tabulated(system, tolerance):
 
 @lru_cache(maxsize=4)
 def loaded_flows(system: ContactSystem, omega: float, tolerance: float) -> ZoneFlows:
-    """The flows of a system under its load at one frequency. They serve many calls; no kernel writes into them."""
+    """The flows of a system under its load at one frequency. They serve many calls; no kernel writes into them.
+
+    Raises
+    ------
+    ParameterError
+        If there is a cubic spring.
+    """
+    refuse_cubic(system, "where motions are carried by tables of affine flows")
     return _tabulated(loaded_system(system, omega), tolerance)

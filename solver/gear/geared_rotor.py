@@ -58,6 +58,7 @@ def geared_rotor(
     stiffness_harmonics: Harmonics = (),
     error_harmonics: Harmonics = (),
     torque_harmonics: Harmonics = (),
+    **law: float,
 ) -> ContactSystem:
     """A geared rotor in any consistent units; values of two are the pinion's and the wheel's.
 
@@ -79,6 +80,8 @@ def geared_rotor(
         them or none.
     stiffness_harmonics, error_harmonics, torque_harmonics : sequence of (amplitude, phase)
         Of harmonics 1, 2, ... of the stiffness over its mean, of e and of the driver's torque; phases in rad.
+    **law : float
+        What else the contact does: `back_stiffness`, `contact_dashpot` of `ContactSystem`.
 
     Returns
     -------
@@ -148,7 +151,7 @@ def geared_rotor(
         inertial[l, held:] = turning[:, mesh] * amplitude * np.exp(1j * phase)
     force = stiffness * contact
     harmonics = harmonic_pairs("stiffness_harmonics", stiffness_harmonics)
-    return ContactSystem(M, C, K, contact, force, gap, gap, force, harmonics, load, inertial)
+    return ContactSystem(M, C, K, contact, force, gap, gap, force, harmonics, load, inertial, **law)
 
 
 def _of_two(name: str, value, **bounds: float) -> np.ndarray:

@@ -25,6 +25,7 @@ def spur_pair(
     stiffness_harmonics: Harmonics = (),
     error_harmonics: Harmonics = (),
     load_harmonics: Harmonics = (),
+    **law: float,
 ) -> ContactSystem:
     """The spur pair as a system of one coordinate.
 
@@ -38,6 +39,8 @@ def spur_pair(
         F_m.
     stiffness_harmonics, error_harmonics, load_harmonics : sequence of (amplitude, phase)
         (alpha_l, Phi_kl), (e_l, Phi_l) and (F_l, Theta_l) for l = 1, 2, ...; phases in rad.
+    **law : float
+        What else the contact does: `back_stiffness`, `contact_dashpot` of `ContactSystem`.
 
     Raises
     ------
@@ -69,6 +72,7 @@ def spur_pair(
         harmonic_pairs("stiffness_harmonics", stiffness_harmonics),
         load,
         harmonic_rows("error_harmonics", error_harmonics, 1),
+        **law,
     )
 
 

@@ -26,7 +26,7 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import eliminate
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of, number_array
-from solver.model.contact_system import ContactSystem
+from solver.model.contact_system import ContactSystem, refuse_cubic
 from solver.model.gear_model import Model
 from solver.model.packing import axis_vectors, bounded_change, check_axis, packed
 from solver.model.parameters import B, number_at
@@ -248,6 +248,7 @@ def first_order_problem(
     The balance is that of docs/physics.md, section 4.5.
     """
     check_axis(system, axis, low, high, omega)
+    refuse_cubic(system, "at first order: the balance of order H takes it")
     size = system.motion_size
     scale = np.array([size, size, size, 0.1 * (high - low)])
     if isinstance(system, Model):

@@ -15,14 +15,24 @@ import numpy as np
 from scipy.optimize import brentq
 
 from solver.contact.dead_zone import contact_functions
+from solver.explained import Explained
 from solver.harmonic.galerkin import Galerkin
 from solver.model.checks import ParameterError, finite_array, instance_of, whole_number
 from solver.model.contact_system import ContactSystem, gear_system, reduced
 from solver.model.gear_model import Model
 
-__all__ = ["FreeVibration", "free_vibration"]
+__all__ = ["FreeVibration", "FreeVibrationStatus", "free_vibration"]
 
 _MOST_STEPS, _TOLERANCE = 60, 1e-12
+
+
+class FreeVibrationStatus(Explained):
+    """How the search for a free vibration ended."""
+
+    CONVERGED = 0, "The motion solves the balance."
+    NO_MEAN = 1, "At first order no mean displacement carries the load, so that there is nothing to start from."
+    NOT_SETTLED = 2, "Newton's method did not settle, or came to a singular Jacobian."
+    OTHER_HARMONIC = 3, "Newton's method came to a motion that is mostly another harmonic than the first."
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +47,14 @@ class FreeVibration:
         Its frequency; nan where none was found.
     motions : (k, 2 H + 1) array
         (Lambda_0, c_1, s_1, ...) with s_k = 0; nan where none was found.
+    status : (k,) int8 array
+        `FreeVibrationStatus`: why none was found where that is so.
     """
 
     highest: np.ndarray
     omega: np.ndarray
     motions: np.ndarray
+    status: np.ndarray
 
 
 def free_vibration(system: Model | ContactSystem, highest, *, order: int = 15, mode: int = 0) -> FreeVibration:
@@ -87,27 +100,35 @@ def free_vibration(system: Model | ContactSystem, highest, *, order: int = 15, m
     if np.any(highest <= bare.front_gap):
         raise ParameterError("highest", float(highest.min()), f"above the front gap, {bare.front_gap:g}")
     omega, motions = np.full(highest.size, np.nan), np.full((highest.size, 2 * order + 1), np.nan)
+    status = np.full(highest.size, FreeVibrationStatus.NO_MEAN, dtype=np.int8)
     before = None
     for i in np.argsort(highest, kind="stable").tolist():
         first = _first_order(bare, highest[i], mode, order)
-        # In permanent contact the motion is that of a linear system, and the first order all of it.
-        found = first if first is not None and first[0] - first[1] >= bare.front_gap else None
+        found = None
+        if first is not None and first[0] - first[1] >= bare.front_gap and bare.cubic == 0.0:
+            # In permanent contact the motion is that of a linear system, and the first order all of it.
+            found, status[i] = first, FreeVibrationStatus.CONVERGED
         for start in (first, before):
             if found is None and start is not None:
-                found = _settled(bare, highest[i], start, order)
+                found, status[i] = _settled(bare, highest[i], start, order)
         if found is None and first is not None:
-            found = _raised(bare, highest[i], first, order)
+            found, status[i] = _raised(bare, highest[i], first, order)
         if found is not None:
             before, omega[i] = found, found[-1]
             motions[i] = 0.0
             motions[i, 0], motions[i, 1::2] = found[0], found[1:-1]
-    return FreeVibration(highest, omega, motions)
+    return FreeVibration(highest, omega, motions, status)
 
 
 def _law(system: ContactSystem, mean: float, amplitude: float) -> tuple[float, float]:
-    """f_0 and N."""
+    """f_0 and N, of a cubic spring as well."""
     far, back = (system.back_stiffness, system.back_gap) if system.two_sided else (0.0, 0.0)
-    return contact_functions(mean, amplitude, system.front_gap, back, far, 0.0, 0.0)[:2]
+    force, gain = contact_functions(mean, amplitude, system.front_gap, back, far, 0.0, 0.0)[:2]
+    square = amplitude * amplitude
+    return (
+        force + system.cubic * mean * (mean * mean + 1.5 * square),
+        gain + system.cubic * (3.0 * mean * mean + 0.75 * square),
+    )
 
 
 def _first_order(system: ContactSystem, highest: float, mode: int, order: int) -> np.ndarray | None:
@@ -139,8 +160,10 @@ def _first_order(system: ContactSystem, highest: float, mode: int, order: int) -
     return start
 
 
-def _raised(system: ContactSystem, highest: float, start: np.ndarray, order: int) -> np.ndarray | None:
-    """What Newton's method reaches when harmonics are added one by one; None if that ends on the way.
+def _raised(
+    system: ContactSystem, highest: float, start: np.ndarray, order: int
+) -> tuple[np.ndarray | None, FreeVibrationStatus]:
+    """What Newton's method reaches when harmonics are added one by one, None if that ends on the way, and how it ended.
 
     A contact that is much stiffer than what holds the mass has motions far from a single harmonic.
     """
@@ -149,14 +172,16 @@ def _raised(system: ContactSystem, highest: float, start: np.ndarray, order: int
         guess[-1] = start[-1]
         shared = min(start.size - 1, harmonics + 1)
         guess[:shared] = start[:shared]
-        start = _settled(system, highest, guess, harmonics)
+        start, status = _settled(system, highest, guess, harmonics)
         if start is None:
-            return None
-    return start
+            break
+    return start, status
 
 
-def _settled(system: ContactSystem, highest: float, start: np.ndarray, order: int) -> np.ndarray | None:
-    """What Newton's method reaches from (Lambda_0, c_1 ... c_H, Omega); None if nothing."""
+def _settled(
+    system: ContactSystem, highest: float, start: np.ndarray, order: int
+) -> tuple[np.ndarray | None, FreeVibrationStatus]:
+    """What Newton's method reaches from (Lambda_0, c_1 ... c_H, Omega), None if nothing, and how it ended."""
     x = start.copy()
     problem = Galerkin(order).problem(system, "omega", 0.5 * x[-1], 1.5 * x[-1])
     n = problem.unknowns
@@ -170,12 +195,14 @@ def _settled(system: ContactSystem, highest: float, start: np.ndarray, order: in
         matrix[-1, :-1] = 1.0
         right = np.append(residual[kept], np.sum(x[:-1]) - highest)
         if not np.all(np.isfinite(matrix)) or np.linalg.cond(matrix) > 1e14:
-            return None
+            break
         step = np.linalg.solve(matrix, -right)
         # No step moves the frequency by more than a fifth, or the motion by more than half its size.
         length = max(np.max(np.abs(step[:-1])) / (0.5 * size), abs(step[-1]) / (0.2 * x[-1]))
         x += step / max(length, 1.0)
         if length < _TOLERANCE * 10.0:
             # Of a motion that is mostly another harmonic this is no free vibration of the mode.
-            return x if abs(x[1]) >= np.max(np.abs(x[1:-1])) else None
-    return None
+            if abs(x[1]) >= np.max(np.abs(x[1:-1])):
+                return x, FreeVibrationStatus.CONVERGED
+            return None, FreeVibrationStatus.OTHER_HARMONIC
+    return None, FreeVibrationStatus.NOT_SETTLED

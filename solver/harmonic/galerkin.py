@@ -29,12 +29,64 @@ from solver.model.checks import ParameterError, finite_array, finite_number, ins
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
 from solver.model.packing import bounded_change, check_axis, packed
-from solver.model.parameters import BACK_GAP, FRONT_GAP, PERIOD, STIFFNESSES
+from solver.model.parameters import BACK_GAP, CUBIC, DASHPOT, FRONT_GAP, PERIOD, STIFFNESSES
 
 __all__ = ["Galerkin", "residual_and_jacobian", "linear_solution", "test_functions"]
 
 _F = types.float64
 _COMPLEX = np.complex128
+
+
+@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _add_cubic(parameters, parameter_slope, y, residual, jacobian):
+    """Add what a cubic spring does: its force k_3 lambda^3 acts as f does, but for the damper of touching teeth.
+
+    Its harmonics k_3 (L * L * L)_k and their derivatives 3 k_3 (L * L)_(k-m) are convolutions of those of lambda.
+    """
+    n = y.shape[0] - 1
+    order, period, p = n // 2, int(parameters[PERIOD]), y[n]
+    wave, square = np.zeros(2 * order + 1, _COMPLEX), np.zeros(2 * order + 1, _COMPLEX)
+    wave[0] = y[0]
+    for m in range(1, order + 1):
+        wave[m] = 0.5 * complex(y[2 * m - 1], -y[2 * m])
+    for k in range(2 * order + 1):
+        for m in range(k - order, order + 1):
+            square[k] += coefficient(wave, k - m) * coefficient(wave, m)
+    omega, d_omega = base_frequency(parameters, parameter_slope, p)
+    for k in range(order + 1):
+        cube = 0j
+        for m in range(-order, order + 1):
+            cube += coefficient(square, k - m) * coefficient(wave, m)
+        s, d_s = 1j * k * omega, 1j * k * d_omega
+        (_, A, _, _), (_, d_A, _, _) = impedance(
+            parameters, parameter_slope, p, s, d_s, k // period if k % period == 0 else -1
+        )
+        touching, d_touching = 1.0 + s * parameters[DASHPOT], d_s * parameters[DASHPOT]
+        weight = parameters[CUBIC] * A / touching
+        slope = (parameters[CUBIC] * d_A - weight * d_touching) / touching
+        if k == 0:
+            residual[0] += (weight * cube).real
+            jacobian[0, n] += (slope * cube).real
+            jacobian[0, 0] += 3.0 * (weight * square[0]).real
+            for m in range(1, order + 1):
+                jacobian[0, 2 * m - 1] += 3.0 * weight.real * square[m].real
+                jacobian[0, 2 * m] -= 3.0 * weight.real * square[m].imag
+            continue
+        row, along = 2.0 * weight * cube, 2.0 * slope * cube
+        residual[2 * k - 1] += row.real
+        residual[2 * k] -= row.imag
+        jacobian[2 * k - 1, n] += along.real
+        jacobian[2 * k, n] -= along.imag
+        row = 6.0 * weight * square[k]
+        jacobian[2 * k - 1, 0] += row.real
+        jacobian[2 * k, 0] -= row.imag
+        for m in range(1, order + 1):
+            near = 3.0 * weight * coefficient(square, k - m)
+            far = 3.0 * weight * (square[k + m] if k + m <= 2 * order else 0j)
+            jacobian[2 * k - 1, 2 * m - 1] += (near + far).real
+            jacobian[2 * k, 2 * m - 1] -= (near + far).imag
+            jacobian[2 * k - 1, 2 * m] += (near - far).imag
+            jacobian[2 * k, 2 * m] += (near - far).real
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), shared=True)
@@ -114,6 +166,8 @@ def residual_and_jacobian(parameters, parameter_slope, y, residual, jacobian):
             jacobian[2 * k - 1, 2 * m - 1], jacobian[2 * k, 2 * m - 1] = row.real, -row.imag
             row = -1j * (near - far)
             jacobian[2 * k - 1, 2 * m], jacobian[2 * k, 2 * m] = row.real, -row.imag
+    if parameters[CUBIC] != 0.0:
+        _add_cubic(parameters, parameter_slope, y, residual, jacobian)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))

@@ -30,6 +30,7 @@ from solver.model.gear_model import Model
 from solver.model.packing import check_axis, packed
 from solver.model.parameters import (
     BACK_GAP,
+    CUBIC,
     DASHPOT,
     DEGREES,
     F_PM,
@@ -302,7 +303,7 @@ def fill_system_quantities(parameters, parameter_slope, values, motions, found):
     """Fill found (k, 13), by `Slot`, for motions (k, n) of a `ContactSystem` at axis values (k,).
 
     Read of lambda and of the force at the front flank: there is no transmission error and no support, which are nan, as
-    is a force over one that does not press the front flank at rest.
+    is a force over one that does not press the front flank at rest, and one beside a cubic spring.
 
     Parameters
     ----------
@@ -321,7 +322,7 @@ def fill_system_quantities(parameters, parameter_slope, values, motions, found):
         p, u = values[i], motions[i]
         count = _read_displacement(parameters, parameter_slope, u, p, angles, zones, found[i])
         static, share = _static_force(parameters, parameter_slope, p)
-        if static > 0.0 and math.isfinite(share):
+        if static > 0.0 and math.isfinite(share) and parameters[CUBIC] == 0.0:
             front = number_at(parameters, parameter_slope, p, FRONT_GAP)[0]
             largest = _largest_force(parameters, parameter_slope, u, p, share, front, 1.0, count, angles)
             found[i, 9] = largest / static

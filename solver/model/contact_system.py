@@ -1,6 +1,6 @@
 """Any linear system with one contact coordinate: the form in which stability and direct integration see a gear pair.
 
-    M y'' + C y' + K y + h [f(lambda) + c_c f(lambda)'] + h_v s(tau) f(lambda) = load
+    M y'' + C y' + K y + h [f(lambda) + c_c f(lambda)' + k_3 lambda^3] + h_v s(tau) f(lambda) = load
     load = sum_l Re[(F_l + (l Omega)^2 F^i_l) exp(i l Omega tau)]
     lambda = w . y,    s(tau) = sum_l alpha_l cos(l Omega tau + Phi_kl)
     f(lambda) = lambda - front for lambda > front,  r (lambda + back) for lambda < -back,  0 between
@@ -8,10 +8,12 @@
 A one-sided contact has an infinite back gap; r is the stiffness of the back flank over that of the front one. c_c is a
 damper that acts while the teeth touch only: f' is lambda' at the front flank, r lambda' at the back one and 0 between.
 Its force jumps where contact begins and ends, and pulls where the teeth part fast enough: the plain law, nothing is cut
-off. The spur pair of one degree of freedom, the geared rotor, and a mass
-against a stop are instances; so is the bevel pair (`gear_system`), whose supports of equal frequency and damping move
-only along d and merge into one coordinate each, exactly (docs/physics.md, section 3): with all of them alike, two
-coordinates remain of seven.
+off. k_3 is a cubic spring beside the contact, which acts in the gap as well; with it there is no first-order balance,
+no proof, no boundary and no search for attractors.
+
+The spur pair of one degree of freedom, the geared rotor, and a mass against a stop are instances; so is the bevel pair
+(`gear_system`), whose supports of equal frequency and damping move only along d and merge into one coordinate each,
+exactly (docs/physics.md, section 3): with all of them alike, two coordinates remain of seven.
 """
 
 import dataclasses
@@ -33,7 +35,7 @@ from solver.model.checks import (
 from solver.model.condensation import NO_COUPLING
 from solver.model.gear_model import Harmonics, Model, harmonic_pairs
 
-__all__ = ["SYSTEM_AXES", "ContactSystem", "gear_system", "in_motion", "reduced", "support_kinds"]
+__all__ = ["SYSTEM_AXES", "ContactSystem", "gear_system", "in_motion", "reduced", "refuse_cubic", "support_kinds"]
 
 #: What may be varied of a `ContactSystem`: the frequency; both gaps, or a factor on them; amplitude and phase (rad) of
 #: the first harmonic of the stiffness; factors on the mean load and on all that oscillates of the load; a damper that
@@ -76,7 +78,9 @@ class ContactSystem:
         r > 0, the stiffness of the back flank over that of the front one.
     contact_dashpot : float
         c_c >= 0, the damping of touching teeth over the stiffness of the contact, in units of tau. A damper that acts
-        in the gap as well is a part of `damping`.
+        the gap as well is a part of `damping`.
+    cubic : float
+        k_3, the stiffness of a cubic spring of lambda over that of the contact, per square of length.
 
     Raises
     ------
@@ -97,6 +101,7 @@ class ContactSystem:
     inertial_load: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
     back_stiffness: float = 1.0
     contact_dashpot: float = 0.0
+    cubic: float = 0.0
 
     def __post_init__(self):
         n = finite_array("contact", self.contact, (None,)).size
@@ -131,7 +136,7 @@ class ContactSystem:
             allowed = "finite in front, and at the back at least -front_gap (infinite for a one-sided contact)"
             raise ParameterError("front_gap, back_gap", (self.front_gap, self.back_gap), allowed)
         object.__setattr__(self, "stiffness_harmonics", harmonic_pairs("stiffness_harmonics", self.stiffness_harmonics))
-        for name, bound in (("back_stiffness", {"above": 0.0}), ("contact_dashpot", {"at_least": 0.0})):
+        for name, bound in (("back_stiffness", {"above": 0.0}), ("contact_dashpot", {"at_least": 0.0}), ("cubic", {})):
             object.__setattr__(self, name, finite_number(name, getattr(self, name), **bound))
 
     def _set(self, name, shape, kind):
@@ -160,7 +165,7 @@ class ContactSystem:
     @property
     def bounded_change(self) -> bool:
         """Whether the contact force is a linear one but for a bounded part, so that a balance has a known degree."""
-        return self.two_sided and self.back_stiffness == 1.0
+        return self.two_sided and self.back_stiffness == 1.0 and self.cubic == 0.0
 
     @property
     def held(self) -> bool:
@@ -201,7 +206,7 @@ class ContactSystem:
         return dataclasses.replace(self, **{axis: value * getattr(self, axis)})
 
     def contact_force(self, displacement) -> np.ndarray:
-        """f at displacements lambda of any shape; raises ParameterError if they are no finite numbers."""
+        """f alone, at displacements of any shape; raises ParameterError if they are no finite numbers."""
         displacement = finite_array("displacement", displacement, None)
         front = np.maximum(displacement - self.front_gap, 0.0)
         if not self.two_sided:
@@ -235,6 +240,12 @@ class ContactSystem:
         if omega.ndim and omega.shape[-2:] != (1, 1):
             raise ParameterError("omega", f"array of shape {omega.shape}", "a number or of shape (..., 1, 1)")
         return self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
+
+
+def refuse_cubic(system: Model | ContactSystem, purpose: str) -> None:
+    """Raise ParameterError if a system has a cubic spring, which serves no such purpose."""
+    if isinstance(system, ContactSystem) and system.cubic != 0.0:
+        raise ParameterError("cubic", system.cubic, f"0 {purpose}")
 
 
 @lru_cache(maxsize=8)

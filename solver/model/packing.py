@@ -13,6 +13,7 @@ from solver.model.parameters import (
     BACK_GAP,
     BACK_STIFFNESS,
     CONE,
+    CUBIC,
     DASHPOT,
     DEGREES,
     F_E,
@@ -214,7 +215,7 @@ def dead_zone_ends(system: Model | ContactSystem, axis: str, values: np.ndarray)
 
 def bounded_change(parameters: np.ndarray) -> bool:
     """`ContactSystem.bounded_change` of what `packed` gives."""
-    return bool(np.isfinite(parameters[BACK_GAP]) and parameters[BACK_STIFFNESS] == 1.0)
+    return bool(np.isfinite(parameters[BACK_GAP]) and parameters[BACK_STIFFNESS] == 1.0 and parameters[CUBIC] == 0.0)
 
 
 def packed(system: Model | ContactSystem, axis: str, omega: float | None, order: int, period: int):
@@ -304,7 +305,7 @@ def _system_vector(system: ContactSystem, sizes: tuple, omega: float) -> np.ndar
     head = np.zeros(PAIRS)
     head[[KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, DEGREES, SIGN]] = SYSTEM, *sizes
     head[[MESH_FREQUENCY, FRONT_GAP, BACK_GAP]] = omega, system.front_gap, system.back_gap
-    head[[BACK_STIFFNESS, DASHPOT]] = system.back_stiffness, system.contact_dashpot
+    head[[BACK_STIFFNESS, DASHPOT, CUBIC]] = system.back_stiffness, system.contact_dashpot, system.cubic
     pairs = np.array(system.stiffness_harmonics or ((0.0, 0.0),), dtype=float)
     loads = [np.zeros((sizes[3] + 1, system.degrees), dtype=complex) for _ in range(2)]
     for target, source in zip(loads, (system.load, system.inertial_load), strict=True):

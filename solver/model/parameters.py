@@ -25,9 +25,10 @@ KAPPA, XI_TRANSLATION, XI_SUPPORT, K_SUPPORT = 11, 13, 15, 21
 CONE, PRESSURE, SIGMA, ROTATION, ROTATION_GEOMETRIC, VARIATION_T, VARIATION_R, GEAR_SIZE = range(27, 35)
 
 # Header of a system: its kind, H, nu, N, L, n, the sign of its static balance, Omega, both gaps, and of the contact law
-# the stiffness of the back flank over that of the front one and the dashpot of touching teeth; then N pairs.
+# the stiffness of the back flank over that of the front one, the dashpot of touching teeth and the cubic spring; then N
+# pairs.
 KIND, HARMONICS, PERIOD, STIFFNESSES, LOADS, DEGREES, SIGN, MESH_FREQUENCY, FRONT_GAP, BACK_GAP = range(10)
-BACK_STIFFNESS, DASHPOT, PAIRS = range(10, 13)
+BACK_STIFFNESS, DASHPOT, CUBIC, PAIRS = range(10, 14)
 GEAR, SYSTEM = 0.0, 1.0
 
 # Header of a plane: contact of either flank; with contact angles the grazed flank's slot of y, its level and the size

@@ -20,6 +20,7 @@ from solver.continuation.solution_curve import Curve
 from solver.enumeration.condensed import UnprovableError
 from solver.enumeration.solutions import Proof, RowSolutions, enumerate_values
 from solver.model.checks import ParameterError, ascending_grid, instance_of, whole_number
+from solver.model.contact_system import ContactSystem
 from solver.rows.coverage import CorrectedCoverage, Coverage, ProvenCoverage
 from solver.rows.degree import grown_solution
 from solver.rows.span import RowError, RowSpan, runs
@@ -27,7 +28,7 @@ from solver.rows.span import RowError, RowSpan, runs
 __all__ = ["Branches", "LiftedSeeds", "LinearSeeds", "ProvenSeeds", "Seeds", "proven_solutions", "spread_columns"]
 
 #: Of `LinearSeeds`: values at which the degree is looked at, how often, and when two solutions are one.
-_PROBES, _PASSES, _SAME = 97, 4, 1e-6
+_PROBES, _PASSES, _SAME, _PLACES = 97, 4, 1e-6, 9
 #: Of guesses at order H: every so many values of the axis, amplitudes in units of lambda's size, and number of phases.
 _EVERY, _AMPLITUDES, _PHASES = 14, (0.7, 1.6), 4
 #: Amplitudes of the subharmonics that are added to known motions, and the smallest step where such are followed.
@@ -182,7 +183,11 @@ def proven_solutions(span: RowSpan, probes: np.ndarray) -> RowSolutions:
 
 @dataclass(frozen=True)
 class LinearSeeds:
-    """Starts from the linear pair without backlash at both ends of the range, and where the degree does not add up."""
+    """Starts from the linear pair without backlash at both ends of the range, and where the degree does not add up.
+
+    Of a contact that is no bounded change of a linear one no degree is known: branches start from what Newton's method
+    finds at a few places, and the notes say so.
+    """
 
     def branches(self, span: RowSpan, grid: np.ndarray) -> Branches:
         """The branches found; isolas, whose signs cancel, are not among them.
@@ -194,6 +199,8 @@ class LinearSeeds:
         """
         _checked(span, grid)
         coverage, starts = Coverage(span, np.linspace(span.low, span.high, _PROBES)), [span.low, span.high]
+        if isinstance(span.system, ContactSystem) and not span.system.bounded_change:
+            return self._guessed(span)
         for _ in range(_PASSES):
             before = len(coverage.branches)
             for p in starts:
@@ -204,6 +211,20 @@ class LinearSeeds:
             if len(coverage.branches) == before or not starts:
                 break
         return Branches(coverage.curves)
+
+    @staticmethod
+    def _guessed(span: RowSpan) -> Branches:
+        """Branches through what guesses of the mean and one harmonic lead to at a few places of the row."""
+        curves: tuple[Curve, ...] = ()
+        guesses = _single_harmonics(span)
+        for p in np.linspace(span.low, span.high, _PLACES):
+            found = span.corrected(np.column_stack([guesses, np.full(len(guesses), p)]))
+            for start in found[np.all(np.isfinite(found), axis=1)]:
+                if not any(_lies_on(span, curve, start) for curve in curves):
+                    curve = span.traced(start)
+                    curves += (curve,) if len(curve.points) > 1 else ()
+        note = f"Nothing tells whether other branches than those met at {_PLACES} values of {span.axis} are missing."
+        return Branches(curves, notes=(note,))
 
     @staticmethod
     def _new_curve(span: RowSpan, p: float, curves: tuple[Curve, ...]) -> Curve | None:

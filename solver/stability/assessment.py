@@ -1,7 +1,7 @@
 """Dynamic stability of many motions: monodromy matrices, multipliers, and what they say.
 
-Deviations from a motion that never switches contact depend on the linear system and the frequency alone: what several
-motions of one call share so is computed once.
+Deviations from a motion that never switches contact depend on the linear system and the frequency alone, unless there
+is a cubic spring: what several motions of one call share so is computed once.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.continuation.problem import Balance
-from solver.flow.switched_system import FREQUENCY, SWITCHED_SYSTEM, strength_of
+from solver.flow.switched_system import CUBIC, FREQUENCY, SWITCHED_SYSTEM, strength_of
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_array, finite_number, has_methods, number_array, whole_number
@@ -94,7 +94,8 @@ def _assess(parameters, parameter_slope, values, motions, tolerance, bits, tests
         room = fitted_room(parameters, parameter_slope, values[k], room)
         count = find_switches(motions[k], room)
         zone = 1 if room.zones[0] != 0 else 0
-        if count == 0:
+        alike = count == 0 and room.system.numbers[CUBIC] == 0.0
+        if alike:
             linear = _linear_system(room.system, room.zones[0])
             if _equal(linear, closed if zone == 1 else free):
                 bits[k] = known_bits[zone]
@@ -110,7 +111,7 @@ def _assess(parameters, parameter_slope, values, motions, tolerance, bits, tests
         eigenvalues(room.matrix, real, imaginary)
         bits[k] = where_multipliers_lie(real, imaginary, tolerance)
         spectral_tests(real, imaginary, tests[k])
-        if count == 0:
+        if alike:
             known_bits[zone] = bits[k]
             for i in range(TESTS):
                 known_tests[zone, i] = tests[k, i]

@@ -65,19 +65,21 @@ _TURN = 2.0 * math.pi
 
 
 class Room(NamedTuple):
-    """What `monodromy_at` works in: the system at p, series and states of the deviations, the motion's contact angles
-    and the zones that begin there, the result, and room for its multipliers (2, 2 n)."""
+    """What `monodromy_at` works in: the system at p, series and states of the deviations, the motion behind its
+    frequency Omega/nu (2 H + 2,), its contact angles and the zones that begin there, the result, and room for its
+    multipliers (2, 2 n)."""
 
     system: SwitchedSystem
     series: BlockSeries
     states: np.ndarray
+    motion: np.ndarray
     angles: np.ndarray
     zones: np.ndarray
     matrix: np.ndarray
     multipliers: np.ndarray
 
 
-ROOM = types.NamedTuple((SWITCHED_SYSTEM, BLOCK_SERIES, BLOCKS, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
+ROOM = types.NamedTuple((SWITCHED_SYSTEM, BLOCK_SERIES, BLOCKS, ARRAY, ARRAY, types.int64[::1], MATRIX, MATRIX), Room)
 
 
 @kernel(ROOM(_I, _I, _I), inner=True, shared=True)
@@ -87,6 +89,7 @@ def _room(degrees, stiffnesses, unknowns):
         new_system(degrees, stiffnesses),
         new_block_series(degrees, columns),
         np.empty((count_blocks(columns), columns, 4)),
+        np.empty(unknowns + 1),
         np.empty(2 * unknowns + 8),
         np.empty(2 * unknowns + 8, np.int64),
         np.empty((columns, columns)),
@@ -132,8 +135,10 @@ def fitted_room(parameters, parameter_slope, p, room):
 
 @kernel(_I(ARRAY, ROOM), inner=True)
 def find_switches(motion, room):
-    """Fill in the contact angles and zones of a motion; the number of its switches."""
+    """Fill in a motion, its contact angles and zones; the number of its switches."""
     numbers = room.system.numbers
+    for j in range(motion.shape[0]):
+        room.motion[1 + j] = motion[j]
     return contact_arcs(motion, numbers[HIGH], -numbers[LOW], room.angles, room.zones)
 
 
@@ -153,12 +158,13 @@ def carry_through(count, period, room):
     system, angles, zones = room.system, room.angles, room.zones
     set_identity(room.states)
     scale = period / system.numbers[FREQUENCY]
+    room.motion[0] = 1.0 / scale
     # A motion that starts in the middle of a piece: the piece before the first switch is the end of the last one.
     zone, begin, whole = zones[max(count - 1, 0)], 0.0, True
     for piece in range(count + 1):
         end = angles[piece] if piece < count else _TURN
         if whole and end > begin:
-            whole = carry_deviations(system, zone, begin * scale, end * scale, room.states, room.series)
+            whole = carry_deviations(system, zone, begin * scale, end * scale, room.motion, room.states, room.series)
         if piece < count:
             change_contact(system, zone, zones[piece], room.states)
             zone, begin = zones[piece], end

@@ -2,7 +2,8 @@
 
 The map restarts the clock at each period, so that phases do not lose digits over thousands of them. Extremes and
 Fourier integrals of lambda are taken from the polynomials of each step, exactly up to rounding; small deviations are
-carried along by the linear equation of the zone. The contact force is continuous, so nothing jumps in them at a switch.
+carried along by the linear equation of the zone. Where a cubic spring makes it nonlinear,
+`solver.timedomain.series_map` carries one motion after the other.
 """
 
 import math
@@ -16,7 +17,14 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_number, frequency, instance_of, whole_number
 from solver.model.contact_system import ContactSystem
-from solver.timedomain.integrator import COMPLETE, Status, checked_state, checked_states, checked_tolerance
+from solver.timedomain.integrator import (
+    COMPLETE,
+    Status,
+    checked_state,
+    checked_states,
+    checked_system,
+    checked_tolerance,
+)
 from solver.timedomain.polynomial import add_fourier
 from solver.timedomain.section_map import (
     BEGIN,
@@ -29,6 +37,7 @@ from solver.timedomain.section_map import (
     new_steps,
     widen_over,
 )
+from solver.timedomain.series_map import carry_by_series, measured_by_series
 
 __all__ = ["Measurement", "Sections", "add_harmonics", "advance", "growth", "measure", "monodromy"]
 
@@ -196,7 +205,15 @@ def advance(
     current = checked_states(system, states)
     sections = np.empty((len(current), checked_count("periods", periods), current.shape[1]))
     status = np.empty(len(current), np.int64)
-    flows, ceiling = checked_flows(system, omega, tolerance), checked_ceiling(ceiling)
+    ceiling = checked_ceiling(ceiling)
+    if system.cubic != 0.0:
+        loaded, tolerance = checked_system(system, omega), checked_tolerance(tolerance)
+        for row, state in enumerate(current):
+            sections[row], _, status[row] = carry_by_series(
+                loaded, state, sections.shape[1], tolerance, ceiling, deviations=False
+            )
+        return Sections(sections, status)
+    flows = checked_flows(system, omega, tolerance)
     _advance(flows, current, ceiling, sections, status)
     return Sections(sections, status)
 
@@ -242,9 +259,18 @@ def measure(
     current = checked_state(system, state)
     periods, divisor = checked_count("periods", periods), checked_count("divisor", divisor)
     sums, extremes = np.zeros((checked_count("order", order, 0, 10_000) + 1, 2)), np.array([math.inf, -math.inf])
-    flows, switches = checked_flows(system, omega, tolerance), np.zeros(1, np.int64)
-    ceiling = checked_ceiling(ceiling)
-    status = Status(_measure(flows, current, periods, ceiling, extremes, sums, omega / divisor, switches))
+    ceiling, switches = checked_ceiling(ceiling), np.zeros(1, np.int64)
+    if system.cubic != 0.0:
+        rates, tolerance = np.arange(len(sums)) * frequency(omega) / divisor, checked_tolerance(tolerance)
+        current, integrals, *extremes, switches[0], status = measured_by_series(
+            system, omega, current, periods, rates, tolerance
+        )
+        sums[:, 0], sums[:, 1] = integrals.real, -integrals.imag
+        if not abs(system.contact @ current[: system.degrees]) <= ceiling:
+            status = Status.CEILING
+    else:
+        flows = checked_flows(system, omega, tolerance)
+        status = Status(_measure(flows, current, periods, ceiling, extremes, sums, omega / divisor, switches))
     if status is not Status.COMPLETE:
         return Measurement(current, np.full(len(sums), np.nan + 0j), math.nan, math.nan, 0, status)
     harmonics = (sums[:, 0] - 1j * sums[:, 1]) * omega / (math.pi * periods)
@@ -280,11 +306,16 @@ def monodromy(
 
     Notes
     -----
-    The contact force is continuous, so that the matrices of the smooth pieces multiply (docs/physics.md, section 6.2).
+    The matrices of the smooth pieces multiply, and those of the switches where they are not 1 (docs/physics.md, section
+    6.2).
     """
     current = checked_state(system, state)
-    periods, flows = checked_count("periods", periods), checked_flows(system, omega, tolerance)
-    ceiling = checked_ceiling(ceiling)
+    periods, ceiling = checked_count("periods", periods), checked_ceiling(ceiling)
+    if system.cubic != 0.0:
+        loaded, tolerance = checked_system(system, omega), checked_tolerance(tolerance)
+        sections, matrix, status = carry_by_series(loaded, current, periods, tolerance, ceiling, deviations=True)
+        return sections[-1], matrix, status
+    flows = checked_flows(system, omega, tolerance)
     # Rows of the kernel's array are columns of the matrix.
     tangents = np.eye(current.size)
     status = _carry(flows, current, tangents, periods, ceiling, np.empty(0))

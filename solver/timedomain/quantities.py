@@ -375,7 +375,7 @@ def _quantities(flows, gauge, state, periods, values):
 
 
 def system_gauges(system: ContactSystem, rest: np.ndarray, front: np.ndarray) -> tuple[Gauge, ...]:
-    """What is read of a system that is no gear pair: the force over that at rest in contact.
+    """What is read of a system that is no gear pair: the force over that at rest, where that presses the front flank.
 
     Parameters
     ----------
@@ -390,6 +390,7 @@ def system_gauges(system: ContactSystem, rest: np.ndarray, front: np.ndarray) ->
     share = float(varying @ force / (force @ force))
     share = share if np.allclose(varying, share * force, rtol=1e-12, atol=0.0) else np.nan
     closed = rest @ system.contact - front
+    closed = np.where(closed > 0.0, closed, np.nan)
     return tuple(Gauge(np.array([share, at, 0.0]), np.empty((0, 2)), np.empty(0), np.empty((0, 0))) for at in closed)
 
 

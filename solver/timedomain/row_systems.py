@@ -9,7 +9,7 @@ from solver.flow.switched_system import DASHPOT, FREQUENCY, HIGH, LOW, NUMBERS, 
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.model.contact_system import ContactSystem, reduced
+from solver.model.contact_system import ContactSystem, reduced, refuse_cubic
 from solver.model.gear_model import Model
 from solver.model.packing import packed
 from solver.model.parameters import LOADS, STIFFNESSES
@@ -126,6 +126,7 @@ def row_systems(system: Model | ContactSystem, axis: str, values: np.ndarray, om
     omega : float or None
         The mesh frequency, unless it is the axis.
     """
+    refuse_cubic(system, "for attractors")
     parameters, slope = packed(system, axis, omega, 1, 1)
     degrees = np.empty(values.size, np.int64)
     _count(parameters, slope, values, degrees)

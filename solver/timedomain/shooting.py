@@ -11,10 +11,11 @@ from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.model.checks import ParameterError, finite_array, finite_number, frequency, instance_of
 from solver.model.contact_system import ContactSystem, in_motion, reduced
-from solver.timedomain.integrator import checked_state, checked_tolerance, with_the_rest
+from solver.timedomain.integrator import checked_state, checked_system, checked_tolerance, with_the_rest
 from solver.timedomain.orbits import CONVERGED, ShootingStatus, close_orbit, minimal_period, new_orbit
 from solver.timedomain.poincare import checked_count, checked_flows, measure
 from solver.timedomain.section_map import new_room
+from solver.timedomain.series_map import closed_by_series
 
 __all__ = ["PeriodicOrbit", "ShootingStatus", "orbit_state", "shoot"]
 
@@ -137,11 +138,21 @@ def shoot(
         )
         orbit = shoot(reduced(system), omega, current[kept], period, **settings)
         return replace(orbit, state=with_the_rest(system, orbit.state))
-    matrix, outcome = np.empty((current.size, current.size)), np.full(3, np.nan)
-    # A diverging iterate must not run into overflow: far above any length of the system it is given up.
-    ceiling = 1e8 * max(1.0, float(np.max(np.abs(current))))
-    flows = checked_flows(system, omega, integration_tolerance)
-    status = ShootingStatus(_shoot(flows, current, period, tolerance, max_iterations, ceiling, matrix, outcome))
+    outcome = np.full(3, np.nan)
+    if system.cubic != 0.0:
+        loaded = checked_system(system, omega)
+        current, matrix, *outcome = closed_by_series(
+            loaded, current, period, tolerance, max_iterations, integration_tolerance
+        )
+        wanted = tolerance * max(1.0, float(np.max(np.abs(current))))
+        status = ShootingStatus.CONVERGED if outcome[0] <= wanted else ShootingStatus.NOT_CONVERGED
+        status = status if matrix is not None else ShootingStatus.INTEGRATION_FAILED
+    else:
+        matrix = np.empty((current.size, current.size))
+        # A diverging iterate must not run into overflow: far above any length of the system it is given up.
+        ceiling = 1e8 * max(1.0, float(np.max(np.abs(current))))
+        flows = checked_flows(system, omega, integration_tolerance)
+        status = ShootingStatus(_shoot(flows, current, period, tolerance, max_iterations, ceiling, matrix, outcome))
     gap, iterations = float(outcome[0]), int(outcome[1])
     if status is not ShootingStatus.CONVERGED:
         return _failure(current, period, order, gap, iterations, status)
@@ -177,7 +188,7 @@ def orbit_state(
 
     The contact force f of that lambda acts on the linear system,
 
-        Z(k Omega / p) Y_k = F_k - (1 + i (k Omega / p) c_c) h f_k - h_v (s f)_k
+        Z(k Omega / p) Y_k = F_k - (1 + i (k Omega / p) c_c) h f_k - h_v (s f)_k - k_3 h (lambda^3)_k
 
     Where Z is singular (a mean that the contact alone carries) the harmonic of lambda itself is imposed instead.
 
@@ -220,6 +231,8 @@ def orbit_state(
     loads[::period] = system.load_harmonics(omega, highest // period)
     rates = np.arange(highest + 1) * omega / period
     plain = plain * (1.0 + 1j * rates * system.contact_dashpot)
+    if system.cubic != 0.0:
+        plain = plain + system.cubic * _one_sided(displacement**3, highest)
     right = loads - plain[:, None] * system.force - varied[:, None] * system.varying_force
     stiffness = system.dynamic_stiffness(rates[:, None, None])
     regular = np.linalg.cond(stiffness) < 1e12

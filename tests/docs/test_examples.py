@@ -99,6 +99,7 @@ def stand_ins(monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
     sizes = ["plane.sweep.num=101", "plane.parameter.num=11", "cluster=none"]
     monkeypatch.setattr("pipeline.api.compose", lambda overrides, folder: compose([*overrides, *sizes], folder))
+    monkeypatch.setattr("pipeline.analysis.diagram.options.FEWEST_COLUMNS", 40)
 
     class Queue:
         scheduler_address = "tcp://127.0.0.1:8786"

@@ -7,7 +7,9 @@ import sys
 import time
 from pathlib import Path
 
-__all__ = ["Scheduler", "wait_until"]
+from distributed import Client
+
+__all__ = ["Scheduler", "there", "wait_until"]
 
 ROOT = Path(__file__).parents[2]
 
@@ -18,6 +20,13 @@ def wait_until(happens, seconds: float = 120.0) -> None:
     while not happens():
         assert time.monotonic() < deadline
         time.sleep(0.02)
+
+
+def there(scheduler: "Scheduler", count: int) -> set[str]:
+    """Wait until a scheduler has so many workers; their addresses."""
+    with Client(scheduler.address, set_as_default=False) as onlooker:
+        wait_until(lambda: len(onlooker.nthreads()) == count)
+        return set(onlooker.nthreads())
 
 
 class Scheduler:

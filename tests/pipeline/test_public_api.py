@@ -36,7 +36,7 @@ def plane(tmp_path_factory):
     planned = small_plan(*SIZES, "plane=omega_fe")
     traced_store(path, planned)
     words = [*SIZES, "plane=omega_fe", "stages=[attractors]", "cluster=none", "store.name=omega_fe"]
-    few = ["attractors.columns=3", "attractors.rows=2", "attractors.starts=1"]
+    few = ["attractors.columns=3", "attractors.rows=2", "attractors.starts=1", "attractors.branches=2"]
     folders = [f"store.root={path.parent}", f"output.root={path.parent / 'outputs'}"]
     assert main([*words, *few, *folders]) == 0
     return pipeline.open_plane(path)
@@ -143,6 +143,7 @@ CALLS = {
     "pipeline.study.statements.evaluate_all": lambda plane: {"planes": argument({}, WRONG_PLANES)},
     "pipeline.thresholds": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr"), **window(plane)},
     "pipeline.api.OpenPlane.attractors_at": lambda plane: {"self": plane, **place()},
+    "pipeline.api.OpenPlane.isolated_branches": lambda plane: {"self": plane, **row()},
     "pipeline.api.OpenPlane.basin_share": lambda plane: {
         "self": plane,
         "what": argument("2T", (*NAME, "2t", "1T/7", "9T", {})),

@@ -1,4 +1,4 @@
-"""Contact laws beside the plain dead zone: flanks of unequal stiffness, and damping of touching teeth alone.
+"""Contact laws beside the plain dead zone: flanks of unlike stiffness, damping of touching teeth, a cubic spring.
 
 Every law goes through the balances, stability, boundaries and integration; each is held against an independent method.
 """
@@ -9,8 +9,22 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import simpson
+from scipy.special import ellipk
 
-from solver import ContactSystem, DescribingFunction, Event, ParameterError, Proof, all_solutions, solve
+from solver import (
+    ContactSystem,
+    DescribingFunction,
+    Event,
+    FreeVibrationStatus,
+    LiftedSeeds,
+    ParameterError,
+    Proof,
+    all_solutions,
+    free_vibration,
+    solve,
+    sweep_row,
+)
 from solver.boundaries import BIFURCATIONS
 from solver.boundaries.first_order import FirstOrderProblem
 from solver.boundaries.harmonic import HarmonicProblem
@@ -20,8 +34,18 @@ from solver.harmonic.galerkin import Galerkin
 from solver.harmonic.quantities import fill_system_quantities
 from solver.model.packing import packed
 from solver.stability import motion_multipliers
-from solver.timedomain import AttractorKind, find_attractors, integrate, monodromy, orbit_state, shoot
-from solver.timedomain.poincare import advance
+from solver.timedomain import (
+    AttractorKind,
+    advance,
+    find_attractors,
+    growth,
+    integrate,
+    measure,
+    monodromy,
+    orbit_state,
+    shoot,
+    trajectory,
+)
 from tests.solver.enumeration.test_systems import by_newton
 from tests.solver.harmonic.projection import evaluated
 from tests.solver.timedomain.systems import scipy_motion
@@ -32,7 +56,13 @@ LAWS = {
     "dashpot": dict(contact_dashpot=0.2),
     "both": dict(back_stiffness=0.5, contact_dashpot=0.15),
 }
+CUBIC = {
+    "cubic": dict(cubic=0.4),
+    "softening": dict(cubic=-0.05, back_stiffness=2.0),
+    "cubic and dashpot": dict(cubic=0.3, contact_dashpot=0.1, back_stiffness=0.6),
+}
 laws = pytest.mark.parametrize("law", list(LAWS.values()), ids=list(LAWS))
+all_laws = pytest.mark.parametrize("law", [*LAWS.values(), *CUBIC.values()], ids=[*LAWS, *CUBIC])
 OMEGA = 0.9
 
 
@@ -71,15 +101,15 @@ def sampled(system: ContactSystem, balance: Galerkin, motion, samples: int = 2**
 # Balances ------------------------------------------------------------------------------------------------------------
 
 
-@laws
+@all_laws
 @pytest.mark.parametrize("balance", [Galerkin(3), Galerkin(2, 2)], ids=repr)
 def test_the_balance_is_the_projection_of_the_law(law, balance):
     """The damper's force is sampled as what it is, c_c lambda' while the teeth touch."""
     system, base = pair(**law), OMEGA / balance.period
     for seed in range(3):
         u = random_motion(balance.harmonics, seed)
-        theta, _, speed, force, slope = sampled(system, balance, u)
-        plain = force + system.contact_dashpot * slope * speed * base
+        theta, place, speed, force, slope = sampled(system, balance, u)
+        plain = force + system.contact_dashpot * slope * speed * base + system.cubic * place**3
         varied = force * sum(
             size * np.cos(l * balance.period * theta + phase)
             for l, (size, phase) in enumerate(system.stiffness_harmonics, 1)
@@ -99,11 +129,11 @@ def test_the_balance_is_the_projection_of_the_law(law, balance):
             assert abs(ratio - 2.0 ** np.round(np.log2(abs(ratio)))) < 2e-3 / scale
 
 
-@laws
+@all_laws
 @pytest.mark.parametrize("axis", ["omega", "gap_scale", "contact_damping"])
 def test_jacobians_are_differences(law, axis):
     system = pair(**law)
-    for balance in (Galerkin(3), Galerkin(2, 2), DescribingFunction()):
+    for balance in (Galerkin(3), Galerkin(2, 2), *(() if system.cubic else (DescribingFunction(),))):
         problem = balance.problem(system, axis, 0.2, 2.0, OMEGA)
         for seed in range(4):
             y = np.append(random_motion(problem.unknowns // 2, seed), 0.93)
@@ -143,7 +173,7 @@ def test_a_dashpot_without_a_gap_is_a_damper():
 # Integration and stability -------------------------------------------------------------------------------------------
 
 
-@laws
+@all_laws
 def test_motions_are_those_of_an_independent_integrator(law):
     system, start, stop = pair(**law), np.array([0.9, -0.4, 0.1, 0.6]), 25.0
     expected, switches = scipy_motion(system, OMEGA, start, stop)
@@ -153,7 +183,7 @@ def test_motions_are_those_of_an_independent_integrator(law):
     np.testing.assert_allclose(found.switch_times, switches, rtol=0, atol=1e-9)
 
 
-@laws
+@all_laws
 def test_orbits_of_high_order_are_those_of_shooting(law):
     system, balance = pair(**law), Galerkin(31)
     found = solve(system, np.append([0.0, 0.8, 0.3], np.zeros(60)), OMEGA, balance=balance)
@@ -171,7 +201,7 @@ def test_orbits_of_high_order_are_those_of_shooting(law):
     assert found.stable == (np.prod(1.0 - orbit.multipliers).real > 0.0)
 
 
-@laws
+@all_laws
 def test_the_monodromy_matrix_is_the_slope_of_the_map(law):
     system, start = pair(**law), np.array([0.9, -0.4, 0.1, 0.6])
     _, matrix, _ = monodromy(system, OMEGA, start, 2)
@@ -271,6 +301,85 @@ def test_the_largest_force_of_a_balance(law):
         np.testing.assert_allclose(values[0, 9], largest_force(system, theta / OMEGA, place, OMEGA * speed), rtol=1e-3)
 
 
+# A cubic spring ------------------------------------------------------------------------------------------------------
+
+
+def test_free_vibration_of_a_cubic_spring():
+    """x'' + x + k_3 x^3 = 0 has the period 4 K(m)/w, w^2 = 1 + k_3 A^2, m = k_3 A^2/(2 w^2) (Duffing's equation)."""
+    duffing, highest = (
+        ContactSystem([[1.0]], [[0.0]], [[0.0]], [1.0], [1.0], 0.0, 0.0, cubic=0.5),
+        np.array([0.5, 2.0, 5.0]),
+    )
+    found = free_vibration(duffing, highest, order=21)
+    square = 1.0 + 0.5 * highest**2
+    expected = 0.5 * np.pi * np.sqrt(square) / ellipk(0.5 * 0.5 * highest**2 / square)
+    assert np.all(found.status == FreeVibrationStatus.CONVERGED)
+    np.testing.assert_allclose(found.omega, expected, rtol=1e-10)
+
+
+def test_free_vibration_says_why_there_is_none():
+    """The load presses the mass away from the only stop."""
+    stop = ContactSystem([[1.0]], [[0.0]], [[0.0]], [1.0], [1.0], 1.0, load=[[-1.0]])
+    found = free_vibration(stop, [2.0])
+    assert np.isnan(found.omega[0])
+    assert FreeVibrationStatus(int(found.status[0])) is FreeVibrationStatus.NO_MEAN
+
+
+def test_a_motion_through_series_is_measured_as_by_its_trajectory():
+    system, start, periods = pair(**CUBIC["cubic and dashpot"]), np.array([0.9, -0.4, 0.1, 0.6]), 3
+    found = measure(system, OMEGA, start, periods, divisor=3, order=4, tolerance=1e-12)
+    motion = integrate(system, OMEGA, start, 0.0, periods * 2.0 * np.pi / OMEGA, tolerance=1e-13)
+    times = np.linspace(0.0, motion.times[-1], 60_001)
+    place = motion.displacement(times)
+    np.testing.assert_allclose(found.state, motion.states[-1], rtol=0, atol=1e-9)
+    np.testing.assert_allclose([found.lowest, found.highest], [place.min(), place.max()], rtol=0, atol=1e-6)
+    assert found.switches == motion.switch_times.size
+    for k, harmonic in enumerate(found.harmonics):
+        integral = simpson(place * np.exp(-1j * k * OMEGA / 3 * times), x=times)
+        np.testing.assert_allclose(harmonic, integral / times[-1] * (2.0 if k else 1.0), rtol=0, atol=1e-6)
+
+
+def test_a_subharmonic_orbit_of_a_cubic_spring_has_its_shortest_period():
+    """A motion of one period repeats after two as well."""
+    system = pair(**CUBIC["cubic"])
+    once = shoot(system, OMEGA, np.zeros(4))
+    twice = shoot(system, OMEGA, once.state, 2)
+    assert (once.status.name, twice.status.name, twice.minimal_period) == ("CONVERGED", "CONVERGED", 1)
+    np.testing.assert_allclose(np.poly(twice.multipliers), np.poly(once.multipliers**2), rtol=0, atol=1e-8)
+
+
+def test_rows_of_order_h_with_a_cubic_spring():
+    """x'' + 0.1 x' + x + 0.2 x^3 = 0.3 cos: one branch with two folds, and its motions are orbits."""
+    duffing = ContactSystem([[1.0]], [[0.1]], [[0.0]], [1.0], [1.0], 0.0, 0.0, cubic=0.2, load=[[0.0], [0.3]])
+    row = sweep_row(duffing, "omega", np.linspace(0.8, 2.0, 25), balance=Galerkin(5), seeds=LiftedSeeds(15))
+    assert sorted(set(row.n_solutions)) == [1, 3]
+    column = int(np.flatnonzero(row.n_solutions == 3)[0])
+    omega = float(row.grid[column])
+    for motion in row.motions[column]:
+        orbit = shoot(duffing, omega, orbit_state(duffing, omega, motion))
+        np.testing.assert_allclose(
+            orbit.highest, np.max(Galerkin(5).displacement(motion, np.linspace(0, 7, 2000))), atol=1e-3
+        )
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        lambda system: all_solutions(system, OMEGA),
+        lambda system: DescribingFunction().problem(system, "omega", 0.5, 1.0),
+        lambda system: Plane(system, "omega", "gap_scale", (0.5, 1.5), (0.4, 1.6)),
+        lambda system: find_attractors(system, "omega", [OMEGA]),
+        lambda system: trajectory(system, OMEGA, np.zeros(4), 1, 16),
+        lambda system: growth(system, OMEGA, np.zeros(4), 3),
+    ],
+    ids=["proof", "first order", "boundaries", "attractors", "trajectory", "growth"],
+)
+def test_what_a_cubic_spring_has_not_is_refused(asked):
+    with pytest.raises(ParameterError) as error:
+        asked(pair(cubic=0.1))
+    assert error.value.name == "cubic"
+
+
 # Boundaries ----------------------------------------------------------------------------------------------------------
 
 
@@ -344,7 +453,13 @@ def test_all_solutions_with_a_dashpot():
 @pytest.mark.parametrize(
     ("name", "value"),
     [("back_stiffness", 0.0), ("back_stiffness", -1.0), ("back_stiffness", np.nan), ("back_stiffness", "1")]
-    + [("contact_dashpot", -0.1), ("contact_dashpot", np.inf), ("contact_dashpot", None)],
+    + [
+        ("cubic", np.nan),
+        ("cubic", "1"),
+        ("contact_dashpot", -0.1),
+        ("contact_dashpot", np.inf),
+        ("contact_dashpot", None),
+    ],
 )
 def test_bad_values_are_refused(name, value):
     with pytest.raises(ParameterError, match=name):

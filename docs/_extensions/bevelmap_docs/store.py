@@ -21,6 +21,8 @@ __all__ = ["Array", "arrays", "groups", "stored"]
 _SMALL = ("plane=omega_fe", "plane.sweep.num=41", "plane.parameter.num=5", "cluster=none")
 #: What keeps the stages short; none of it changes which arrays there are.
 _SHORT = ("attractors.starts=1", "attractors.slice=3")
+#: Of the first run alone.
+_BRANCHES = "attractors.branches=3"
 #: A stage that adds another group where places are asked for.
 _PLACES = ("stages=[attractors]", "attractors.points=[[0.6,0.2]]")
 #: Choices that have arrays of their own among the rows; the first is the default.
@@ -82,7 +84,7 @@ def stored() -> tuple[Array, ...]:
         said = io.StringIO()
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             words = [*_SMALL, *_SHORT, f"output.root={folder}", "store.name=plane"]
-            status = main([*words, f"stages=[{stages}]"]) or main([*words, *_PLACES])
+            status = main([*words, _BRANCHES, f"stages=[{stages}]"]) or main([*words, *_PLACES])
         if status != 0:
             raise RuntimeError(f"the plane that the page describes was not made:\n{said.getvalue()}")
         found = {array.name: array for array in _read(Path(folder) / "store/plane.zarr")}

@@ -21,6 +21,8 @@ def check_options(options: Attractors, plan: Plan) -> None:
     """Raise ConfigurationError, one line, unless these settings are allowed for this plane."""
     for key, axis in (("columns", plan.sweep), ("rows", plan.parameter)):
         _check_chosen(f"attractors.{key}", getattr(options, key), axis)
+    if options.branches and (options.points is not None or plan.parameter2 is not None):
+        raise ConfigurationError("attractors.branches is not allowed for a volume or with attractors.points")
     if options.points is None:
         if options.box is not None:
             raise ConfigurationError("attractors.box is not allowed without attractors.points")

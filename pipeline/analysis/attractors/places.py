@@ -39,7 +39,7 @@ from solver.timedomain.row_systems import row_systems
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["GROUP", "Place", "place_task", "read_places", "run_places", "search_place"]
+__all__ = ["GROUP", "Place", "place_of", "place_task", "read_places", "run_places", "search_place", "states_at_rest"]
 
 GROUP = "places"
 #: Attractors that are told apart at a place.
@@ -71,14 +71,19 @@ def place_task(path: str, plan: Plan, x: float, p: float, options: Attractors) -
     """What a worker does: attractors at one place, whatever other places are asked for."""
     ready_for_attractors()
     model, omega = point_of(plan, p, x)
-    row = search_place(model, omega, _nearest_motions(Path(path), plan, x, p), int(plan.solver["period"]), options)
+    return place_of(model, omega, _nearest_motions(Path(path), plan, x, p), int(plan.solver["period"]), options)
+
+
+def place_of(model: System, omega: float, motions: np.ndarray, period: int, options: Attractors) -> Place:
+    """Attractors at one place and a slice of their basins; parameters as of `search_place`."""
+    row = search_place(model, omega, motions, period, options)
     given = options.box is not None
     ends = np.array(options.box, dtype=float) if given else row.box[0][:, None] * (-1.0, 1.0)
     displacement, speed = (np.linspace(low, high, options.slice) for low, high in ends)
     states = np.stack(np.meshgrid(displacement, speed), axis=-1).reshape(-1, 2)
     slots = np.empty(0, np.int8)
     if len(states):
-        found, slots = settle(model, omega, _at_rest(model, omega, states), known=row, search=_search(options))
+        found, slots = settle(model, omega, states_at_rest(model, omega, states), known=row, search=_search(options))
         row = dataclasses.replace(found, hits=row.hits, starts=row.starts)
     return Place(row, slots.reshape(options.slice, options.slice), displacement, speed)
 
@@ -115,7 +120,9 @@ def search_place(model: System, omega: float, motions: np.ndarray, period: int, 
     if drawn and options.starts:
         unit = np.random.default_rng(options.seed).random((options.starts, 2))
         low, high = np.array(options.box, dtype=float).T
-        row, slots = settle(model, omega, _at_rest(model, omega, low + (high - low) * unit), known=row, search=search)
+        row, slots = settle(
+            model, omega, states_at_rest(model, omega, low + (high - low) * unit), known=row, search=search
+        )
         hits = np.bincount(slots[slots >= 0], minlength=row.kind.shape[1]).astype(np.int32)[None]
         row = dataclasses.replace(row, hits=hits, starts=np.array([np.sum(slots >= 0)], np.int32))
     return row
@@ -125,7 +132,7 @@ def _search(options: Attractors) -> AttractorSearch:
     return dataclasses.replace(search_of(options), room=_ROOM)
 
 
-def _at_rest(system: System, omega: float, states: np.ndarray) -> np.ndarray:
+def states_at_rest(system: System, omega: float, states: np.ndarray) -> np.ndarray:
     """States (k, m) with these lambda and lambda' (k, 2), all that lambda does not see at rest under the mean load."""
     rest = row_systems(system, "omega", np.array([omega]), None).rest[0]
     contact = reduced(contact_system(system)).contact

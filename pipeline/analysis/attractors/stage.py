@@ -60,7 +60,12 @@ def _run_plane(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
     reporter.line(f"attractors: {int(found.n_attractors.sum())} in {found.n_attractors.size} cells {end}")
     reporter.line(f"attractors: {', '.join(sheet.name for sheet in sheets)} in {folder.resolve()}")
-    return 1 if failures else 0
+    lost = 0
+    if options.branches:
+        from pipeline.analysis.attractors.isolated import run_isolated
+
+        lost = run_isolated(job, workforce, reporter, found)
+    return 1 if failures or lost else 0
 
 
 def _compute(spec, workforce: Workforce, reporter: Reporter) -> list[str]:

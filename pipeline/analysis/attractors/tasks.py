@@ -105,8 +105,8 @@ def search_block(spec: Spec, block: Block) -> Receipt:
             search=search,
         )
 
-    rows = range(block.start, block.stop)
-    return _computed(spec, block, 0, rows, found, [empty_values(spec.group)] * len(rows))
+    rows, group = range(block.start, block.stop), spec.group
+    return _computed(spec, group, block, 0, rows, found, [empty_values(group)] * len(rows))
 
 
 def continue_block(spec: Spec, block: Block, round: int, brought: dict[int, Gains]) -> Receipt:
@@ -121,10 +121,10 @@ def continue_block(spec: Spec, block: Block, round: int, brought: dict[int, Gain
     brought : dict
         Row -> what is brought to it.
     """
-    search = search_of(spec.options)
-    stored = spec.group.read(block)
+    search, group = search_of(spec.options), spec.group
+    stored = group.read(block)
     if stored is None:
-        raise OSError(f"rows {block.start}-{block.stop - 1} of {spec.group.folder} are stored no longer")
+        raise OSError(f"rows {block.start}-{block.stop - 1} of {group.folder} are stored no longer")
 
     def found(row: int, model, omega: float | None) -> AttractorRow:
         grid, (columns, kinds, states) = spec.grid, brought[row]
@@ -143,13 +143,15 @@ def continue_block(spec: Spec, block: Block, round: int, brought: dict[int, Gain
         )
 
     known = [{name: values[i, ...] for name, values in stored.items()} for i in range(block.stop - block.start)]
-    return _computed(spec, block, round, sorted(brought), found, known)
+    return _computed(spec, group, block, round, sorted(brought), found, known)
 
 
-def _computed(spec: Spec, block: Block, round: int, rows, found: Callable, values: list[dict]) -> Receipt:
+def _computed(
+    spec: Spec, group: RowGroup, block: Block, round: int, rows, found: Callable, values: list[dict]
+) -> Receipt:
     """Compute some rows of a block and write all of it; `values` is what was known of them."""
     ready_for_attractors()
-    begin, group, gains, failures = perf_counter(), spec.group, {}, []
+    begin, gains, failures = perf_counter(), {}, []
     with Tries(group.folder, block.start, spec.limit) as tries:
         for row in rows:
             plane, _, value = spec.grid.place(row)

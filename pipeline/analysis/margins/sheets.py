@@ -9,7 +9,7 @@ from pipeline.run.sheets import csv_text, pipes
 from pipeline.store import axis_attributes
 from solver import Event, Scales, domain_label
 
-__all__ = ["lines", "markdown", "tidy"]
+__all__ = ["lines", "margin_cells", "markdown", "tidy"]
 
 #: What happens on a boundary, in words.
 KINDS = {
@@ -189,10 +189,10 @@ def markdown(answer: Answer, name: str) -> str:
             f"## Labels of the operating range, at {parameter} = {p}",
             pipes([f"{sweep} from", "to", "label"], rows),
         ]
-    rows = [_margin_cells(margin, sweep, scales) for margin in answer.margins]
+    rows = [margin_cells(margin, sweep, scales) for margin in answer.margins]
     parts += ["## Distance to the nearest change of label", pipes([*_MARGIN_HEADINGS, f"at {sweep}", "beyond"], rows)]
     if answer.losses:
-        rows = [_margin_cells(margin, sweep, scales)[:-1] for margin in answer.losses]
+        rows = [margin_cells(margin, sweep, scales)[:-1] for margin in answer.losses]
         parts += ["## Distance to where a motion loses stability", pipes([*_MARGIN_HEADINGS, f"at {sweep}"], rows)]
     if answer.box is not None:
         sides = ((sweep, answer.box.x), (parameter, answer.box.p))
@@ -225,7 +225,7 @@ def _bullets(texts) -> str:
     return "\n".join(f"- {text}" for text in texts)
 
 
-def _margin_cells(margin: Margin, sweep: str, scales: Scales | None) -> list[str]:
+def margin_cells(margin: Margin, sweep: str, scales: Scales | None) -> list[str]:
     cells = [margin.name, _unit(margin.name), _of(margin), "up" if margin.upward else "down"]
     if margin.place is None:
         limit = _shown(margin.name, margin.limit, scales)
@@ -250,7 +250,7 @@ def lines(answer: Answer) -> list[str]:
     table = [
         [name, of, f"{direction}:", distance, kind and f"{kind} at {sweep} = {at}", beyond and f"beyond: {beyond}"]
         for name, _, of, direction, distance, kind, at, beyond in (
-            _margin_cells(margin, sweep, scales) for margin in (*answer.margins, *answer.losses)
+            margin_cells(margin, sweep, scales) for margin in (*answer.margins, *answer.losses)
         )
     ]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]

@@ -18,7 +18,7 @@ from solver.stability import Instability
 from solver.timedomain import AttractorKind, AttractorRow, motion_quantities
 from solver.timedomain.integrator import with_the_rest
 
-__all__ = ["MapMotion", "Motion", "Motions", "motions_at"]
+__all__ = ["MapMotion", "Motion", "Motions", "attractor_motion", "map_motion", "motions_at"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,9 +154,9 @@ def motions_at(plan: Plan, x: float, p: float, options: Attractors) -> Motions:
     names = {slot: _letter(i) for i, slot in enumerate(order)}
     partner = _partners(of_map, period, row, contact_system(model).motion_size, options.tolerance)
     leads = [names.get(slot) for slot in row.motion[0].tolist()]
-    described = [_described(of_map, i, period, model, omega, leads[i]) for i in range(len(partner))]
+    described = [map_motion(of_map, i, period, model, omega, leads[i]) for i in range(len(partner))]
     taken = {slot: motion for slot, motion in zip(partner.tolist(), described, strict=True) if slot >= 0}
-    attractors = tuple(_attractor(row, slot, names[slot], taken.get(slot), model, omega) for slot in order)
+    attractors = tuple(attractor_motion(row, slot, names[slot], taken.get(slot), model, omega) for slot in order)
     ended = {kind: int(np.sum(row.hits[0, row.kind[0] == kind])) for kind in AttractorKind}
     return Motions(
         x,
@@ -199,9 +199,23 @@ def _partners(of_map: SolvedMotions, period: int, row: AttractorRow, size: float
     return partners(cells, tolerance)[0, 0]
 
 
-def _described(
-    of_map: SolvedMotions, i: int, period: int, system: System, omega: float, leads: str | None
+def map_motion(
+    of_map: SolvedMotions, i: int, period: int, system: System, omega: float, leads: str | None = None
 ) -> MapMotion:
+    """One of the motions of a place, over its own period.
+
+    Parameters
+    ----------
+    of_map : SolvedMotions
+    i : int
+        Which of them, from 0.
+    period : int
+        Forcing periods that their balance is over.
+    system : Model or ContactSystem
+    omega : float
+    leads : str, optional
+        Name of the attractor that integration from it ends on.
+    """
     unknowns, repeats = own_period(of_map.unknowns[i], period)
     return MapMotion(
         i + 1,
@@ -215,9 +229,22 @@ def _described(
     )
 
 
-def _attractor(
+def attractor_motion(
     row: AttractorRow, slot: int, name: str, of_map: MapMotion | None, system: System, omega: float
 ) -> Motion:
+    """One attractor of a cell, integrated over its own period.
+
+    Parameters
+    ----------
+    row : AttractorRow
+        Of one cell.
+    slot : int
+    name : str
+    of_map : MapMotion or None
+        The motion of the map that it is.
+    system : Model or ContactSystem
+    omega : float
+    """
     kind = AttractorKind(int(row.kind[0, slot]))
     repeats = int(kind) if kind.periodic else None
     state, exponent = row.state[0, slot], float(row.lyapunov[0, slot])

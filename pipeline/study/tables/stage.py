@@ -1,5 +1,7 @@
 """The stage tables: tables 1 to 3 of the study from the stored planes."""
 
+from pipeline.config.typed import SYSTEMS
+from pipeline.errors import ConfigurationError
 from pipeline.run.job import Job, command
 from pipeline.run.preparation import stored_plan
 from pipeline.run.progress import Reporter
@@ -9,6 +11,16 @@ from pipeline.run.workforce import Workforce
 __all__ = ["STAGE"]
 
 TABLE_PLANES = ("omega_b", "omega_alpha", "omega_fpm")
+
+
+def _check(job: Job) -> None:
+    gear = job.settings.config.gear
+    for name in SYSTEMS:
+        if getattr(gear, name) is not None:
+            raise ConfigurationError(
+                f"gear = {job.settings.choices['gear']!r} is not allowed with stages=[tables]: "
+                "they are the study's, of a bevel pair"
+            )
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
@@ -28,4 +40,4 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 0
 
 
-STAGE = Stage("tables", _run)
+STAGE = Stage("tables", _run, _check)

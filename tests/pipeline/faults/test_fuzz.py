@@ -13,6 +13,7 @@ from pipeline.config.typed import GROUPS
 from pipeline.errors import ConfigurationError
 from pipeline.run.preparation import prepare
 from pipeline.stages import STAGES
+from tests.conftest import slow_but
 
 _DRAWS, _EACH = 10, 50
 
@@ -95,7 +96,7 @@ def _prepared(words: list[str]) -> str | None:
     return None
 
 
-@pytest.mark.parametrize("number", range(_DRAWS))
+@pytest.mark.parametrize(("number",), slow_but([(0,), (1,), (3,)], [(number,) for number in range(_DRAWS)]))
 def test_whatever_is_typed_is_done_or_refused_in_one_line(number, tmp_path, monkeypatch, capsys, in_time):
     monkeypatch.chdir(tmp_path)
     draw, keys = random.Random(number), [*_keys(), *GROUPS, *GROUPS, "hydra.run.dir", "gear/thermal", "nope", ""]

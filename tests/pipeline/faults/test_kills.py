@@ -11,9 +11,9 @@ from tests.conftest import slow_but
 from tests.pipeline.faults.runs import INJECTED, KEPT, ROWS, complete, continued, same, start, until, workers_of
 from tests.pipeline.schedulers import Scheduler
 
-_FEW = [("client", 1), ("worker", 2), ("workers", 3), ("client", 4), ("scheduler", 5), ("client", 6)]
-#: Every process once: all workers, of which one could be spared, the scheduler, the client.
-_ONCE = [_FEW[2], _FEW[4], _FEW[5]]
+_FEW = [("client", 1), ("worker", 2), ("workers", 3), ("client", 4), ("scheduler", 5), ("client", 6), ("the worker", 7)]
+#: Every process once: the only worker, the scheduler, the client.
+_ONCE = [_FEW[6], _FEW[4], _FEW[5]]
 _VICTIMS = ["client", "worker", "workers", "client", "scheduler"]
 _MANY = [(_VICTIMS[seed % len(_VICTIMS)], seed) for seed in range(100, 150)]
 
@@ -32,12 +32,12 @@ def _kill_client(folder, seed):
     return seen
 
 
-def _kill_workers(folder, seed, count):
+def _kill_workers(folder, seed, count, of=2):
     """The run itself must get over it."""
-    run = start(folder, "cluster.workers=2")
+    run = start(folder, f"cluster.workers={of}")
     seen = until(run, _moment(seed, ROWS))
     workers = workers_of(run)
-    assert len(workers) == 2
+    assert len(workers) == of
     for process in workers[:count]:
         process.kill()
     run.end()
@@ -62,7 +62,7 @@ def _harm(victim, folder, seed, undisturbed, capsys):
     elif victim == "scheduler":
         seen = _kill_scheduler(folder, seed)
     else:
-        seen = _kill_workers(folder, seed, 1 if victim == "worker" else 2)
+        seen = _kill_workers(folder, seed, *{"worker": (1,), "workers": (2,), "the worker": (1, 1)}[victim])
     assert 0 < seen < ROWS
     path = folder / "outputs/store/plane.zarr"
     if victim in ("client", "scheduler"):

@@ -18,8 +18,9 @@ from pipeline.store import groups
 from pipeline.store.listing import listing
 from pipeline.store.names import GROUP_FILE, STORE_FILE, is_name
 from pipeline.store.removal import remove_known
+from tests.pipeline.faults.runs import same
 from tests.pipeline.faults.test_damage import run
-from tests.pipeline.planes import assert_same_contents, contents, small_plan, small_store
+from tests.pipeline.planes import small_plan, small_store
 
 _SIZES = ("plane.sweep.num=9", "plane.parameter.num=4", "solver.certify_columns=197")
 _STAGES = ("sweep", "boundaries", "attractors", "margins", "figures", "check", "debug", "list")
@@ -116,7 +117,7 @@ def test_listed_names_lead_nowhere(copy, made, tmp_path, capsys, name, document,
             pipeline.open_plane(copy)
         code, out, err = run(tmp_path, capsys, "stages=[check]", "check.repair=true")
         assert code == 0 and "1 damaged files" in out and len(err.splitlines()) == 1 and "\x1b" not in err
-    assert_same_contents(contents(copy), contents(made))
+    same(copy, made)
     assert store.find_damage(copy) == [] and (sister / "thesis.tex").read_text() == "mine"
     assert listing(copy.parent).entries[0].status == "complete"
 

@@ -296,9 +296,10 @@ def test_a_lock_that_nobody_holds_is_recognised(tmp_path, undisturbed, capsys):
     assert code == 2 and "is in use by another process" in err
 
 
-def test_clocks_and_time_zones_change_nothing(tmp_path, undisturbed):
+@pytest.mark.parametrize("cluster", ["cluster=none", pytest.param("cluster.workers=1", marks=pytest.mark.slow)])
+def test_clocks_and_time_zones_change_nothing(cluster, tmp_path, undisturbed):
     environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "clock", "TZ": "Pacific/Kiritimati"}
-    run = finished(tmp_path, "cluster.workers=1", environment=environment)
+    run = finished(tmp_path, cluster, environment=environment)
     assert (run.code, run.err) == (0, ""), run.err
     same(run.path, undisturbed)
     said, told = (json.loads((path / "zarr.json").read_text())["attributes"] for path in (run.path, undisturbed))

@@ -9,16 +9,25 @@ import zarr
 from pipeline import open_plane
 from pipeline.errors import ConfigurationError
 from tests.pipeline.faults.runs import KEPT, ROWS, complete, continued, finished, same, start, until
-from tests.pipeline.schedulers import Scheduler
+from tests.pipeline.schedulers import Scheduler, there
 
 #: Seconds in which a run ends that waits for two at a time; without a bound it would never.
 _END = 60.0
 
 
+@pytest.fixture(scope="module")
+def started(tmp_path_factory):
+    with Scheduler(tmp_path_factory.mktemp("scheduler")) as process:
+        yield process
+
+
 @pytest.fixture
-def scheduler(tmp_path):
-    with Scheduler(tmp_path) as started:
-        yield started
+def scheduler(started):
+    """The scheduler of the module, without workers; it runs on, and those of a test end with it."""
+    yield started
+    started.process.send_signal(signal.SIGCONT)
+    started.end_workers()
+    there(started, 0)
 
 
 def arguments(scheduler):

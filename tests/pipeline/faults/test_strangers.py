@@ -15,7 +15,7 @@ from distributed.comm import connect
 from pipeline.run.workforce import Workforce
 from tests.pipeline.planes import cluster
 
-WORKERS = 2
+WORKERS = 1
 #: The scheduler's port, and for each worker its own and its nanny's.
 PORTS = 1 + 2 * WORKERS
 

@@ -9,12 +9,11 @@ import sys
 
 import numpy as np
 import pytest
-from distributed import Client
 
 from pipeline import store
 from pipeline.run.environment import ARITHMETIC, differences, facts
 from tests.pipeline.faults.runs import INJECTED, KEPT, ROOT, finished, same, start, until
-from tests.pipeline.schedulers import Scheduler, wait_until
+from tests.pipeline.schedulers import Scheduler, there, wait_until
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +21,8 @@ def edited(tmp_path_factory):
     """A copy of the sources with the same version, in which amplitudes are a thousandth larger."""
     copy = tmp_path_factory.mktemp("edited")
     for name in ("solver", "pipeline", "conf"):
-        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+        # With what Python has made of the sources, which takes longer than all else that a worker begins with.
+        shutil.copytree(ROOT / name, copy / name)
     (row,) = (copy / "solver").rglob("row.py")
     honest = row.read_text()
     row.write_text(honest.replace("amplitude = np.linalg.norm(", "amplitude = 1.001 * np.linalg.norm("))
@@ -42,13 +42,6 @@ def scheduler(started):
     yield started
     started.end_workers()
     there(started, 0)
-
-
-def there(scheduler, count):
-    """Wait until a scheduler has so many workers; their addresses."""
-    with Client(scheduler.address, set_as_default=False) as onlooker:
-        wait_until(lambda: len(onlooker.nthreads()) == count)
-        return set(onlooker.nthreads())
 
 
 def arguments(scheduler):

@@ -72,6 +72,8 @@ def test_values_are_told_in_both(made):
 
 
 def test_drawn_files(made, tmp_path):
-    paths = figures.draw(made, tmp_path, [0.25], ["png"], 30, units="physical")
-    again = figures.draw(made, tmp_path / "again", [0.25], ["png"], 30, units="physical")
-    assert [a.read_bytes() for a in paths] == [b.read_bytes() for b in again]
+    paths, again = (
+        figures.draw(made, tmp_path / folder, [0.25], ["png"], 30, units="physical", only=["map", "curves"])
+        for folder in ("one", "two")
+    )
+    assert len(paths) == 2 and [a.read_bytes() for a in paths] == [b.read_bytes() for b in again]

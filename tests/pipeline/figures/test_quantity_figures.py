@@ -1,5 +1,7 @@
 """Quantities over the plane and along curves: what is drawn is what is stored, and what a reader is told of it."""
 
+import itertools
+
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
@@ -35,11 +37,21 @@ def colours_of(figure, plane):
     return image[:: image.shape[0] // rows, :: image.shape[1] // columns][:rows, :columns]
 
 
-@pytest.mark.parametrize("of", ["worst", "mildest"])
-@pytest.mark.parametrize("stability", ["static", "dynamic"])
-def test_every_cell_has_the_colour_of_its_value(traced, of, stability):
+_COLOURED = ("dynamic_factor", "contact_loss", "error_lowest")
+_WAYS = list(itertools.product(["static", "dynamic"], ["worst", "mildest"]))
+
+
+@pytest.mark.parametrize(
+    ("stability", "of", "names"),
+    [
+        # Every way and every quantity; all of them in all ways are slow.
+        *((*way, [_COLOURED[i % len(_COLOURED)]]) for i, way in enumerate(_WAYS)),
+        *(pytest.param(*way, _COLOURED, marks=pytest.mark.slow) for way in _WAYS),
+    ],
+)
+def test_every_cell_has_the_colour_of_its_value(traced, stability, of, names):
     plane, stored = read_stored(traced, dynamic=stability == "dynamic"), contents(traced)
-    for name in ("dynamic_factor", "contact_loss", "error_lowest"):
+    for name in names:
         values = np.full(plane.domain.shape, np.nan)
         for place in np.ndindex(values.shape):
             counted = stored["stable"][place] == 1
@@ -87,7 +99,7 @@ def test_cells_without_a_value_are_told(tmp_path):
 def test_physical_values_stand_at_the_bar_and_beside_curves(tmp_path):
     path = small_store(tmp_path / "plane.zarr", small_plan("gear=miter"))
     plane = read_stored(path, physical=True)
-    for name, unit in (("rms", "µm"), ("impact_velocity", "m/s"), ("support_force", "N")):
+    for name, unit in (("rms", "µm"), ("support_force", "N")):
         scale = plane.scales[QUANTITIES[name].scale]
         assert scale.unit == unit
         figure = draw_quantity_map(plane, name, "worst")
@@ -131,11 +143,13 @@ def test_beside_the_mean_stands_the_amplitude(traced):
 
 
 def test_files_have_the_name_of_the_quantity(traced, tmp_path):
-    paths = figures.draw(traced, tmp_path, None, ["png"], 40, quantity="peak_to_peak", of="mildest")
-    assert {path.name for path in paths} >= {"map.png", "map-peak_to_peak-mildest.png", "curves-peak_to_peak.png"}
-    again = figures.draw(traced, tmp_path / "again", None, ["png"], 40, quantity="peak_to_peak", of="mildest")
-    assert [a.read_bytes() for a in paths] == [b.read_bytes() for b in again]
-    only = figures.draw(traced, tmp_path, None, ["png"], 40, quantity="amplitude", only=["map-quantity", "curves"])
+    one, two = (
+        figures.draw(traced, tmp_path / folder, [0.3], ["png"], 40, quantity="peak_to_peak", of="mildest", only=only)
+        for folder, only in (("one", ["map", "map-quantity", "curves"]), ("two", ["map-quantity", "curves"]))
+    )
+    assert {path.name for path in one} == {"map.png", "map-peak_to_peak-mildest.png", "curves-peak_to_peak.png"}
+    assert len(two) == 2 and all(path.read_bytes() == (tmp_path / "one" / path.name).read_bytes() for path in two)
+    only = figures.draw(traced, tmp_path, [0.3], ["png"], 40, quantity="amplitude", only=["map-quantity", "curves"])
     assert [path.name for path in only] == ["curves.png", "map-amplitude-worst.png"]
 
 

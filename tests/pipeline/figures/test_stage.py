@@ -33,7 +33,14 @@ class Alone:
 def job(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stage")
     settings = compose(
-        [f"store.root={folder}", f"output.root={folder}", "store.name=plane", "figures.formats=[png]", "figures.dpi=30"]
+        [
+            f"store.root={folder}",
+            f"output.root={folder}",
+            "store.name=plane",
+            "figures.formats=[png]",
+            "figures.dpi=30",
+            "figures.curves=[0.25]",
+        ]
     )
     plan = small_plan(columns=9, rows=3)
     small_store(settings.store_path, plan)

@@ -12,7 +12,7 @@ from tests.pipeline.planes import small_plan, small_store
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
-    plan = small_plan("plane=omega_fe", columns=60, rows=12)
+    plan = small_plan("plane=omega_fe", columns=60, rows=16)
     return small_store(tmp_path_factory.mktemp("regions") / "plane.zarr", plan)
 
 

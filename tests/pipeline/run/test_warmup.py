@@ -16,6 +16,7 @@ from pipeline.run.progress import Reporter
 from pipeline.run.warmup import warm_up
 from pipeline.stages import STAGES
 from solver.kernels.warm import kernels_of
+from tests.pipeline.planes import small_plan, small_store
 
 ROOT = Path(__file__).parents[3]
 BALANCES = ("describing_function", "galerkin")
@@ -70,9 +71,14 @@ RUNS = [
 ]
 
 
+#: A system that is no bevel pair has kernels of its own.
+SPUR = ["gear=spur", "plane=omega_load"]
+
+
 def ran(folder, options, **environment):
     """A small run in a process of its own: status, names of kernels as in `RUN`, and what it said."""
-    arguments = ["plane=omega_fe", "plane.sweep.num=60", "plane.parameter.num=12", "cluster=none", *options]
+    plane = [] if "gear=spur" in options else ["plane=omega_fe"]
+    arguments = [*plane, "plane.sweep.num=40", "plane.parameter.num=8", "cluster=none", *options]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
     command = [sys.executable, "-c", RUN, *arguments]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=3000)
@@ -90,11 +96,24 @@ def test_what_a_run_calls_is_listed(tmp_path, options, balance):
 
 
 @pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
+def test_what_a_run_of_another_system_calls_is_listed(tmp_path, options, balance):
+    small = ["plane.sweep.num=30", "plane.parameter.num=3", "plane.sweep.min=0.5"]
+    status, _, _, used, _ = ran(tmp_path, [*options, *SPUR, *small])
+    listed = kernels_of(kernels_for(["sweep", "boundaries"], balance, "spur"))
+    missed = set(used) - {f"{kernel.__module__}.{kernel.__name__}" for kernel in listed}
+    assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
+
+
+@pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
 def test_what_a_place_calls_is_listed(tmp_path, options, balance):
     """The stage motion solves the balance and integrates at one place."""
     balanced = [word for word in options if not word.startswith("stages")]
-    status, *_ = ran(tmp_path, [*balanced, "stages=[sweep]"])
-    status, _, _, used, _ = ran(tmp_path, [*balanced, "stages=[motion]", "motion.at=[.6,.2]", "figures.formats=[png]"])
+    path = tmp_path / "outputs/store/plane.zarr"
+    path.parent.mkdir(parents=True)
+    small_store(path, small_plan("plane=omega_fe", *balanced, columns=20, rows=3))
+    sizes = ["plane.sweep.num=20", "plane.parameter.num=3", "store.name=plane"]
+    motion = ["stages=[motion]", "motion.at=[.6,.2]", "figures.formats=[png]", "figures.dpi=30"]
+    status, _, _, used, _ = ran(tmp_path, [*balanced, *sizes, *motion])
     missed = set(used) - {f"{k.__module__}.{k.__name__}" for k in kernels_of(kernels_for(["motion"], balance))}
     assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
 

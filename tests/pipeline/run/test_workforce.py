@@ -18,7 +18,7 @@ from pipeline.run.workforce import Workforce
 from tests.pipeline.planes import assert_same_contents, cluster, contents, small_plan, small_store
 from tests.pipeline.schedulers import Scheduler, wait_until
 
-LOCAL = cluster("local")
+LOCAL = cluster("local", workers=1)
 NONE = cluster("none")
 
 
@@ -68,6 +68,7 @@ def test_stores_are_bitwise_equal_on_every_cluster(tmp_path, local, scheduler):
             assert_same_contents(contents(path), expected)
 
 
+@pytest.mark.slow
 def test_workers_may_come_and_go(tmp_path, scheduler):
     """A run that begins without a worker waits for one; it is stopped within a row, another joins, it is killed."""
     plane = ["plane=omega_fe", "plane.sweep.num=61", "plane.parameter.num=30", "stages=[sweep]"]

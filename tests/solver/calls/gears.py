@@ -90,6 +90,7 @@ CALLS = {
         "inertial_load": argument(np.ones((2, 2)), array(np.ones((2, 2)), np.ones((2, 3)), 1j * np.ones((2, 2)))),
         "back_stiffness": argument(2.0, POSITIVE),
         "contact_dashpot": argument(0.1, NOT_NEGATIVE),
+        "cubic": argument(0.1, NUMBER),
     },
     "solver.ContactSystem.at": lambda: {
         "self": stop(),

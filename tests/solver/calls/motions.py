@@ -156,7 +156,7 @@ CALLS = {
     ),
     "solver.timedomain.monodromy": lambda: batch(periods=periods(), tolerance=tolerances(), ceiling=ceilings()),
     "solver.timedomain.motion_quantities": lambda: {
-        "model": argument(model(), OBJECT),
+        "system": argument(model(), OBJECT),
         "omega": argument(0.9, POSITIVE),
         "state": argument(GEAR_STATE, array(GEAR_STATE, [1.0] * 3, [GEAR_STATE] * 2)),
         "periods": periods(),

@@ -40,7 +40,7 @@ def advanced(system, zone, time, state, y, end):
 def carried(system, zone, begin, end, states):
     """Deviations carried from one time to another."""
     series = new_block_series(system.vectors.shape[1], 4 * states.shape[0])
-    return carry_deviations(system, zone, begin, end, states, series)
+    return carry_deviations(system, zone, begin, end, np.empty(0), states, series)
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +74,7 @@ def test_a_motion_obeys_the_equations(pair, zone):
 def test_deviations_in_blocks_are_motions_without_load(pair, zone):
     loaded, begin, n = loaded_system(pair, 0.83), 1.7, pair.degrees
     # No load and no gaps: the motion obeys the equation of its deviations.
-    free = SwitchedSystem(loaded.numbers * [1, 0, 0, 1, 1, 1, 1], *loaded[1:4], np.zeros((2, n)))
+    free = SwitchedSystem(loaded.numbers * [1, 0, 0, 1, 1, 1, 1, 1], *loaded[1:4], np.zeros((2, n)))
     states = np.random.default_rng(zone + 5).normal(size=(2, 2 * n, 4))
     end = np.empty(2 * n)
     for block, column in np.ndindex(2, 4):

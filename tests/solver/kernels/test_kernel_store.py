@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from solver.kernels.store import KernelStore, why_distrusted
+from tests.conftest import slow_but
 from tests.made_once import made_once
 
 NOBODY = 65534
@@ -108,7 +109,7 @@ def test_entries_are_found_again_and_nobody_else_can_read_them(cheap):
     assert stat.S_IMODE((cheap.home / "bevelmap").stat().st_mode) == 0o700
 
 
-@pytest.mark.parametrize("count", [30, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [12, pytest.param(150, marks=pytest.mark.slow)])
 def test_every_damaged_bit_is_noticed(count, filled):
     """Random single bits of real entries; the checksum is compared before anything is unpickled."""
     flips = """
@@ -258,7 +259,9 @@ def test_a_folder_that_others_can_change_is_not_used(tmp_path, monkeypatch, capl
     assert KernelStore().read("y.kernel") == b"content"
 
 
-@pytest.mark.parametrize("place", ["/proc/self/fdinfo", "/dev/null/x", __file__])
+@pytest.mark.parametrize(
+    ("place",), slow_but([("/dev/null/x",)], [("/proc/self/fdinfo",), ("/dev/null/x",), (__file__,)])
+)
 def test_a_place_that_cannot_be_a_folder(cheap, place):
     compiled, said = cheap.run(home=Path(place))
     assert compiled == BOTH and len(said) == 1 and "run only" in said[0]

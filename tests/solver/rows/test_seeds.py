@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver import (
+    ContactSystem,
     Continuation,
     Curve,
     DescribingFunction,
@@ -186,3 +187,14 @@ def test_an_isola_is_born_where_enumeration_first_finds_it():
     omega, alpha = birth[3:]
     counts = [len(all_solutions(model.replace(alpha=alpha + d), omega).mean) for d in (-1e-6, -1e-9, 1e-9, 1e-6)]
     assert counts == [1, 1, 3, 3] and 0.40 < alpha < 0.41
+
+
+def test_guessed_branches_of_one_flank_are_the_proven_ones():
+    """Two masses, the first against a stop: nothing grows out of a linear system, and the row says what is open."""
+    stop = ContactSystem(
+        np.eye(2), 0.1 * np.eye(2), [[1.0, -1.0], [-1.0, 2.0]], [1.0, 0.0], [5.0, 0.0], 0.3, load=[[0, 0], [0, 0.375]]
+    )
+    values = np.linspace(0.2, 2.0, 9)
+    guessed, proven = (sweep_row(stop, "omega", values, seeds=one) for one in (LinearSeeds(), ProvenSeeds(9)))
+    np.testing.assert_allclose(guessed.motions, proven.motions, atol=1e-9)
+    assert len(guessed.notes) == 1 and proven.notes == () and np.all(proven.certified == 1)

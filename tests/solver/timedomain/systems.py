@@ -72,7 +72,7 @@ def field_of(system: ContactSystem, omega: float):
         contact = system.contact_force(place)
         rate = speed if place > system.front_gap else system.back_stiffness * speed if place < -system.back_gap else 0.0
         force = (system.force + system.varying_force * variation) * contact
-        force = force + system.force * system.contact_dashpot * rate
+        force = force + system.force * (system.contact_dashpot * rate + system.cubic * place**3)
         return np.concatenate([z[n:], inverse @ (load - system.damping @ z[n:] - system.stiffness @ z[:n] - force)])
 
     return field

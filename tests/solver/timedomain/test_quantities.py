@@ -176,7 +176,7 @@ def test_bad_input_is_named():
         (lambda: motion_quantities(published(), 0.6, np.zeros(3)), "state"),
         (lambda: motion_quantities(published(), 0.6, np.zeros(4), 0), "periods"),
         (lambda: motion_quantities(published(), -1.0, np.zeros(4)), "omega"),
-        (lambda: motion_quantities("gear", 0.6, np.zeros(4)), "model"),
+        (lambda: motion_quantities("gear", 0.6, np.zeros(4)), "system"),
     ):
         with pytest.raises(ParameterError, match=f"^{name} ="):
             call()

@@ -29,9 +29,9 @@ PLANES = ("omega_b", "omega_alpha", "omega_fe", "omega_fpm")
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A small plane with its boundaries, and what tracing them said."""
+    """A small plane with its boundaries, and what is said of them."""
     plan = small_plan("plane=omega_fe", columns=60, rows=16)
-    path = small_store(tmp_path_factory.mktemp("boundaries") / "plane.zarr", plan)
+    path = traced_store(tmp_path_factory.mktemp("boundaries") / "plane.zarr", plan)
     return plan, path, boundaries.trace(path, plan)
 
 
@@ -171,8 +171,11 @@ def enumerated_code(plan, omega, value):
     return domain_code(lasting.sum(), np.bitwise_or.reduce(1 << states.astype(int), initial=0))
 
 
-def test_a_second_time_there_is_nothing_to_do(made):
-    plan, path, first = made
+def test_a_second_time_there_is_nothing_to_do(few, tmp_path):
+    plan, traced = few
+    path = shutil.copytree(traced, tmp_path / "plane.zarr")
+    groups.remove_group(path, "boundaries")
+    first = boundaries.trace(path, plan)
     before = (path / "boundaries/mean/c/0").stat().st_mtime_ns
     again = boundaries.trace(path, plan)
     assert again.found_done and not first.found_done and again.curves == first.curves
@@ -203,7 +206,7 @@ def test_what_a_killed_run_leaves_behind_is_replaced(few, tmp_path):
 
 
 def test_other_rows_give_other_boundaries(tmp_path):
-    plan = small_plan("plane=omega_fe", "plane.sweep.min=0.5", "plane.sweep.max=0.8", columns=20, rows=6)
+    plan = small_plan("plane=omega_fe", "plane.sweep.min=0.55", "plane.sweep.max=0.65", columns=20, rows=6)
     path = small_store(tmp_path / "plane.zarr", plan, plan.blocks[:2])
     few = boundaries.trace(path, plan)
     # The sweep goes on: rows that were not complete now are.
@@ -291,8 +294,9 @@ def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
 SMALL = [
     "plane=omega_fe",
     "store.name=omega_fe",
-    "plane.sweep.min=0.5",
-    "plane.sweep.max=0.8",
+    "plane.sweep.min=0.55",
+    "plane.sweep.max=0.65",
+    "plane.parameter.max=0.3",
     "plane.sweep.num=20",
     "plane.parameter.num=8",
     "cluster=none",
@@ -316,7 +320,7 @@ def test_the_stage(tmp_path, monkeypatch, capsys):
 
     groups.remove_group(tmp_path / "outputs/store/omega_fe.zarr", "boundaries")
     monkeypatch.setattr("pipeline.analysis.boundaries.tracing.boundary_curves", fails)
-    assert main([*SMALL, "figures.window=[0.5,0.7,0.1,0.4]"]) == 1
+    assert main([*SMALL, "figures.window=[0.56,0.64,0.1,0.28]"]) == 1
     caught = capsys.readouterr()
     assert "cannot be traced: the corrector fails" in caught.err and len(caught.err.splitlines()) == 1
     assert "map-window.png" in caught.out

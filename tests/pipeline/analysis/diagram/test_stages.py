@@ -16,7 +16,13 @@ from tests.pipeline.planes import small_plan, small_store
 
 SIZES = ("plane.sweep.num=20", "plane.parameter.num=3")
 QUICK = {
-    stage: [f"stages=[{stage}]", f"{stage}.value=0.2", f"{stage}.columns=30", f"{stage}.max_periods=1600"]
+    stage: [
+        f"stages=[{stage}]",
+        f"{stage}.value=0.2",
+        f"{stage}.columns=30",
+        f"{stage}.max_periods=1600",
+        "figures.dpi=30",
+    ]
     for stage in ("diagram", "spectrum")
 }
 

@@ -23,7 +23,7 @@ from tests.pipeline.planes import small_plan, small_store, traced_store
 PLANES = ("omega_fe", "omega_b")
 
 
-def traced(path, *overrides, columns=80, rows=12):
+def traced(path, *overrides, columns=60, rows=16):
     plan = small_plan(*overrides, columns=columns, rows=rows)
     return traced_store(path, plan), plan
 

@@ -23,7 +23,7 @@ from tests.pipeline.planes import small_plan, traced_store
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("known")
-    plans = {"spur": small_plan(*SPUR, columns=41, rows=9), "fe": small_plan("plane=omega_fe", columns=80, rows=12)}
+    plans = {"spur": small_plan(*SPUR, columns=41, rows=9), "fe": small_plan("plane=omega_fe", columns=60, rows=16)}
     return {name: (traced_store(folder / f"{name}.zarr", plan), plan) for name, plan in plans.items()}
 
 

@@ -38,7 +38,7 @@ def copy(published, tmp_path):
 
 
 def run(folder, *words):
-    return main([*words, f"output.root={folder}", "cluster=none"])
+    return main([*words, "figures.dpi=30", f"output.root={folder}", "cluster=none"])
 
 
 def files(folder):

@@ -1,0 +1,160 @@
+"""A new plane computed beside the page, by the same command that a user would type, with its progress."""
+
+import re
+import shlex
+import subprocess
+import sys
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.config.compose import compose
+from pipeline.config.typed import key_of
+from pipeline.errors import ConfigurationError
+from pipeline.explorer.fixed_parameters import fixed_parameters
+from pipeline.plan.plan import Plan
+from pipeline.plan.planning import plan as plan_of
+
+__all__ = ["BackgroundRun", "NewPlane", "new_plane"]
+
+_STAGES = "stages=[sweep,boundaries]"
+_PROGRESS = re.compile(r"\s*(\d+)/(\d+) \w+")
+
+
+@dataclass(frozen=True)
+class NewPlane:
+    """A plane with other fixed parameters.
+
+    Parameters
+    ----------
+    overrides : tuple of str
+        As typed, without stages.
+    path : Path
+        Of its store, whose name is its own.
+    """
+
+    overrides: tuple[str, ...]
+    path: Path
+
+    @property
+    def command(self) -> str:
+        """That of the plane, without stages."""
+        return " ".join(["python -m pipeline", *map(shlex.quote, self.overrides)])
+
+
+def new_plane(command: str, plan: Plan, fixed: Mapping[str, float]) -> NewPlane:
+    """The plane of a command with fixed parameters changed.
+
+    Parameters
+    ----------
+    command : str
+        Of the plane that is shown, "python -m pipeline plane=omega_fe".
+    plan : Plan
+        Of that plane.
+    fixed : mapping
+        Name -> value.
+
+    Raises
+    ------
+    ConfigurationError
+        If there is no such plane: the command is not known, nothing is changed, or its values come from physical ones.
+    """
+    if not command:
+        raise ConfigurationError("the command that made this plane is not known: type the new one")
+    if not fixed:
+        raise ConfigurationError("no fixed parameter is changed: this plane is computed already")
+    words, config_dir = shlex.split(command)[3:], None
+    if words and words[0].startswith("--config-dir="):
+        config_dir = words.pop(0).partition("=")[2]
+    keys = {one.name: one.key for one in fixed_parameters(plan)}
+    changes = [f"{keys[name]}={value!r}" for name, value in sorted(fixed.items())]
+    gone = {*map(key_of, changes), "store.overwrite"}
+    kept = [word for word in words if key_of(word) not in gone]
+    named = [word for word in kept if key_of(word) == "store.name"]
+    if named:
+        # A name that was typed belongs to the plane it was typed for.
+        changed = "-".join(f"{name}={value:.6g}" for name, value in sorted(fixed.items()))
+        kept = [f"{word}-{changed}" if word in named else word for word in kept]
+    settings = compose([*kept, *changes], config_dir)
+    if settings.config.gear.physical is not None:
+        raise ConfigurationError(
+            "this gear is given in physical units, from which its dimensionless numbers follow: change gear.physical"
+        )
+    plan_of(settings)
+    own = [f"--config-dir={config_dir}"] if config_dir else []
+    return NewPlane((*own, *kept, *changes), settings.store_path.resolve())
+
+
+class BackgroundRun:
+    """One at a time; ends with the server.
+
+    Attributes
+    ----------
+    plane : NewPlane or None
+        The last one that was begun.
+    """
+
+    def __init__(self):
+        self.plane: NewPlane | None = None
+        self._process: subprocess.Popen | None = None
+        self._lines: list[str] = []
+        self._share, self._alone = 0.0, threading.Lock()
+
+    def begin(self, plane: NewPlane) -> None:
+        """Begin to compute a plane.
+
+        Raises
+        ------
+        ConfigurationError
+            If another one is being computed.
+        """
+        with self._alone:
+            if self.running:
+                raise ConfigurationError(f"{self.plane.path.stem} is being computed: one at a time")
+            self.plane, self._lines, self._share = plane, [], 0.0
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "pipeline", *plane.overrides, _STAGES],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                # Ctrl-C is for the server, which ends it.
+                start_new_session=True,
+            )
+            threading.Thread(target=self._read, args=(self._process,), name="background run", daemon=True).start()
+
+    @property
+    def running(self) -> bool:
+        """Whether a plane is being computed."""
+        return self._process is not None and self._process.poll() is None
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the last one was computed."""
+        return self._process is not None and self._process.poll() == 0
+
+    @property
+    def share(self) -> float:
+        """How much of its rows is computed, from 0 to 1."""
+        return 1.0 if self.succeeded else self._share
+
+    @property
+    def line(self) -> str:
+        """What it said last; empty before it says anything."""
+        return self._lines[-1] if self._lines else ""
+
+    def end(self) -> None:
+        """End it; what is stored is kept."""
+        if self.running:
+            self._process.terminate()
+            try:
+                self._process.wait(20.0)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+
+    def _read(self, process: subprocess.Popen) -> None:
+        for line in process.stdout:
+            if found := _PROGRESS.match(line):
+                self._share = int(found[1]) / max(int(found[2]), 1)
+            self._lines = [*self._lines[-20:], line.strip()]

@@ -1,0 +1,107 @@
+"""Parameters of a plane that are no axis: what may be changed in the explorer, within which range."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pipeline.analysis.margins.distances import further_axis
+from pipeline.analysis.margins.options import Design, nominal_value, replaced
+from pipeline.errors import ConfigurationError
+from pipeline.plan.numerics import row_axis
+from pipeline.plan.plan import Plan
+from pipeline.store import axis_attributes
+from solver import SCALAR_PARAMETERS, ParameterError
+
+__all__ = ["FixedParameter", "changed_plan", "fixed_parameters"]
+
+
+@dataclass(frozen=True)
+class FixedParameter:
+    """One of them.
+
+    Parameters
+    ----------
+    name : str
+        As `solver.Model` has it, or omega.
+    value : float
+        In the plane.
+    low, high : float
+        Between which it may be changed.
+    words : str
+        What it is.
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+    words: str
+
+    @property
+    def key(self) -> str:
+        """The key of the configuration that gives it a value.
+
+        Examples
+        --------
+        >>> FixedParameter("variation_rotation", 0.0, 0.0, 1.0, "").key, FixedParameter("omega", 1.0, 0.0, 2.0, "").key
+        ('gear.variation.rotation', 'plane.omega')
+        """
+        return "plane.omega" if self.name == "omega" else f"gear.{self.name.replace('variation_', 'variation.')}"
+
+
+def fixed_parameters(plan: Plan) -> tuple[FixedParameter, ...]:
+    """Those of a plane that have one number, the same everywhere in it.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of a plane, not of a volume.
+    """
+    axis = row_axis(plan)
+    taken = {plan.sweep.name, plan.parameter.name, *(() if isinstance(axis, str) else axis.uses)}
+    x, p = _middle(plan)
+    found = []
+    for name in ("omega", *SCALAR_PARAMETERS):
+        if name in taken or (name == "omega" and plan.omega is None):
+            continue
+        try:
+            value = nominal_value(plan, x, p, name)
+        except (ValueError, TypeError, AttributeError):
+            # A number for each gear, or no number at all.
+            continue
+        within = further_axis(plan, Design(x, p, x, x), name)
+        if within.low <= value <= within.high and within.low < within.high:
+            found.append(FixedParameter(name, value, within.low, within.high, axis_attributes(name)["long_name"]))
+    return tuple(found)
+
+
+def changed_plan(plan: Plan, fixed: Mapping[str, float]) -> Plan:
+    """The same plane with such parameters changed.
+
+    Parameters
+    ----------
+    plan : Plan
+    fixed : mapping
+        Name -> value.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the parameter, its value and what is allowed.
+    """
+    if not fixed:
+        return plan
+    allowed = {one.name: one for one in fixed_parameters(plan)}
+    for name, value in fixed.items():
+        if name not in allowed:
+            raise ConfigurationError(f"{name} is not allowed here: it must be one of {', '.join(allowed)}")
+        one = allowed[name]
+        if not one.low <= value <= one.high:
+            raise ConfigurationError(f"{name} = {value!r} is not allowed: it must be from {one.low:g} to {one.high:g}")
+    try:
+        return replaced(plan, dict(fixed), *_middle(plan))
+    except ParameterError as error:
+        raise ConfigurationError(str(error)) from None
+
+
+def _middle(plan: Plan) -> tuple[float, float]:
+    return 0.5 * (plan.sweep.low + plan.sweep.high), 0.5 * (plan.parameter.low + plan.parameter.high)

@@ -1,0 +1,67 @@
+"""Work of a page that takes its time: done in a thread, shown in the page's own turn."""
+
+import contextlib
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+__all__ = ["Later"]
+
+#: Of all pages together; most of them wait, for kernels or for one another.
+_THREADS = ThreadPoolExecutor(8, thread_name_prefix="explorer")
+
+
+class Later:
+    """Of one page. Of each kind of work only the last that was asked for is shown.
+
+    Parameters
+    ----------
+    document : bokeh.document.Document or None
+        Of the page; without one, as in a notebook, everything is done at once.
+    """
+
+    def __init__(self, document=None):
+        self._document, self._asked = document, {}
+
+    def ask(self, kind: str, work: Callable[[], object], then: Callable[[object], None], failed: Callable) -> None:
+        """Do some work, then show its result.
+
+        Parameters
+        ----------
+        kind : str
+            What it is: it replaces what was asked of the same kind before.
+        work : callable
+            Without the page.
+        then : callable
+            then(result) shows it.
+        failed : callable
+            failed(error) says why there is none.
+        """
+        number = self._asked[kind] = self._asked.get(kind, 0) + 1
+
+        def done(result: object, error: Exception | None) -> None:
+            if self._asked[kind] == number:
+                then(result) if error is None else failed(error)
+
+        def run() -> None:
+            if self._asked[kind] != number:
+                return
+            result = _tried(work)
+            # A page that was closed has nobody to show it to.
+            with contextlib.suppress(Exception):
+                self._document.add_next_tick_callback(lambda: done(*result))
+
+        if self._document is None:
+            done(*_tried(work))
+        else:
+            _THREADS.submit(run)
+
+    def forget(self, kind: str) -> None:
+        """What was asked of a kind is not shown any more."""
+        self._asked[kind] = self._asked.get(kind, 0) + 1
+
+
+def _tried(work: Callable[[], object]) -> tuple[object, Exception | None]:
+    try:
+        return work(), None
+    except Exception as error:  # whatever it is, the page says it in one line
+        return None, error

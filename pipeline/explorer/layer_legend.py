@@ -1,0 +1,94 @@
+"""Legends as HTML, which flow in whatever room there is: what colours, patterns, lines and marks mean."""
+
+import html
+
+from bokeh.models import Legend, LegendItem
+
+from pipeline.explorer.layer_data import Layer, Shade
+from pipeline.explorer.styles import MARKERS, line_style
+
+__all__ = ["legend", "taken_out"]
+
+#: Pixels of a key.
+_WIDE, _HIGH = 26, 12
+#: Patterns, drawn over twice the width of a key so that they reach its corners.
+_PATTERNS = {
+    "lines": "".join(f"M{x} {_HIGH} l{_HIGH} -{_HIGH} " for x in range(-_HIGH, _WIDE + 1, 6)),
+    "crosses": "".join(f"M{x} {_HIGH} l{_HIGH} -{_HIGH} M{x} 0 l{_HIGH} {_HIGH} " for x in range(-_HIGH, _WIDE + 1, 8)),
+    "dots": "".join(f"M{x} {y} h0.1 " for y in (3, 9) for x in range(3 + (y == 9) * 3, _WIDE, 6)),
+}
+_SHAPES = {
+    "triangle": "M13 2 L17.5 10 L8.5 10 Z",
+    "inverted_triangle": "M13 10 L17.5 2 L8.5 2 Z",
+    "diamond": "M13 1.5 L16.5 6 L13 10.5 L9.5 6 Z",
+    "square": "M9.5 2.5 H16.5 V9.5 H9.5 Z",
+    "circle": "M13 2.5 a3.5 3.5 0 1 0 0.01 0 Z",
+    "cross": "M13 2 V10 M9 6 H17",
+    "x": "M10 3 L16 9 M16 3 L10 9",
+    "star": "M13 1 L14.4 4.6 L18 4.8 L15.2 7.1 L16.2 10.8 L13 8.7 L9.8 10.8 L10.8 7.1 L8 4.8 L11.6 4.6 Z",
+}
+
+
+def legend(layer: Layer) -> str:
+    """Everything that a layer shows, as a list of definitions."""
+    keys = [
+        (_framed(f'<rect width="{_WIDE}" height="{_HIGH}" fill="{one.colour}"/>'), one.name, one.share)
+        for one in layer.classes
+        if one.share or layer.exact
+    ]
+    keys += [(_framed(_pattern(one)), one.name, one.share) for one in layer.shades]
+    keys += [(_line(**line_style(one.kind)), one.label, "") for one in layer.lines]
+    keys += [(_mark(MARKERS[one.kind][0], "white"), one.label, "") for one in layer.marks]
+    return _listed(keys) + "".join(f"<p>{html.escape(note)}</p>" for note in layer.notes)
+
+
+def taken_out(figure) -> str:
+    """The legend of a figure of rows, which has none then."""
+    keys = []
+    for found in figure.select(Legend):
+        keys += [(_sample(item), item.label.value, "") for item in found.items]
+        figure.below = [one for one in figure.below if one is not found]
+    return _listed(keys)
+
+
+def _listed(keys) -> str:
+    lines = (
+        f"<li>{key}<span>{html.escape(name)}</span>{f'<b>{html.escape(share)}</b>' if share else ''}</li>"
+        for key, name, share in keys
+    )
+    return f"<ul class=keys>{''.join(lines)}</ul>"
+
+
+def _sample(item: LegendItem) -> str:
+    drawn = item.renderers[0]
+    glyph, data = drawn.glyph, drawn.data_source.data
+    if drawn.name != "branches":
+        return _mark(glyph.marker, glyph.fill_color or "none")
+    return _line(data["colour"][item.index], glyph.line_width, data["dash"][item.index])
+
+
+def _svg(drawn: str) -> str:
+    return f'<svg width="{_WIDE}" height="{_HIGH}" aria-hidden="true">{drawn}</svg>'
+
+
+def _framed(drawn: str) -> str:
+    frame = f'<rect x="0.5" y="0.5" width="{_WIDE - 1}" height="{_HIGH - 1}" fill="none" stroke="#555"/>'
+    return _svg(drawn + frame)
+
+
+def _pattern(shade: Shade) -> str:
+    width = 3 if shade.bold else 1.8 if shade.pattern == "dots" else 0.8
+    return (
+        f'<path d="{_PATTERNS[shade.pattern]}" stroke="{shade.colour}" stroke-width="{width}" stroke-linecap="round"/>'
+    )
+
+
+def _line(line_color: str, line_width: float, line_dash: str, **further) -> str:
+    dash = "" if line_dash in ("", "solid") else f' stroke-dasharray="{line_dash}"'
+    return _svg(
+        f'<path d="M0 6 H{_WIDE}" stroke="{line_color}" stroke-width="{max(line_width, 1.2)}"{dash} fill="none"/>'
+    )
+
+
+def _mark(marker: str, fill: str) -> str:
+    return _svg(f'<path d="{_SHAPES[marker]}" stroke="black" fill="{fill}"/>')

@@ -1,0 +1,257 @@
+"""What is shown of one place: its row, every motion with its stability, one of them in time, and basins on demand."""
+
+from collections.abc import Callable
+
+import panel as pn
+from bokeh.layouts import column, row
+from bokeh.models import Plot, Span
+
+from pipeline.analysis.motion.motions import Motion, Motions
+from pipeline.analysis.motion.wording import quantity_line, standing
+from pipeline.explorer import answers
+from pipeline.explorer.later import Later
+from pipeline.explorer.legend import taken_out
+from pipeline.explorer.map_frame import frame_of_map
+from pipeline.explorer.messages import note, text
+from pipeline.explorer.opened import Content, Opened, said
+from pipeline.explorer.row_figures import curves_figure, motion_figures
+from pipeline.explorer.state_plane import state_plane
+from pipeline.explorer.style import WIDGETS
+from pipeline.explorer.view_state import ViewState
+from pipeline.explorer.words import chip, found_by_integration, motion_table, place_text
+from pipeline.figures.motion_axes import units_of
+from pipeline.plan.scales import scales_of
+from pipeline.plane.motions import SolvedMotions
+from pipeline.plane.row_curves import RowCurves
+
+__all__ = ["PlaceColumn"]
+
+#: What stands for an initial state of the reader's own among the motions.
+_OWN = "own"
+#: Pixels of the row and of each figure of a motion; the place in the row.
+_ROW, _CARD = 250, 190
+_HERE = {"line_color": "#d7301f", "line_width": 1, "line_dash": "dashed"}
+
+
+class PlaceColumn:
+    """A column of a page.
+
+    Parameters
+    ----------
+    opened : Opened
+    later : Later
+    name : str
+        Tells apart the columns of a page.
+    change : callable or None
+        change(**values) changes the view, where the reader asks for something within the column; None where the column
+        only shows.
+    button : panel widget, optional
+        Beside the heading.
+    """
+
+    def __init__(self, opened: Opened, later: Later, name: str, change: Callable | None, button=None):
+        self._opened, self._later, self._name, self._change = opened, later, name, change
+        self._place_of = self._card_of = self._plane_of = None
+        self._found: Motions | None = None
+        self._busy = False
+        # Figures are put into Bokeh's own layouts: with Panel's it takes longer to replace them than to make them.
+        self.heading, self.verdict, self.motions, self.told = text(), text(), text(), text()
+        self.row, self.card, self.states = (column(sizing_mode="stretch_width") for _ in range(3))
+        self.row_legend, self.card_legend, self.states_told = text(), text(), text()
+        self.which = pn.widgets.Select(name="In time, integrated", width=200, stylesheets=[WIDGETS])
+        self.slice = pn.widgets.Toggle(name="Basins", width=80, margin=(23, 5, 5, 5), stylesheets=[WIDGETS])
+        self.which.param.watch(self._chosen, "value")
+        self.slice.param.watch(self._toggled, "value")
+        head = (
+            self.heading
+            if button is None
+            else pn.Row(self.heading, button, sizing_mode="stretch_width", margin=0, height=34)
+        )
+        parts = [head, self.verdict, _pane(self.row), self.row_legend, self.motions]
+        if change is not None:
+            parts.append(pn.Row(self.which, self.slice, margin=0))
+        self.view = pn.Column(
+            *parts,
+            self.told,
+            self.card_legend,
+            _pane(self.card),
+            self.states_told,
+            _pane(self.states),
+            sizing_mode="stretch_width",
+            margin=(0, 6),
+            css_classes=["place", f"place-{name}"],
+        )
+
+    def show(self, content: Content, state: ViewState, place: tuple[float, float]) -> None:
+        """Show a place; what is shown already is left as it is."""
+        self._content, self._state, self._at = content, state, place
+        self._scales = scales_of(content.plan) if state.physical else None
+        where = (id(content), state.fixed, place, state.physical)
+        if self._place_of != where:
+            self._place_of, self._found, self._card_of, self._plane_of = where, None, None, None
+            self.heading.object = f"<h2>{place_text(content.plan, place, self._scales)}</h2>"
+            if not self._opened.ready.is_set():
+                self.verdict.object = note("Kernels are being loaded …", "note")
+            self._ask("row", answers.row, place[1:], self._show_row)
+            self._ask("motions", answers.motions, place, self._show_motions)
+        elif self._found is not None:
+            self._show_card()
+            self._show_states()
+
+    def _ask(self, kind: str, function: Callable, where: tuple, then: Callable, failed: Callable | None = None) -> None:
+        content, fixed = self._content, dict(self._state.fixed)
+
+        def work():
+            self._opened.ready.wait()
+            return content.answers.ask(function, fixed, *where)
+
+        self._later.ask(f"{self._name} {kind}", work, then, failed or self._failed)
+
+    def _failed(self, error: Exception) -> None:
+        self.told.object = note(said(error, self._opened.path))
+
+    def _show_row(self, found: RowCurves) -> None:
+        axis = frame_of_map(self._content.plane, self._state.physical).x
+        drawn = curves_figure(found, axis, scales=self._scales, height=_ROW, sizing_mode="stretch_width")
+        drawn.add_layout(Span(location=self._at[0] * axis.size, dimension="height", **_HERE))
+        self.row_legend.object = taken_out(drawn)
+        _put(self.row, [drawn])
+
+    def _show_motions(self, found: SolvedMotions) -> None:
+        label = answers.label_of(found)
+        self.verdict.object = f"<p>{chip(label)} <span class='quiet'>integration is asked …</span></p>"
+        doubts = "".join(note(one, "note") for one in found.doubts)
+        self.motions.object = motion_table(found, self._scales) + doubts
+        self._ask(
+            "integrated",
+            answers.integrated,
+            self._at,
+            lambda motions: self._show_integrated(label, len(found.amplitude), motions),
+        )
+
+    def _show_integrated(self, label: str, count: int, found: Motions) -> None:
+        self.verdict.object = f"<p>{chip(label)} {found_by_integration(found)}</p>"
+        self._found = found
+        options = {f"attractor {one.name}, {one.label}": one.name for one in found.attractors}
+        options |= {f"from motion {i} of the map": str(i) for i in range(1, count + 1)}
+        self._quietly(options={**options, "from a state of one's own": _OWN})
+        self._show_card()
+        self._show_states()
+
+    def _show_card(self) -> None:
+        """The motion in time that the view asks for."""
+        state, found = self._state, self._found
+        if self._card_of == (state.motion, state.start):
+            return
+        self._card_of = state.motion, state.start
+        if state.start is not None:
+            self._quietly(value=_OWN)
+            self._ask("card", answers.ending_of_state, (*self._at, *state.start), self._show_ending)
+            return
+        by_letter = {one.name: one for one in found.attractors}
+        chosen = state.motion or next(iter(by_letter), "1")
+        if chosen in self.which.options.values():
+            self._quietly(value=chosen)
+        if chosen in by_letter:
+            self._draw(by_letter[chosen], standing(by_letter[chosen], found))
+        elif chosen.isdigit():
+            self._ask("card", answers.ending_of_motion, (*self._at, int(chosen)), self._show_ending)
+        else:
+            self.told.object = note(f"There is no attractor {chosen} here.")
+            self._no_card()
+
+    def _show_ending(self, found: answers.Ending) -> None:
+        start = f"λ = {found.start[0]:.4g}, λ' = {found.start[1]:.4g}"
+        origin = f"From {start}" if found.of_map is None else f"From motion {found.of_map.number} of the map, {start}"
+        if found.motion is None:
+            self.told.object = note(f"{origin}, nothing settles.")
+            self._no_card()
+        else:
+            self._draw(found.motion, f"{origin}, integration ends on {found.motion.label}")
+
+    def _draw(self, motion: Motion, words: str) -> None:
+        quantities = quantity_line(motion.quantities, self._scales)
+        self.told.object = f"<p>{words}.</p><p class='quiet'>{quantities}</p>"
+        cards = [motion] if motion.of_map is None else [motion, motion.of_map]
+        units = units_of(self._content.shown(self._state.physical), self._found)
+        figures = motion_figures(cards, self._found.model.b, units, height=_CARD, sizing_mode="stretch_width")
+        self.card_legend.object = "".join(taken_out(one) for one in figures.values())
+        pairs = (("time", "force"), ("phase", "spectrum"))
+        rows = [row(*(figures[name] for name in pair), sizing_mode="stretch_width") for pair in pairs]
+        _put(self.card, rows)
+
+    def _no_card(self) -> None:
+        self.card.children, self.card_legend.object = [], ""
+
+    def _show_states(self) -> None:
+        """The plane of initial states, where the view asks for it: with basins, or with a state to drag."""
+        state = self._state
+        self._quietly_toggle(state.basins)
+        wanted = state.basins or state.start is not None
+        if self._plane_of == (state.basins, wanted):
+            return
+        self._plane_of = state.basins, wanted
+        if not wanted or self._change is None:
+            self.states.children, self.states_told.object = [], ""
+        elif state.basins:
+            self.states_told.object = note("The slice of basins is integrated …", "note")
+            self._ask("basins", answers.basins, self._at, self._draw_states, self._failed)
+        else:
+            self._draw_states(None)
+
+    def _draw_states(self, place) -> None:
+        figure, source = state_plane(self._found.attractors, place, self._state.start or self._first_state())
+        source.on_change("data", self._dragged)
+        self.states_told.object = ""
+        _put(self.states, [figure])
+
+    def _first_state(self) -> tuple[float, float]:
+        """Where an own state begins: on the first attractor."""
+        if not self._found.attractors:
+            return 0.0, 0.0
+        x, speed = self._found.attractors[0].curves.points[0].tolist()
+        return float(f"{x:.4g}"), float(f"{speed:.4g}")
+
+    def _dragged(self, name: str, before: dict, after: dict) -> None:
+        if len(after["x"]) == 1:
+            x, speed = (float(f"{after[key][0]:.4g}") for key in ("x", "y"))
+            self._change(start=(x, speed), motion=None)
+
+    def _chosen(self, event) -> None:
+        if self._busy or event.new is None or self._change is None:
+            return
+        if event.new == _OWN:
+            self._change(start=self._state.start or self._first_state(), motion=None)
+        else:
+            self._change(motion=event.new, start=None)
+
+    def _toggled(self, event) -> None:
+        if not self._busy and self._change is not None:
+            self._change(basins=event.new)
+
+    def _quietly(self, **values) -> None:
+        """What the view sets is nothing that the reader has asked for."""
+        self._busy = True
+        try:
+            self.which.param.update(**values)
+        finally:
+            self._busy = False
+
+    def _quietly_toggle(self, value: bool) -> None:
+        self._busy = True
+        try:
+            self.slice.value = value
+        finally:
+            self._busy = False
+
+
+def _pane(drawn) -> pn.pane.Bokeh:
+    return pn.pane.Bokeh(drawn, sizing_mode="stretch_width", margin=0)
+
+
+def _put(layout, drawn: list) -> None:
+    """Show figures in place of others; their tools come with the pointer."""
+    for one in drawn:
+        for plot in one.select({"type": Plot}):
+            plot.toolbar.autohide = True
+    layout.children = drawn
