@@ -5,8 +5,11 @@ READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs-ready
 
 LOWEST := .venv-lowest
+# What a release is called, and where its wheel is tried, as far as they are here.
+DIST := dist/bevelmap-$(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
+PYTHONS ?= python3.11 python3.12 python3.13
 
-.PHONY: map warmup test test-slow check format docs lowest bench clean
+.PHONY: map warmup test test-slow check format docs lowest release bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -35,7 +38,8 @@ format: $(READY)
 	$(VENV)/bin/ruff format .
 	$(VENV)/bin/ruff check --fix .
 
-# The documentation site, in docs/_build. Sphinx is installed for it alone. Warnings are errors.
+# The documentation site, in docs/_build; its gallery is written to docs/gallery first, each example run anew. Warnings
+# are errors. Sphinx is installed for it alone.
 $(DOCS_READY): $(READY)
 	$(VENV)/bin/pip install --quiet --constraint constraints.txt --editable '.[docs]'
 	touch $@
@@ -51,9 +55,17 @@ lowest:
 	NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -m pipeline \
 		plane.sweep.num=40 plane.parameter.num=8 'stages=[sweep,boundaries,figures,check,list]' output.root=$(LOWEST)/outputs
 
+# The source distribution and the wheel, in dist/, and a map with what that wheel installs in an empty environment.
+release:
+	$(PYTHON) -m venv --clear .venv-release
+	.venv-release/bin/pip install --quiet build twine
+	.venv-release/bin/python -m build
+	.venv-release/bin/twine check --strict $(DIST)*
+	for python in $(PYTHONS); do tests/try_wheel $$python $(DIST)*.whl || exit; done
+
 # QUICK=1 leaves out what takes long.
 bench: $(READY)
 	$(VENV)/bin/python -m benchmarks $(if $(QUICK),quick)
 
 clean:
-	rm -rf $(VENV) $(LOWEST)
+	rm -rf .venv .venv-lowest .venv-release build dist docs/gallery

@@ -18,6 +18,8 @@ extensions = [
     "numpydoc",
     "bevelmap_docs.mathml",
     "bevelmap_docs.generated",
+    "bevelmap_docs.gallery",
+    "sphinx_gallery.gen_gallery",
     "bevelmap_docs.offline",
 ]
 exclude_patterns = ["_build", "_extensions"]
@@ -33,6 +35,21 @@ autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 numpydoc_class_members_toctree = False
+
+# Examples are scripts, which ruff formats and any Python runs. They run in the process of this build: kernels are
+# loaded once, and there is no notebook server.
+bevelmap_examples = str(ROOT / "examples")
+sphinx_gallery_conf = {
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "within_subsection_order": "bevelmap_docs.gallery.place",
+    "image_scrapers": ("bevelmap_docs.gallery.figures", "matplotlib"),
+    "capture_repr": (),
+    "run_stale_examples": True,
+    "download_all_examples": False,
+    "write_computation_times": False,
+    "show_signature": False,
+}
 
 html_theme = "pydata_sphinx_theme"
 html_math_renderer = "mathml"

@@ -85,6 +85,14 @@ def test_digits_are_those_of_the_reference_file():
         assert printed == digits["solutions"]
 
 
+def test_the_version_is_one():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        version = tomllib.load(file)["project"]["version"]
+    assert yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))["version"] == version
+    images = re.findall(r"bevelmap:(\d[\w.]*)", (DOCS / "how-to" / "cluster.md").read_text(encoding="utf-8"))
+    assert images and set(images) == {version}
+
+
 @pytest.mark.slow
 def test_the_picture_of_a_row_is_drawn(tmp_path):
     """The script still runs, and draws the nine steps of the stored picture."""

@@ -365,6 +365,7 @@ def test_conf_is_found_from_a_wheel_the_repository_and_beside_a_foreign_pipeline
     (wheel,) = tmp_path.glob("bevelmap-*.whl")
     installed, empty = tmp_path / "site", tmp_path / "empty"
     subprocess.run([sys.executable, "-m", "zipfile", "-e", wheel, installed], check=True)
+    assert _files_in(installed) == _files_to_ship()
     empty.mkdir()
     (empty / "conf").mkdir()
     where = "import pipeline.config.compose as c; print(c.conf_folder())"
@@ -374,6 +375,19 @@ def test_conf_is_found_from_a_wheel_the_repository_and_beside_a_foreign_pipeline
     # A file of that name in the current folder hides the package from plain -m, not from -P and the script `bevelmap`.
     (empty / "pipeline.py").write_text("print('not this one')\n")
     assert "b: 1.0" in _show(empty, "-P", "-m", "pipeline", "--cfg", path=installed)
+
+
+def _files_in(installed: Path) -> set[str]:
+    """What a wheel brings, without its own description."""
+    names = {file.relative_to(installed).as_posix() for file in installed.rglob("*") if file.is_file()}
+    return {name for name in names if ".dist-info/" not in name}
+
+
+def _files_to_ship() -> set[str]:
+    """Every file of both packages, and conf/ where installed programs look for it."""
+    files = [file for top in ("solver", "pipeline", "conf") for file in (ROOT / top).rglob("*") if file.is_file()]
+    names = {file.relative_to(ROOT).as_posix() for file in files if file.parent.name != "__pycache__"}
+    return {f"pipeline/{name}" if name.startswith("conf/") else name for name in names}
 
 
 def _source_copy(folder: Path) -> Path:

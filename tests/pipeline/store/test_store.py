@@ -55,6 +55,7 @@ def test_schema(made):
     assert all(plane[name].attrs == {"long_name": one.title, "units": one.unit} for name, one in QUANTITIES.items())
     assert set(plane.data_vars) == {*kinds, "message"}
     assert np.all(plane.certified == 1) and store.proven_cells(path) == (6 * 61, 6 * 61)
+    assert plane.attrs["bevelmap_schema"] == 4
     assert plane.attrs["Conventions"].startswith("CF") and plane.attrs["configuration_hash"] == plan.digest
     assert {"numpy", "numba", "zarr", "bevelmap"} <= set(plane.attrs["versions"])
     assert plane.omega.attrs["units"] == "1" and plane.phase.attrs["units"] == "rad"
