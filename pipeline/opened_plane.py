@@ -124,6 +124,33 @@ class OpenPlane:
         """Figures: `plane.plot.map()`, `plane.plot.curves(f_e=0.2)`, `plane.plot.backbone()`."""
         return Plots(self.path, self.plan)
 
+    def explore(self, view: str = ""):
+        """The plane to be clicked, in a notebook: as `stages=[explore]` shows it in a page of its own.
+
+        Parameters
+        ----------
+        view : str
+            What is shown first, as a page's address has it: "layer=dynamic&at=0.6,0.2".
+
+        Returns
+        -------
+        panel.viewable.Viewable
+
+        Raises
+        ------
+        ConfigurationError
+            If Panel or Bokeh are not installed, or there is no such view.
+        solver.ParameterError
+            If the view is no text.
+        """
+        instance_of("view", view, str)
+        from pipeline.explorer.stage import check_installed
+
+        check_installed()
+        from pipeline.explorer.notebook import in_notebook
+
+        return in_notebook(self.path, view)
+
     def to_xarray(self) -> xr.DataTree:
         """Everything that is stored, read into memory: the raster at the root, and the groups by name.
 

@@ -100,16 +100,17 @@ class _Page:
         self._pinned = PlaceColumn(opened, self._later, "pinned", None)
         self._fixed = FixedPanel(plan, opened.command, site.run, change, functools.partial(_arrived, site))
         self._design = DesignPanel(opened, content, self._later, change)
-        self._wrong = text(note(wrong))
+        self._wrong = text()
         self._layer = self._layer_select(content.allowed.layers)
         self._units = self._units_select(content.allowed.physical)
         self._lines = text()
         self._take = self._download_row()
         self._busy, self._layer_shown = False, None
         self.view = self._layout()
-        self._show(state)
+        self._show(state, wrong)
         if location is not None:
             location.param.watch(self._addressed, "search")
+            pn.state.onload(self._later.begin)
 
     def change(self, **values) -> None:
         """Show the view with some values changed, or say why it cannot be."""
@@ -118,18 +119,21 @@ class _Page:
             return
         try:
             # What the page sends passes the same gate as an address.
+            if "at" in values:
+                wanted = replace(wanted, motion=values.get("motion"), start=values.get("start"))
             wanted = state_of(query_of(wanted), self._content.allowed)
         except ConfigurationError as error:
-            self._wrong.object = note(str(error))
-            self._show(before)
+            self._later.turn(functools.partial(self._show, before, str(error)))
             return
-        if "at" in values:
-            wanted = replace(wanted, motion=None, start=None)
-        self._wrong.object = ""
-        self._show(wanted)
+        self._state = wanted
+        self._later.turn(functools.partial(self._show, wanted))
 
-    def _show(self, state: ViewState) -> None:
-        self._state, self._busy = state, True
+    def _show(self, state: ViewState, wrong: str = "") -> None:
+        if state != self._state:
+            # Something else is asked for by now.
+            return
+        self._wrong.object = note(wrong)
+        self._busy = True
         try:
             self._layer.value = state.layer
             self._units.value = "physical" if state.physical else "dimensionless"
@@ -162,10 +166,12 @@ class _Page:
         if self._map is None:
             self._map = MapView(layer, self._content.plan, self._later, self.change)
             self._map.window(self._state.window)
+            # Whole before it is handed over: Panel sends it later than Bokeh sends what is changed in it.
+            self._map.show(self._state)
             self._map_pane[:] = [pn.pane.Bokeh(self._map.figure, sizing_mode="stretch_width")]
         else:
             self._map.show_layer(layer)
-        self._map.show(self._state)
+            self._map.show(self._state)
 
     def _failed(self, error: Exception) -> None:
         self._wrong.object = note(said(error, self._opened.path))
@@ -241,8 +247,11 @@ class _Page:
         try:
             content = download(self._content, self._state, what, kind)
         except Exception as error:  # of a store that is gone, or of what there is not
-            self._wrong.object = note(said(error, self._opened.path))
-            raise
+            # What is saved then says so, as the page does.
+            words = said(error, self._opened.path)
+            self._wrong.object = note(words)
+            button.filename = "not-saved.txt"
+            return io.BytesIO(f"{words}\n".encode())
         button.filename = file_name(self._content, self._state, what, kind)
         return io.BytesIO(content)
 

@@ -100,6 +100,7 @@ class BackgroundRun:
         self._process: subprocess.Popen | None = None
         self._lines: list[str] = []
         self._share, self._alone = 0.0, threading.Lock()
+        self._reader: threading.Thread | None = None
 
     def begin(self, plane: NewPlane) -> None:
         """Begin to compute a plane.
@@ -122,7 +123,10 @@ class BackgroundRun:
                 # Ctrl-C is for the server, which ends it.
                 start_new_session=True,
             )
-            threading.Thread(target=self._read, args=(self._process,), name="background run", daemon=True).start()
+            self._reader = threading.Thread(
+                target=self._read, args=(self._process,), name="background run", daemon=True
+            )
+            self._reader.start()
 
     @property
     def running(self) -> bool:
@@ -144,17 +148,25 @@ class BackgroundRun:
         """What it said last; empty before it says anything."""
         return self._lines[-1] if self._lines else ""
 
+    def wait(self, seconds: float | None = None) -> None:
+        """Wait until it has ended and everything that it said is read; raises subprocess.TimeoutExpired."""
+        if self._process is not None:
+            self._process.wait(seconds)
+            self._reader.join()
+
     def end(self) -> None:
         """End it; what is stored is kept."""
         if self.running:
             self._process.terminate()
             try:
-                self._process.wait(20.0)
+                self.wait(20.0)
             except subprocess.TimeoutExpired:
                 self._process.kill()
+                self.wait()
 
     def _read(self, process: subprocess.Popen) -> None:
-        for line in process.stdout:
-            if found := _PROGRESS.match(line):
-                self._share = int(found[1]) / max(int(found[2]), 1)
-            self._lines = [*self._lines[-20:], line.strip()]
+        with process.stdout as lines:
+            for line in lines:
+                if found := _PROGRESS.match(line):
+                    self._share = int(found[1]) / max(int(found[2]), 1)
+                self._lines = [*self._lines[-20:], line.strip()]

@@ -75,7 +75,7 @@ def download(content: Content, state: ViewState, what: str, kind: str) -> bytes:
         return dataset.to_dataframe().to_csv().encode()
     if kind == "json":
         return json.dumps(dataset.to_dict(), indent=1, default=float).encode()
-    return bytes(dataset.to_netcdf())
+    return bytes(_without_lists(dataset).to_netcdf())
 
 
 def _dataset(content: Content, state: ViewState, what: str) -> xr.Dataset:
@@ -86,6 +86,15 @@ def _dataset(content: Content, state: ViewState, what: str) -> xr.Dataset:
         return dataset_of_branches(content.answers.ask(answers.row, fixed, p), scales)
     found = content.answers.ask(answers.motions, fixed, x, p)
     return dataset_of_motions(plan, found.values, {plan.sweep.name: x, plan.parameter.name: p}, scales)
+
+
+def _without_lists(dataset: xr.Dataset) -> xr.Dataset:
+    """With attributes that NetCDF has room for: texts and numbers."""
+    found = dataset.copy()
+    for one in (found, *found.variables.values()):
+        words = {name: value for name, value in one.attrs.items() if isinstance(value, list | tuple)}
+        one.attrs |= {name: " ".join(map(str, value)) for name, value in words.items()}
+    return found
 
 
 def _figure(content: Content, state: ViewState, what: str, kind: str) -> bytes:

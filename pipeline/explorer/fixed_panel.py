@@ -19,7 +19,7 @@ from pipeline.plan.scales import scales_of
 __all__ = ["FixedPanel"]
 
 #: Those that engineers change first; the others are folded away.
-_FIRST = ("b", "alpha", "f_e", "f_pm", "f_pv", "xi_mesh", "omega")
+_FIRST = ("b", "alpha", "f_e", "f_pm", "f_pv", "xi_mesh", "omega", "gap", "mean_load", "excitation", "damping_ratio")
 _STEPS, _EVERY = 200, 500
 
 

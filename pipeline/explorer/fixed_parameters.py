@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pipeline.analysis.margins.distances import further_axis
 from pipeline.analysis.margins.options import Design, nominal_value, replaced
 from pipeline.errors import ConfigurationError
+from pipeline.plan.kinds import APART, kind_of
 from pipeline.plan.numerics import row_axis
 from pipeline.plan.plan import Plan
 from pipeline.store import axis_attributes
-from solver import SCALAR_PARAMETERS, ParameterError
+from solver import ParameterError
 
 __all__ = ["FixedParameter", "changed_plan", "fixed_parameters"]
 
@@ -21,13 +22,15 @@ class FixedParameter:
     Parameters
     ----------
     name : str
-        As `solver.Model` has it, or omega.
+        As axes are called.
     value : float
         In the plane.
     low, high : float
         Between which it may be changed.
     words : str
         What it is.
+    key : str
+        The key of the configuration that gives it a value.
     """
 
     name: str
@@ -35,17 +38,7 @@ class FixedParameter:
     low: float
     high: float
     words: str
-
-    @property
-    def key(self) -> str:
-        """The key of the configuration that gives it a value.
-
-        Examples
-        --------
-        >>> FixedParameter("variation_rotation", 0.0, 0.0, 1.0, "").key, FixedParameter("omega", 1.0, 0.0, 2.0, "").key
-        ('gear.variation.rotation', 'plane.omega')
-        """
-        return "plane.omega" if self.name == "omega" else f"gear.{self.name.replace('variation_', 'variation.')}"
+    key: str
 
 
 def fixed_parameters(plan: Plan) -> tuple[FixedParameter, ...]:
@@ -56,11 +49,14 @@ def fixed_parameters(plan: Plan) -> tuple[FixedParameter, ...]:
     plan : Plan
         Of a plane, not of a volume.
     """
-    axis = row_axis(plan)
+    axis, kind = row_axis(plan), kind_of(plan)
     taken = {plan.sweep.name, plan.parameter.name, *(() if isinstance(axis, str) else axis.uses)}
+    for one, other in APART:
+        # They move the same numbers: one of them is enough.
+        taken.add(one if other in taken else other)
     x, p = _middle(plan)
     found = []
-    for name in ("omega", *SCALAR_PARAMETERS):
+    for name in ("omega", *kind.axes):
         if name in taken or (name == "omega" and plan.omega is None):
             continue
         try:
@@ -70,7 +66,8 @@ def fixed_parameters(plan: Plan) -> tuple[FixedParameter, ...]:
             continue
         within = further_axis(plan, Design(x, p, x, x), name)
         if within.low <= value <= within.high and within.low < within.high:
-            found.append(FixedParameter(name, value, within.low, within.high, axis_attributes(name)["long_name"]))
+            key = "plane.omega" if name == "omega" else kind.key(name)
+            found.append(FixedParameter(name, value, within.low, within.high, axis_attributes(name)["long_name"], key))
     return tuple(found)
 
 

@@ -21,6 +21,16 @@ class Later:
 
     def __init__(self, document=None):
         self._document, self._asked = document, {}
+        self._waiting: list[Callable] | None = None if document is None else []
+
+    def begin(self) -> None:
+        """The page is there: what was asked for until now is done, and from now on at once.
+
+        What a thread shows before a session has its document would be lost.
+        """
+        waiting, self._waiting = self._waiting or [], None
+        for run in waiting:
+            _THREADS.submit(run)
 
     def ask(self, kind: str, work: Callable[[], object], then: Callable[[object], None], failed: Callable) -> None:
         """Do some work, then show its result.
@@ -52,8 +62,17 @@ class Later:
 
         if self._document is None:
             done(*_tried(work))
+        elif self._waiting is not None:
+            self._waiting.append(run)
         else:
             _THREADS.submit(run)
+
+    def turn(self, show: Callable[[], None]) -> None:
+        """Show something in the page's own turn: handlers of widgets may run while another one changes the page."""
+        if self._document is None:
+            show()
+        else:
+            self._document.add_next_tick_callback(show)
 
     def forget(self, kind: str) -> None:
         """What was asked of a kind is not shown any more."""

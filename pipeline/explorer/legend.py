@@ -1,62 +1,71 @@
-"""Legends below figures, as wide as there is room: what colours, patterns, lines and marks mean."""
+"""Legends as HTML, which flow in whatever room there is: what colours, patterns, lines and marks mean."""
 
 import html
 
 from bokeh.models import Legend, LegendItem
 
-from pipeline.explorer.layer_data import Layer
-from pipeline.explorer.styles import line_style
+from pipeline.explorer.layer_data import Layer, Shade
+from pipeline.explorer.styles import MARKERS, line_style
 
 __all__ = ["legend", "taken_out"]
 
-_SAMPLE = '<svg width="{width}" height="11">{drawn}</svg>'
-_DASHES = {"solid": "", "dashed": "6 3", "dotted": "2 3", "dashdot": "6 3 2 3", "dotdash": "2 3 6 3"}
+#: Pixels of a key.
+_WIDE, _HIGH = 26, 12
+#: Patterns, drawn over twice the width of a key so that they reach its corners.
 _PATTERNS = {
-    "lines": '<path d="M0 11 L11 0 M7 11 L18 0 M-7 11 L4 0" stroke="{0}" stroke-width="1"/>',
-    "dots": '<circle cx="4" cy="4" r="1.3" fill="{0}"/><circle cx="12" cy="4" r="1.3" fill="{0}"/>'
-    '<circle cx="8" cy="9" r="1.3" fill="{0}"/>',
-    "crosses": '<path d="M0 11 L11 0 M0 0 L11 11 M7 11 L18 0 M7 0 L18 11" stroke="{0}" stroke-width="0.8"/>',
+    "lines": "".join(f"M{x} {_HIGH} l{_HIGH} -{_HIGH} " for x in range(-_HIGH, _WIDE + 1, 6)),
+    "crosses": "".join(f"M{x} {_HIGH} l{_HIGH} -{_HIGH} M{x} 0 l{_HIGH} {_HIGH} " for x in range(-_HIGH, _WIDE + 1, 8)),
+    "dots": "".join(f"M{x} {y} h0.1 " for y in (3, 9) for x in range(3 + (y == 9) * 3, _WIDE, 6)),
+}
+_SHAPES = {
+    "triangle": "M13 2 L17.5 10 L8.5 10 Z",
+    "inverted_triangle": "M13 10 L17.5 2 L8.5 2 Z",
+    "diamond": "M13 1.5 L16.5 6 L13 10.5 L9.5 6 Z",
+    "square": "M9.5 2.5 H16.5 V9.5 H9.5 Z",
+    "circle": "M13 2.5 a3.5 3.5 0 1 0 0.01 0 Z",
+    "cross": "M13 2 V10 M9 6 H17",
+    "x": "M10 3 L16 9 M16 3 L10 9",
+    "star": "M13 1 L14.4 4.6 L18 4.8 L15.2 7.1 L16.2 10.8 L13 8.7 L9.8 10.8 L10.8 7.1 L8 4.8 L11.6 4.6 Z",
 }
 
 
 def legend(layer: Layer) -> str:
     """Of a layer, as HTML."""
-    entries = [
-        (_box(f'<rect width="16" height="11" fill="{one.colour}"/>'), one.name, one.share)
-        for one in layer.classes
-        if one.share or layer.exact
-    ]
-    entries += [(_box(_PATTERNS[one.pattern].format(one.colour)), one.name, one.share) for one in layer.shades]
-    entries += [(_line(one.kind), one.label, "") for one in layer.lines]
-    entries += [("", one.label, "") for one in layer.marks]
-    spans = (
-        f'<span class="entry">{sample}{html.escape(name)}'
-        f"{f' <span class=quiet>{html.escape(share)}</span>' if share else ''}</span>"
-        for sample, name, share in entries
-    )
-    notes = f"<p class='quiet'>{html.escape('; '.join(layer.notes))}</p>" if layer.notes else ""
-    return f'<div class="legend">{"".join(spans)}</div>{notes}'
+    entries = [(_framed(_area(one.colour)), one.name, one.share) for one in layer.classes if one.share or layer.exact]
+    entries += [(_framed(_pattern(one)), one.name, one.share) for one in layer.shades]
+    entries += [(_line(**line_style(one.kind)), one.label, "") for one in layer.lines]
+    entries += [(_mark(MARKERS[one.kind][0], "white"), one.label, "") for one in layer.marks]
+    return _listed(entries) + "".join(f'<p class="quiet">{html.escape(note)}</p>' for note in layer.notes)
 
 
 def taken_out(figure) -> str:
     """The legend of a Bokeh figure as HTML, taken out of it: below, it has the room that it needs."""
-    spans = []
-    for one in figure.select(Legend):
-        spans += [f'<span class="entry">{_sample(item)}{html.escape(item.label.value)}</span>' for item in one.items]
+    entries = [(_sample(item), item.label.value, "") for one in figure.select(Legend) for item in one.items]
     figure.below = [one for one in figure.below if not isinstance(one, Legend)]
+    return _listed(entries)
+
+
+def _listed(entries) -> str:
+    spans = (
+        f'<span class="entry">{key}<span>{html.escape(name)}</span>'
+        f"{f' <span class=quiet>{html.escape(share)}</span>' if share else ''}</span>"
+        for key, name, share in entries
+    )
     return f'<div class="legend">{"".join(spans)}</div>'
 
 
 def _sample(item: LegendItem) -> str:
     drawn = item.renderers[0]
     style = {name: _value(drawn, getattr(drawn.glyph, name, None), item.index or 0) for name in _STYLES}
-    if style["marker"] is None:
-        return _stroke(style["line_color"], style["line_dash"])
-    return f'<span style="margin-right:4px">{_MARKS.get(style["marker"], "•")}</span>'
+    marker, fill = style.pop("marker"), style.pop("fill_color")
+    if marker is None:
+        return _line(**style)
+    if marker == "square" and fill is not None:
+        return _framed(_area(fill))
+    return _mark(marker, fill or "none")
 
 
-_STYLES = ("line_color", "line_dash", "marker")
-_MARKS = {"circle": "●", "diamond": "◇", "square": "□", "inverted_triangle": "▽", "star": "☆", "x": "×"}
+_STYLES = ("line_color", "line_width", "line_dash", "marker", "fill_color")
 
 
 def _value(drawn, found, index: int):
@@ -69,20 +78,33 @@ def _value(drawn, found, index: int):
     return getattr(found, "value", found)
 
 
-def _box(drawn: str) -> str:
-    frame = '<rect x="0.5" y="0.5" width="15" height="10" fill="none" stroke="#555"/>'
-    return _SAMPLE.format(width=16, drawn=drawn + frame)
+def _svg(drawn: str) -> str:
+    return f'<svg width="{_WIDE}" height="{_HIGH}" aria-hidden="true">{drawn}</svg>'
 
 
-def _line(kind: str) -> str:
-    style = line_style(kind)
-    return _stroke(style["line_color"], style["line_dash"], style["line_width"])
+def _framed(drawn: str) -> str:
+    frame = f'<rect x="0.5" y="0.5" width="{_WIDE - 1}" height="{_HIGH - 1}" fill="none" stroke="#555"/>'
+    return _svg(drawn + frame)
 
 
-def _stroke(colour: str, dash, width: float = 1.8) -> str:
-    dash = " ".join(map(str, dash)) if isinstance(dash, list | tuple) else _DASHES.get(dash, dash)
-    return _SAMPLE.format(
-        width=26,
-        drawn=f'<line x1="0" y1="5.5" x2="26" y2="5.5" stroke="{colour}" stroke-width="{max(width, 1)}" '
-        f'stroke-dasharray="{dash}"/>',
+def _area(colour: str) -> str:
+    return f'<rect width="{_WIDE}" height="{_HIGH}" fill="{colour}"/>'
+
+
+def _pattern(shade: Shade) -> str:
+    width = 3 if shade.bold else 1.8 if shade.pattern == "dots" else 0.8
+    return (
+        f'<path d="{_PATTERNS[shade.pattern]}" stroke="{shade.colour}" stroke-width="{width}" stroke-linecap="round"/>'
     )
+
+
+def _line(line_color: str, line_width: float, line_dash, **further) -> str:
+    dashes = " ".join(map(str, line_dash)) if isinstance(line_dash, list | tuple) else line_dash
+    dash = "" if dashes in ("", "solid") else f' stroke-dasharray="{dashes}"'
+    return _svg(
+        f'<path d="M0 6 H{_WIDE}" stroke="{line_color}" stroke-width="{max(line_width, 1.2)}"{dash} fill="none"/>'
+    )
+
+
+def _mark(marker: str, fill: str) -> str:
+    return _svg(f'<path d="{_SHAPES[marker]}" stroke="black" fill="{fill}"/>')

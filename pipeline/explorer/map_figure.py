@@ -188,7 +188,7 @@ def encoded(layer: Layer) -> np.ndarray:
     ends."""
     values = layer.cells.values
     if layer.ends is None:
-        return np.where(values < 0, _NO_CLASS, values).astype(np.uint8)
+        return np.where(values >= 0, values, _NO_CLASS).astype(np.uint8)
     (low, high), known = layer.ends, np.isfinite(values)
     share = np.where(known, (np.where(known, values, low) - low) / (high - low), 0.0)
     return np.where(known, np.rint(share * (NO_VALUE - 1)), NO_VALUE).astype(np.uint16)
@@ -282,7 +282,7 @@ def _hover(layer: Layer, pointed: GlyphRenderer, sources: Sources) -> HoverTool:
     what = layer.name.replace("_", " ") if layer.ends is not None else "n/I"
     rows = [
         *(
-            (_with_unit(axis.symbol, axis.unit), f"${letter}{{0.0000}}")
+            (_with_unit(axis.symbol, axis.unit), f"${letter}{{{_digits(axis)}}}")
             for letter, axis in (("x", layer.x), ("y", layer.y))
         ),
         *([] if said else [(_with_unit(what, layer.unit), f"@{field}{{{shown}}}")]),
@@ -293,3 +293,9 @@ def _hover(layer: Layer, pointed: GlyphRenderer, sources: Sources) -> HoverTool:
 
 def _with_unit(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
+
+
+def _digits(axis: MapAxis) -> str:
+    """How places on an axis are written: to about a ten-thousandth of its length."""
+    decimals = int(np.clip(4 - np.floor(np.log10(axis.high - axis.low)), 0, 9))
+    return f"0.{'0' * decimals}" if decimals else "0"

@@ -21,7 +21,7 @@ const bevelmap = (() => {
     shown = name;
     for (const part of parts(map))
       if (part.tags.length) part.visible = part.tags.includes(name) && !(narrow.matches && written(part));
-    for (const legend of all(".legend[data-layer]")) legend.hidden = legend.dataset.layer !== name;
+    for (const legend of all(".aside[data-layer]")) legend.hidden = legend.dataset.layer !== name;
     press(all("#layers button"), "layer", name);
   }
 

@@ -18,8 +18,8 @@ from bokeh.resources import INLINE
 
 from pipeline.config.quantities import QUANTITIES
 from pipeline.explorer.layer_data import Layer, MapAxis
-from pipeline.explorer.layer_legend import legend, taken_out
 from pipeline.explorer.layers import layer, layer_names
+from pipeline.explorer.legend import legend, taken_out
 from pipeline.explorer.map_figure import add_layer, map_figure
 from pipeline.explorer.map_frame import frame_of_map
 from pipeline.explorer.page_text import answer_of, doubts_of, heading_of
@@ -160,7 +160,7 @@ def _html(
     text = "\n".join(f"<p>{html.escape(line)}</p>" for line in head)
     doubts = "\n".join(f"<li>{html.escape(line)}</li>" for line in doubts_of(plane))
     legends = "\n".join(
-        f'<div class=legend data-layer="{one.name}"{"" if i == 0 else " hidden"}><h2>{html.escape(one.title)}</h2>'
+        f'<div class=aside data-layer="{one.name}"{"" if i == 0 else " hidden"}><h2>{html.escape(one.title)}</h2>'
         f"{legend(one)}</div>"
         for i, one in enumerate(layers)
     )
@@ -213,7 +213,7 @@ _CURVES = """<section aria-label="Curves">
 <nav id=rows>
 {buttons}
 </nav>
-<div class=pair><div id=curves></div><div class=legend>{keys}</div></div>
+<div class=pair><div id=curves></div><div class=aside>{keys}</div></div>
 </section>"""
 
 _PAGE = """<!DOCTYPE html>

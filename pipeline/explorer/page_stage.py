@@ -4,7 +4,7 @@ import importlib.metadata
 from pathlib import Path
 from time import perf_counter
 
-from pipeline.explorer.extra import check_installed
+from pipeline.explorer.stage import check_installed
 from pipeline.figures.options import check_quantity, check_units
 from pipeline.run.job import Job, command, note_unfinished
 from pipeline.run.made import made_from, still_made, write_record
@@ -17,7 +17,7 @@ __all__ = ["STAGE"]
 
 
 def _check(job: Job) -> None:
-    check_installed("page", "bokeh")
+    check_installed()
     check_units(job.plan, job.settings.config.figures.units)
     for name in job.settings.config.page.quantities:
         check_quantity(job.plan, "page.quantities", name)

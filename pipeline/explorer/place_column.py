@@ -174,7 +174,7 @@ class PlaceColumn:
         self.told.object = f"<p>{words}.</p><p class='quiet'>{quantities}</p>"
         cards = [motion] if motion.of_map is None else [motion, motion.of_map]
         units = units_of(self._content.shown(self._state.physical), self._found)
-        figures = motion_figures(cards, self._found.model.b, units, height=_CARD, sizing_mode="stretch_width")
+        figures = motion_figures(cards, self._found.gap, units, height=_CARD, sizing_mode="stretch_width")
         self.card_legend.object = "".join(taken_out(one) for one in figures.values())
         pairs = (("time", "force"), ("phase", "spectrum"))
         rows = [row(*(figures[name] for name in pair), sizing_mode="stretch_width") for pair in pairs]
@@ -202,7 +202,7 @@ class PlaceColumn:
     def _draw_states(self, place) -> None:
         figure, source = state_plane(self._found.attractors, place, self._state.start or self._first_state())
         source.on_change("data", self._dragged)
-        self.states_told.object = ""
+        self.states_told.object = taken_out(figure)
         _put(self.states, [figure])
 
     def _first_state(self) -> tuple[float, float]:

@@ -1,6 +1,5 @@
 """What makes a view again: the Python lines, and the shell command."""
 
-import shlex
 from pathlib import Path
 
 from pipeline.explorer.view_state import ViewState, query_of
@@ -47,6 +46,7 @@ def shell_command(state: ViewState, command: str) -> str:
         That of the plane, "python -m pipeline plane=omega_fe".
     """
     query = query_of(state)
-    # Quoted once for Hydra, whose grammar has another meaning for = and commas, and once for the shell.
-    view = [shlex.quote(f"explore.view='{query}'")] if query else []
+    # Quoted once for Hydra, whose grammar has another meaning for = and commas, and once for the shell: a query has
+    # neither quotes nor anything that a shell would read.
+    view = [f"\"explore.view='{query}'\""] if query else []
     return " ".join([command, "'stages=[explore]'", *view])

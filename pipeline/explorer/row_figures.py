@@ -163,7 +163,7 @@ def _state_text(impact: int) -> str:
     return f"I = {state.symbol}: {STATE_NAMES[state]}"
 
 
-def motion_figures(cards: Sequence[Motion | MapMotion], b: float, units: Units, **size) -> dict:
+def motion_figures(cards: Sequence[Motion | MapMotion], gap: tuple[float, float], units: Units, **size) -> dict:
     """Motions over one another: displacement and mesh force in time, phase portrait, spectrum.
 
     Attractors are solid lines, motions of the balance dashed ones.
@@ -171,8 +171,8 @@ def motion_figures(cards: Sequence[Motion | MapMotion], b: float, units: Units, 
     Parameters
     ----------
     cards : sequence of Motion or MapMotion
-    b : float
-        Half the backlash: the gap is shown.
+    gap : (low, high)
+        Between the flanks: its ends are shown.
     units : Units
         Of `pipeline.figures.motion_axes.units_of`.
     **size
@@ -194,9 +194,8 @@ def motion_figures(cards: Sequence[Motion | MapMotion], b: float, units: Units, 
         "spectrum": _figure("order", names["spectrum"], name="spectrum", y_axis_type="log", **size),
     }
     found["force"].x_range = found["time"].x_range
-    gap = b * units.length
-    _shade_gap(found["time"], "height", gap)
-    _shade_gap(found["phase"], "width", gap)
+    _shade_gap(found["time"], "height", gap, units)
+    _shade_gap(found["phase"], "width", gap, units)
     shown = min(
         max((2 * card.curves.repeats if card.curves.repeats else _APERIODIC for card in cards), default=2), _MOST
     )
@@ -239,10 +238,14 @@ def motion_figures(cards: Sequence[Motion | MapMotion], b: float, units: Units, 
 _INKS = ("#0072b2", "#d55e00", "#009e73", "#56367d", "#a06a00", "#000000")
 
 
-def _shade_gap(found, dimension: str, gap: float) -> None:
-    for place in (-gap, gap) if gap > 0.0 else ():
-        along = "width" if dimension == "height" else "height"
-        found.add_layout(Span(location=place, dimension=along, line_color="#808080", line_dash="2 3", line_width=1))
+def _shade_gap(found, dimension: str, gap: tuple[float, float], units: Units) -> None:
+    along = "width" if dimension == "height" else "height"
+    # A gap without a back flank has one end.
+    for end in gap if gap[0] < gap[1] else ():
+        if np.isfinite(end):
+            found.add_layout(
+                Span(location=end * units.length, dimension=along, line_color="#808080", line_dash="2 3", line_width=1)
+            )
 
 
 def _over(curves, shown: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -33,28 +33,23 @@ def make_server(page: Callable[[], object], port: int = 0, title: str = "bevelma
     ConfigurationError
         If the port is taken.
     """
-    port = port or _free_port()
+    port = _free_port(port)
     # Other sites that this browser shows are other origins; names that lead to this machine are other hosts.
     hosts = [f"{ADDRESS}:{port}", f"localhost:{port}"]
     for name in ("bokeh", "tornado.access", "tornado.general", "panel"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    try:
-        return pn.io.server.get_server(
-            lambda: _for_this_machine(page, hosts),
-            port=port,
-            address=ADDRESS,
-            websocket_origin=hosts,
-            title=title,
-            # What is answered is small; a page cannot send more than a state.
-            websocket_max_message_size=2**20,
-            # A page that is gone is forgotten, and what it holds.
-            unused_session_lifetime_milliseconds=60_000,
-            check_unused_sessions_milliseconds=10_000,
-        )
-    except OSError as error:
-        raise ConfigurationError(
-            f"explore.port = {port} is not allowed: it must be a port that is free, or 0 ({error})"
-        ) from None
+    return pn.io.server.get_server(
+        lambda: _for_this_machine(page, hosts),
+        port=port,
+        address=ADDRESS,
+        websocket_origin=hosts,
+        title=title,
+        # What a page sends is small.
+        websocket_max_message_size=2**20,
+        # A page that is gone is forgotten, and what it holds.
+        unused_session_lifetime_milliseconds=60_000,
+        check_unused_sessions_milliseconds=10_000,
+    )
 
 
 def run_server(server: Server) -> None:
@@ -74,7 +69,15 @@ def _for_this_machine(page: Callable[[], object], hosts: list[str]):
     return page()
 
 
-def _free_port() -> int:
+def _free_port(port: int) -> int:
+    """A port that nobody listens on: this one, or any of them for 0."""
     with socket.socket() as found:
-        found.bind((ADDRESS, 0))
+        # As the server itself takes it: what was just let go is free.
+        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            found.bind((ADDRESS, port))
+        except OSError as error:
+            raise ConfigurationError(
+                f"explore.port = {port} is not allowed: it must be a port that is free, or 0 ({error})"
+            ) from None
         return found.getsockname()[1]

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from bokeh.models import ColumnDataSource, HoverTool, LegendItem, LinearColorMapper, PointDrawTool
+from bokeh.models import ColumnDataSource, HoverTool, Legend, LegendItem, LinearColorMapper, PointDrawTool
 from bokeh.plotting import figure
 
 from pipeline.analysis.attractors.places import Place
@@ -66,13 +66,12 @@ def _draw_basins(drawn, place: Place) -> None:
         [place.slots.astype(float)], x=x[0], y=y[0], dw=x[1] - x[0], dh=y[1] - y[0], color_mapper=mapper, level="image"
     )
     shares = [float(np.mean(place.slots == slot)) for slot in filled]
+    items = []
     for slot, share in zip(filled, shares, strict=True):
-        words = f"{attractor_name(int(kinds[slot]), int(impacts[slot]))}: {100.0 * share:.1f} %"
-        square = drawn.scatter([], [], marker="square", size=10, fill_color=colours[slot], line_color="#555555")
-        if not drawn.legend:
-            drawn.scatter([], [], size=0, legend_label="ends on")
-        drawn.legend.items.append(LegendItem(label=words, renderers=[square]))
-    drawn.legend.label_text_font_size, drawn.legend.padding, drawn.legend.spacing = "11px", 4, 0
+        words = f"{attractor_name(int(kinds[slot]), int(impacts[slot]))}: {100.0 * share:.1f} % of the slice"
+        square = drawn.scatter([], [], marker="square", fill_color=colours[slot], line_color="#555555")
+        items.append(LegendItem(label=words, renderers=[square]))
+    drawn.add_layout(Legend(items=items), "below")
     drawn.x_range.start, drawn.x_range.end = x
     drawn.y_range.start, drawn.y_range.end = y
 

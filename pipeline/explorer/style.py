@@ -18,6 +18,7 @@ p { margin: 2px 0; }
   border: 1px solid rgba(0, 0, 0, .15); }
 .warning { background: #fff4dc; border: 1px solid #e6c77a; border-radius: 4px; padding: 6px 10px; margin: 4px 0; }
 .note { background: #f0f3f6; border: 1px solid #d5dce3; border-radius: 4px; padding: 4px 10px; margin: 4px 0; }
+.wide { overflow-x: auto; }
 table.plain { border-collapse: collapse; font-size: 12px; width: 100%; font-variant-numeric: tabular-nums; }
 table.plain th { text-align: left; font-weight: 500; color: #666; border-bottom: 1px solid #ccc; padding: 1px 6px 1px 0;
   vertical-align: bottom; }
@@ -69,6 +70,6 @@ LAYOUT = """
 
 #: One place, or two side by side.
 PLACES = """
-:host { display: grid; gap: 0 16px; grid-template-columns: repeat(auto-fit, minmax(330px, 1fr)); align-items: start; }
-.place { min-width: 0; }
+:host { display: grid; gap: 0 16px; grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); align-items: start; }
+.place { min-width: 0; overflow: hidden; }
 """

@@ -105,4 +105,4 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]], escaped: bool = F
     text = (lambda cell: cell) if escaped else html.escape
     head = "".join(f"<th>{html.escape(cell)}</th>" for cell in heads)
     body = "".join(f"<tr>{''.join(f'<td>{text(cell)}</td>' for cell in row)}</tr>" for row in rows)
-    return f'<table class="plain"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
+    return f'<div class="wide"><table class="plain"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'

@@ -78,10 +78,11 @@ def draw(
     -------
     list of Path
         map, map-<quantity>-<of>, map-window, curves or curves-<quantity>, multipliers, attractors, verification, basins
-        and backbone, each in all formats; "-dynamic" stands behind the names of those of dynamic stability.
-        Attractors and verification are drawn where the store has the group `attractors`, basins where it has
-        `places`. The backbone is left out where the plane's rows do not run over the mesh frequency, without mean
-        load, and of systems that are no bevel pair. Of a volume, layers: maps of up to five of them.
+        and backbone, each in all formats;
+        "-dynamic" stands behind the names of those of dynamic stability. Attractors and verification are drawn where
+        the store has the group `attractors`, basins where it has `places`. The backbone is left out where the plane's
+        rows do not run over the mesh frequency, without mean load, and of systems that
+        are no bevel pair. Of a volume, layers: maps of up to five of them.
 
     Raises
     ------

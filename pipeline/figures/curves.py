@@ -135,7 +135,7 @@ def draw_curves(
                     found.draw(axes, name)
                 if column == 0:
                     _draw_exits(axes, row, name)
-                _enlarge_crowded(figure, axes, row, name)
+                _enlarge_crowded(figure, axes, row, name, found)
             else:
                 why = _NOTHING[row.status]
                 axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color="0.4")
@@ -198,7 +198,7 @@ def _draw_frequencies(axes: Axes, row: RowCurves, name: str, top: float) -> None
             axes.plot(frequency, getattr(free, name), **_BACKBONE)
 
 
-def _enlarge_crowded(figure: Drawing, axes: Axes, row: RowCurves, name: str) -> None:
+def _enlarge_crowded(figure: Drawing, axes: Axes, row: RowCurves, name: str, isolated: IsolatedCurves | None) -> None:
     """Insets for the places at which markers hide each other, where the panel is empty."""
     size = axes.get_position().size * figure.get_size_inches()
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
@@ -207,6 +207,9 @@ def _enlarge_crowded(figure: Drawing, axes: Axes, row: RowCurves, name: str) -> 
     shown = np.all((curve >= 0.0) & (curve <= size), axis=1)
     events = curve[np.isin(row.points["event"], [kind for kinds, _ in MARKS.values() for kind in kinds]) & shown]
     blocked = [curve[shown]]
+    if isolated is not None:
+        place = np.column_stack([isolated.points["position"], isolated.points[name]])
+        blocked.append((place - (left, low)) / scale * size)
     for frequency in row.modes if row.plan.sweep.name == "omega" else ():
         place = (frequency - left) / scale[0] * size[0]
         blocked.append(np.column_stack([np.full(50, place), np.linspace(0.0, size[1], 50)]))

@@ -126,8 +126,19 @@ class Plan:
     def rows_per_block(self) -> int:
         """Rows of a chunk: about 1 MB of the largest array, and at least sixteen blocks in all; no more is needed to
         keep workers busy, and the number of workers may not matter."""
+        return min(self._rows_at_once, -(-self.rows // _BLOCKS_AT_LEAST), self.parameter.num)
+
+    @property
+    def _rows_at_once(self) -> int:
+        """Rows of which the largest array takes about 1 MB, at least one."""
         row_bytes = 8 * max(self.motion_size, 1) * max(self.sweep.num * self.max_solutions, self.max_points)
-        return max(1, min(_BLOCK_BYTES // row_bytes, -(-self.rows // _BLOCKS_AT_LEAST), self.parameter.num))
+        return max(_BLOCK_BYTES // row_bytes, 1)
+
+    @property
+    def parts(self) -> list[Block]:
+        """All rows in whole blocks that are read together, which takes no more memory than a block may."""
+        blocks = self.row_blocks
+        return replace(blocks, size=blocks.size * (self._rows_at_once // blocks.size)).all
 
     @property
     def row_blocks(self) -> RowBlocks:

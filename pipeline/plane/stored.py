@@ -90,8 +90,8 @@ class StoredPlane:
 
     @property
     def parts(self) -> Iterator["StoredPlane"]:
-        """The plane in blocks of rows, each a chunk of the store."""
-        for block in self.plan.blocks:
+        """The plane in parts of some rows, each a few chunks of the store."""
+        for block in self.plan.parts:
             yield self._as(block=block)
 
     def layer_at(self, index: int) -> "StoredPlane":

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from solver.enumeration.contact_law import LAW, gain_over
-from solver.enumeration.enclosed import SHIFT, interval_of, law_of
+from solver.enumeration.enclosed import MIRRORED, SHIFT, interval_of, law_of
 from solver.enumeration.gain_equation import motion_over
 from solver.enumeration.interval import add
 from solver.enumeration.reduction import CONTACT, GAP, ROWS, determinant_over, is_modulated, reduce_balance
@@ -70,16 +70,17 @@ def _alone(box, b, law):
     """
     least = max(max(box[MEAN], -box[MEAN + 1]), 0.0)
     largest = max(abs(box[_COS]), abs(box[_COS + 1])) + max(abs(box[_SIN]), abs(box[_SIN + 1]))
-    if law[2] == 0.0:
-        # Only ahead of the flank is there contact.
+    if law[2] != 1.0:
+        # N is 1 only beyond the stiffer flank.
         least = box[MEAN]
+    if law[2] == 0.0:
         if box[GAIN_BOUNDS] == 0.0 and -box[MEAN + 1] > largest * (1.0 + 1e-12):
             return True
     elif law[0] > 0.0 and box[GAIN_BOUNDS] == 0.0:
         furthest = max(box[MEAN + 1], -box[MEAN])
         if (furthest + largest) * (1.0 + 1e-12) < b:
             return True
-    if box[GAIN_BOUNDS + 1] == 1.0 and ((b == 0.0 and law[2] != 0.0) or least - b > largest * (1.0 + 1e-12)):
+    if box[GAIN_BOUNDS + 1] == 1.0 and ((b == 0.0 and law[2] == 1.0) or least - b > largest * (1.0 + 1e-12)):
         return True
     spread = box[MEAN + 1] - box[MEAN] + box[_COS + 1] - box[_COS] + box[_SIN + 1] - box[_SIN]
     smallest = box[AMPLITUDE] - spread
@@ -109,15 +110,23 @@ def _move(boxes, count, shift):
         boxes[i, MEAN], boxes[i, MEAN + 1] = add((boxes[i, MEAN], boxes[i, MEAN + 1]), shift)
 
 
+@kernel(types.void(MATRIX, _I), inner=True)
+def _turn(boxes, count):
+    """Give so many motions the other sign."""
+    for i in range(count):
+        for slot in (MEAN, _COS, _SIN):
+            boxes[i, slot], boxes[i, slot + 1] = -boxes[i, slot + 1], -boxes[i, slot]
+
+
 @kernel(types.boolean(MATRIX, _I), inner=True)
 def _adds_up(reduced, degree):
     """Whether the signs of det J of all solutions add up to that of q where motions of infinite amplitude would be.
 
-    With two flanks these feel a closed contact. With one they are half free, as (phi, beta) = (0, 0) tells, unless the
-    stiffness varies in the mean row: then nothing is known.
+    With two flanks alike these feel a closed contact. With one they are half free, and with unlike ones in between, as
+    (phi, beta) = (0, 0) tells, unless the stiffness varies in the mean row: then nothing is known.
     """
     law, gain = law_of(reduced, CONTACT), (1.0, 1.0)
-    if law[2] == 0.0:
+    if law[2] != 1.0:
         if is_modulated(reduced):
             return True
         gain = gain_over((0.0, 0.0), (0.0, 0.0), law, math.nan, 0.0)[0]
@@ -205,6 +214,9 @@ def enumerate_point(enclosed, ceiling, solutions, undecided, work):
     shift = interval_of(enclosed, SHIFT)
     _move(solutions, count, shift)
     _move(undecided, n_open, shift)
+    if enclosed[MIRRORED, 0] != 0.0:
+        _turn(solutions, count)
+        _turn(undecided, n_open)
     return count, n_open, proof, above, visits
 
 

@@ -8,7 +8,17 @@ import math
 
 import numpy as np
 
-from solver.enumeration.enclosed import FACTORED, HALF_GAP, LAW_ROW, MEAN_GAIN, MEAN_LOAD, SHIFT, put, put_complex
+from solver.enumeration.enclosed import (
+    FACTORED,
+    HALF_GAP,
+    LAW_ROW,
+    MEAN_GAIN,
+    MEAN_LOAD,
+    MIRRORED,
+    SHIFT,
+    put,
+    put_complex,
+)
 from solver.enumeration.interval import (
     COMPLEX,
     INTERVAL,
@@ -192,3 +202,4 @@ def enclose_gear(parameters, parameter_slope, grid, enclosed):
         # The rotation is free, and there are two flanks.
         put(here, LAW_ROW, (0.0, 0.0))
         put(here, LAW_ROW + 1, (1.0, 1.0))
+        put(here, MIRRORED, (0.0, 0.0))

@@ -4,7 +4,7 @@ import numpy as np
 
 from solver.enumeration.coefficients import enclose_gear
 from solver.enumeration.enclosed import SLOTS
-from solver.enumeration.system_coefficients import FREE_MEAN, HELD_AND_MODULATED, PULLED, UNEQUAL, enclose_system
+from solver.enumeration.system_coefficients import FREE_MEAN, HELD_AND_MODULATED, PULLED, enclose_system
 from solver.model.checks import ParameterError
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
@@ -24,7 +24,6 @@ _REFUSED = {
         "0 in the first harmonic for a proof, where the stiffness matrix holds lambda without the contact",
     ),
     PULLED: ("stiffness", "such that a steady force at the contact moves lambda against it, for a proof"),
-    UNEQUAL: ("back_stiffness", "1 for a proof: flanks of equal stiffness"),
     FREE_MEAN: ("load", "such that its mean presses the one flank together, where nothing else holds lambda"),
 }
 

@@ -3,7 +3,8 @@
 Rows (low, high) of an array (SLOTS, 2). First D, A, P_1, P_2, F and e of `solver.harmonic.condensed`, real part and
 imaginary part of each; then c and the mean load; the half gap and what lambda_m is counted from; whether D and A are
 real and a common factor is left out (`solver.enumeration.reduction`); and the law of `solver.enumeration.contact_law`:
-one row with kappa and the bound of its error, one with the number of flanks but one, twice.
+one row with kappa and the bound of its error, one with the stiffness of the far flank, twice. Last, whether all of this
+is of the motion -lambda: the back flank is the stiffer one.
 
 With gaps front and back, lambda - (front - back)/2 feels a symmetric dead zone of half width (front + back)/2, and of a
 contact with one flank lambda - front feels none: the mean load is less by D_0 times that.
@@ -20,6 +21,7 @@ __all__ = [
     "LAW_ROW",
     "MEAN_GAIN",
     "MEAN_LOAD",
+    "MIRRORED",
     "SHIFT",
     "SLOTS",
     "complex_of",
@@ -30,7 +32,7 @@ __all__ = [
 ]
 
 MEAN_GAIN, MEAN_LOAD, HALF_GAP, SHIFT, FACTORED, LAW_ROW = range(12, 18)
-SLOTS = 19
+MIRRORED, SLOTS = 19, 20
 
 _I = types.int64
 

@@ -5,7 +5,7 @@
 
 import math
 
-from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes, near_cosine
+from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes, is_unlike, near_cosine
 from solver.enumeration.enclosed import interval_of, law_of
 from solver.enumeration.interval import (
     INTERVAL,
@@ -58,8 +58,8 @@ def _ratio(numerator, size):
 
 @kernel(INTERVAL(MATRIX, INTERVAL, INTERVAL, INTERVAL), inline=True)
 def _mean_force(reduced, n, q, size):
-    """phi: |n|/|l|, and of a contact with one flank n/|l| with the sign of q."""
-    if reduced[CONTACT + 1, 0] != 0.0:
+    """phi: |n|/|l|, and where the flanks are not alike n/|l| with the sign of q."""
+    if reduced[CONTACT + 1, 0] == 1.0:
         return _ratio(n, size)
     least = n[0] / size[0] if n[0] < 0.0 else n[0] / size[1]
     most = n[1] / size[0] if n[1] > 0.0 else n[1] / size[1]
@@ -112,8 +112,10 @@ def approximate_gain(reduced, t, guess):
     force, gap, law = 0.5 * (phi[0] + phi[1]), 0.5 * (beta[0] + beta[1]), law_of(reduced, CONTACT)
     if force >= 1.0 and law[0] == 0.0:
         return 1.0 - t, guess
+    if is_unlike(law) and force <= -law[2] and law[0] == 0.0:
+        return law[2] - t, guess
     cosine = min(gap, 1.0) if law[2] != 0.0 else 1.0
-    if force > 0.0 or law[0] > 0.0:
+    if force > 0.0 or law[0] > 0.0 or is_unlike(law):
         cosine = near_cosine(force, gap, law, guess, 0.0)[0]
     return contact_law(cosine, gap, law)[1] - t, cosine
 
@@ -157,14 +159,14 @@ def _between(whole, at_left, at_right, slope, width):
 def _scaled_over(reduced, left, right):
     """phi, beta and their slopes over [left, right]; False (and no slopes) where l may vanish."""
     (n, q, size), (n_left, q_left, l_left), (n_right, q_right, l_right) = numerators_over(reduced, left, right)
-    width, gap, one_flank = (
+    width, gap, signed = (
         subtract(exact(right), exact(left)),
         interval_of(reduced, GAP),
-        reduced[CONTACT + 1, 0] == 0.0,
+        reduced[CONTACT + 1, 0] != 1.0,
     )
     phi, beta = _mean_force(reduced, n, q, size), _ratio(multiply(gap, q), size)
-    # The sign of phi of one flank is that of q as well, and phi jumps where that changes.
-    if not size[0] > 1.0 / LARGEST or (one_flank and not (q[0] > 0.0 or q[1] < 0.0)):
+    # Where the flanks are not alike the sign of phi is that of q as well, and phi jumps where that changes.
+    if not size[0] > 1.0 / LARGEST or (signed and not (q[0] > 0.0 or q[1] < 0.0)):
         return phi, beta, (0.0, 0.0), (0.0, 0.0), False
 
     cube = multiply(size, square(size))
@@ -174,7 +176,7 @@ def _scaled_over(reduced, left, right):
         return phi, beta, (0.0, 0.0), (0.0, 0.0), False
     # The slopes of |n| and |q| follow the sign of n and q; where that changes they have a kink.
     sign = 1 if n[0] > 0.0 else (-1 if n[1] < 0.0 else 0)
-    if one_flank:
+    if signed:
         sign = 1 if q[0] > 0.0 else -1
     elif left == 0.0 and reduced[LOAD, 0] == 0.0:
         # Without mean load n(0) = 0, so that n has the sign of its slope.
@@ -289,12 +291,17 @@ def motion_over(reduced, left, right, guess):
     amplitude, force, gap = divide(size, absolute(q)), divide(n, q), interval_of(reduced, GAP)
     mean, phi, law = (math.inf, -math.inf), _mean_force(reduced, n, q, size), law_of(reduced, CONTACT)
     # Mean displacement on the side of the force: b - a cos theta_+, or b plus the force if contact is never lost.
-    if phi[0] < 1.0 or law[0] > 0.0:
+    far_alone = is_unlike(law) and law[0] == 0.0 and phi[1] < -law[2] * (1.0 + 1e-15)
+    if law[0] > 0.0 or (phi[0] < 1.0 and not far_alone):
         cosine = gain_over(phi, _ratio(multiply(gap, q), size), law, guess, 0.0)[1]
         mean = hull(mean, subtract(gap, multiply(amplitude, cosine)))
     if not phi[1] < 1.0 and law[0] == 0.0:
         mean = hull(mean, add(gap, absolute(force)))
-    if law[2] != 0.0:
+    if is_unlike(law) and law[0] == 0.0 and not phi[0] > -law[2] * (1.0 - 1e-15):
+        # Or, in permanent contact with the far flank, -b less the force over its stiffness.
+        behind = divide(absolute(force), (law[2] * (1.0 - 1e-15), law[2] * (1.0 + 1e-15)))
+        mean = hull(mean, subtract((0.0, 0.0), add(gap, behind)))
+    if law[2] == 1.0:
         mean = max(mean[0], 0.0), mean[1]
         if force[1] < 0.0:
             mean = -mean[1], -mean[0]

@@ -124,7 +124,7 @@ def search(reduced, roots, undecided, stack):
     """
     n_roots, open_boxes, flags, visits, size = 0, 0, 0, 0, 0
     start, start_sign, held = 0.0, 1.0, reduced[CONTACT, 0] > 0.0
-    if reduced[GAP, 1] == 0.0 and reduced[CONTACT + 1, 0] != 0.0:
+    if reduced[GAP, 1] == 0.0 and reduced[CONTACT + 1, 0] == 1.0:
         # Without backlash N is 1 throughout.
         roots[0, 0], roots[0, 1], roots[0, 2] = 0.0, 1.0, -1.0
         return 1, 0, 0, 0
@@ -276,10 +276,10 @@ def narrow(reduced, left, right, sign):
         return 0.0, 0.0, math.nan
     if right == 1.0:
         n, _q, length = numerators_at(reduced, 1.0)
-        two_flanks = reduced[CONTACT + 1, 0] != 0.0
-        if reduced[GAP, 1] == 0.0 and two_flanks:
+        alike = reduced[CONTACT + 1, 0] == 1.0
+        if reduced[GAP, 1] == 0.0 and alike:
             return 1.0, 1.0, math.nan
-        if two_flanks and not held:
+        if alike and not held:
             permanent = max(n[0], -n[1]) >= length[1]
         else:
             permanent = gain_at(reduced, 1.0, math.nan)[0][0] >= 1.0

@@ -13,7 +13,17 @@ import math
 
 import numpy as np
 
-from solver.enumeration.enclosed import FACTORED, HALF_GAP, LAW_ROW, MEAN_GAIN, MEAN_LOAD, SHIFT, put, put_complex
+from solver.enumeration.enclosed import (
+    FACTORED,
+    HALF_GAP,
+    LAW_ROW,
+    MEAN_GAIN,
+    MEAN_LOAD,
+    MIRRORED,
+    SHIFT,
+    put,
+    put_complex,
+)
 from solver.enumeration.interval import (
     COMPLEX,
     INTERVAL,
@@ -45,11 +55,11 @@ from solver.model.parameters import (
     system_matrices,
 )
 
-__all__ = ["FREE_MEAN", "HELD_AND_MODULATED", "PULLED", "UNEQUAL", "enclose_system"]
+__all__ = ["FREE_MEAN", "HELD_AND_MODULATED", "PULLED", "enclose_system"]
 
 #: Of what nothing can be proven: springs hold lambda and the stiffness varies; a steady force moves lambda against it;
-#: nothing but a contact with one flank holds the mean, and the load does not press it together; flanks are unlike.
-HELD_AND_MODULATED, PULLED, FREE_MEAN, UNEQUAL = 1, 2, 3, 4
+#: nothing but a contact with one flank holds the mean, and the load does not press it together.
+HELD_AND_MODULATED, PULLED, FREE_MEAN = 1, 2, 3
 
 _F, _I, _B = types.float64, types.int64, types.boolean
 _THREE = types.Tuple((types.UniTuple(COMPLEX, 3), _B))
@@ -111,6 +121,12 @@ def _static(numbers):
     return (1.0, 1.0), B[0], G[0], (0.0, 0.0), False, proven and free
 
 
+@kernel(INTERVAL(INTERVAL), inline=True)
+def _negative(x):
+    """-x, exactly."""
+    return -x[1], -x[0]
+
+
 @kernel(_I(ARRAY, MATRIX), inner=True)
 def _enclose(numbers, here):
     """Fill one point; 0, or why nothing can be proven."""
@@ -125,8 +141,6 @@ def _enclose(numbers, here):
     second = varies and numbers[STIFFNESSES] > 1.0 and numbers[stiffness_slot(2)] != 0.0
     c, B_0, load, kappa, held, proven = _static(numbers)
     front, back, _, _, far = gaps(numbers, numbers, 0.0)
-    if far != 0.0 and far != 1.0:
-        return UNEQUAL
     if held and first:
         return HELD_AND_MODULATED
     if held and proven and not c[0] > 0.0:
@@ -149,6 +163,12 @@ def _enclose(numbers, here):
         D = complex_subtract(D, A)
     if numbers[DASHPOT] != 0.0:
         A = complex_multiply(A, (exact(1.0), multiply(exact(numbers[DASHPOT]), exact(omega))))
+    if far > 1.0:
+        # Of -lambda the stiffer flank is in front, and the contact's stiffness is that of the back one.
+        stiffer = exact(far)
+        A, B, B_0 = complex_scale(stiffer, A), complex_scale(stiffer, B), multiply(stiffer, B_0)
+        c, kappa, load, shift = multiply(stiffer, c), divide(kappa, stiffer), _negative(load), _negative(shift)
+        G = _negative(G[0]), _negative(G[1])
     factored = not damped and not first and not second
     if factored:
         D, A = (D[0], (0.0, 0.0)), (A[0], (0.0, 0.0))
@@ -159,6 +179,7 @@ def _enclose(numbers, here):
         P_1, e = complex_multiply(B, S), complex_scale(multiply(exact(0.5), B_0), S)
     if second:
         P_2 = complex_scale(exact(0.5), complex_multiply(B, _stiffness_phasor(numbers, 2)))
+    put(here, MIRRORED, exact(1.0 if far > 1.0 else 0.0))
     put_complex(here, 0, D)
     put_complex(here, 2, A)
     put_complex(here, 4, P_1)
@@ -172,7 +193,7 @@ def _enclose(numbers, here):
     put(here, FACTORED, exact(1.0 if factored else 0.0))
     middle = 0.5 * (kappa[0] + kappa[1])
     put(here, LAW_ROW, (middle, above(max(kappa[1] - middle, middle - kappa[0])) if held else 0.0))
-    put(here, LAW_ROW + 1, exact(far))
+    put(here, LAW_ROW + 1, exact(1.0 / far if far > 1.0 else far))
     return 0
 
 
@@ -192,7 +213,7 @@ def enclose_system(parameters, parameter_slope, grid, enclosed):
     Returns
     -------
     int
-        0, or why nothing can be proven: `HELD_AND_MODULATED`, `PULLED`, `FREE_MEAN` or `UNEQUAL`.
+        0, or why nothing can be proven: `HELD_AND_MODULATED`, `PULLED` or `FREE_MEAN`.
     """
     numbers = np.empty(parameters.shape[0])
     for i in range(grid.shape[0]):

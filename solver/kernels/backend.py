@@ -6,8 +6,10 @@ that it calls. A unit is what Python calls or hands on, or a kernel that is shar
 that one by its name.
 """
 
+import contextlib
 import copy
 import functools
+import gc
 import hashlib
 import itertools
 import pickle
@@ -140,6 +142,8 @@ class _Compiler(compiler.CompilerBase):
 
     def define_pipelines(self):
         passes = compiler_machinery.PassManager("kernel")
+        # Numba would analyse the whole code anew after each step, though each one does where the next needs it.
+        passes._ENFORCING = False
         for one in _PASSES:
             passes.add_pass(one, one.__name__)
         passes.finalize()
@@ -277,9 +281,21 @@ def _unit(kernel, signature, is_shared: bool, patience: float) -> compiler.Compi
             if not mine and not patience:
                 return None
             if (result := _read(name, kernel, is_shared)) is None:
-                result = (_compiled_alone if is_shared else _compiled)(kernel, signature)
+                with _few_collections():
+                    result = (_compiled_alone if is_shared else _compiled)(kernel, signature)
                 _keep(name, result)
     return result
+
+
+@contextlib.contextmanager
+def _few_collections():
+    """Python looks for garbage seldom: the many objects of a kernel that is being compiled are none."""
+    thresholds = gc.get_threshold()
+    gc.set_threshold(100_000, *thresholds[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*thresholds)
 
 
 @functools.cache

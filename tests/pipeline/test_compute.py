@@ -68,15 +68,11 @@ def test_rows_that_fail_are_an_error_and_stored(tmp_path, monkeypatch):
 def test_figures_are_shown_whatever_style_is_in_force(plane):
     import matplotlib
 
-    first = plane.plot.map()
-    assert first._repr_png_().startswith(b"\x89PNG")
+    assert plane.plot.map()._repr_png_().startswith(b"\x89PNG")
+    first = plane.plot.curves(f_e=0.2)
     with matplotlib.rc_context({"font.size": 20.0, "lines.linewidth": 5.0}):
-        assert plane.plot.map()._repr_png_() == first._repr_png_()
-    for wanted, figure in (
-        (2, plane.plot.curves(f_e=0.2)),
-        (6, plane.plot.curves()),
-        (4, plane.plot.multipliers(f_e=[0.2, 0.23])),
-    ):
+        assert plane.plot.curves(f_e=0.2)._repr_png_() == first._repr_png_()
+    for wanted, figure in ((2, first), (6, plane.plot.curves()), (4, plane.plot.multipliers(f_e=[0.2, 0.23]))):
         # Insets have no labels of their own.
         assert sum(bool(axes.get_ylabel()) for axes in figure.axes) == wanted
     assert plane.plot.backbone().axes and plane.plot.map(window=(0.5, 0.8, 0.1, 0.3)).axes
@@ -113,12 +109,14 @@ def test_it_says_what_it_is(plane):
 def test_a_script_needs_no_guard(tmp_path):
     """Workers do not run the script that started them."""
     script = tmp_path / "script.py"
+    window = ["plane.sweep.min=0.55", "plane.sweep.max=0.65", "plane.parameter.min=0.15", "plane.parameter.max=0.25"]
+    small = ["plane.sweep.num=11", "plane.parameter.num=3", *window]
     script.write_text(
         textwrap.dedent(
             f"""
             import pipeline
             print("once")
-            plane = pipeline.compute("omega_fe", {[*SMALL[:2], "cluster.workers=1", *places(tmp_path)]!r})
+            plane = pipeline.compute("omega_fe", {[*small, "cluster.workers=1", *places(tmp_path)]!r})
             print(plane.label_near(omega=0.6, f_e=0.2))
             """
         )

@@ -150,6 +150,10 @@ CALLS = {
     },
     "pipeline.api.OpenPlane.curve_at": lambda plane: {"self": plane, **row(), **physical()},
     "pipeline.api.OpenPlane.curve_near": lambda plane: {"self": plane, **row(), **physical()},
+    "pipeline.api.OpenPlane.explore": lambda plane: {
+        "self": plane,
+        "view": argument("layer=dynamic&at=0.6,0.2", (None, 1, True, [], {}, "at=9,9", "layer=nothing", "foo"), "view"),
+    },
     "pipeline.api.OpenPlane.label_at": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.label_near": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.label_of": lambda plane: {

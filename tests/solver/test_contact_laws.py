@@ -19,7 +19,7 @@ from solver import (
     FreeVibrationStatus,
     LiftedSeeds,
     ParameterError,
-    Proof,
+    ProvenSeeds,
     all_solutions,
     free_vibration,
     solve,
@@ -431,20 +431,18 @@ def test_rows_of_boundaries(law, order):
 # Proof ---------------------------------------------------------------------------------------------------------------
 
 
-def test_all_solutions_with_a_dashpot():
-    rng, several = np.random.default_rng(3), 0
-    load = [[0.05, 0.0], [0.15, 0.05j]]
-    system = pair(contact_dashpot=0.1, stiffness_harmonics=(), load=load, damping=0.02 * np.eye(2))
-    for omega in (0.9, 1.2, 1.24):
-        found = all_solutions(system, omega)
-        assert found.proof is Proof.PROVEN
-        others = by_newton(system, omega, rng, 40)
-        assert len(others) == len(found.mean)
-        for motion in others:
-            inside = (found.boxes[:, :, 0] - 1e-9 <= motion) & (motion <= found.boxes[:, :, 1] + 1e-9)
-            assert np.any(np.all(inside, axis=1))
-        several = max(several, len(others))
-    assert several > 1
+@laws
+def test_a_row_is_proven(law):
+    """And Newton's method finds nothing else in it."""
+    load, rng = [[0.05, 0.0], [0.06, 0.02j]], np.random.default_rng(3)
+    system = pair(**law, stiffness_harmonics=(), load=load, damping=0.02 * np.eye(2))
+    row = sweep_row(system, "omega", np.linspace(1.05, 1.15, 11), seeds=ProvenSeeds(columns=21))
+    assert np.all(row.certified == 1)
+    assert row.n_solutions.max() == 3
+    for column in (0, int(np.argmax(row.n_solutions))):
+        motions = row.motions[column, : row.n_solutions[column]]
+        for motion in by_newton(system, float(row.grid[column]), rng, 20):
+            assert np.min(np.max(np.abs(motions - motion), axis=1)) < 1e-6
 
 
 # What is refused -----------------------------------------------------------------------------------------------------

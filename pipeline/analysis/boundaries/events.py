@@ -90,7 +90,7 @@ _GAPS = ("b", "gap", "gap_scale")
 
 def read_events(path: Path, plan: Plan) -> RowEvents:
     """Read the events of the complete rows of a store."""
-    # Block by block, so that memory does not depend on the number of rows.
+    # Part by part, so that memory does not depend on the number of rows.
     parts = [_events_of(part) for part in StoredPlane(path, plan).parts]
     arrays = ("kind", "points", "motions", "ahead", "contradictory")
     return RowEvents(

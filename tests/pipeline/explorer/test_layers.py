@@ -138,3 +138,12 @@ def test_a_plane_without_boundaries_is_shown_in_cells(tmp_path):
         names = [one.name.replace("–", "-") for one in shown.classes]
         number = names.index(label) if label in names else -1
         np.testing.assert_array_equal(shown.cells.values[plane.domain == code], number)
+
+
+def test_symbols_have_no_markup_as_plain_text():
+    from pipeline.explorer.plain_text import plain
+    from pipeline.figures.naming import _SYMBOLS
+
+    texts = [*_SYMBOLS.values(), *(one.symbol for one in QUANTITIES.values())]
+    assert not [text for text in texts if set("\\${}") & set(plain(f"${text}$"))]
+    assert plain(r"$\zeta$, $\Lambda_0$, $\varepsilon_t$, $\Delta T$") == "ζ, Λ_0, ε_t, ΔT"

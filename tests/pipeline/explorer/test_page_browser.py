@@ -92,7 +92,7 @@ def test_layers_change_and_tell_their_values(page, plane):
         page.locator(f"#layers [data-layer={name}]").click()
         shown = page.evaluate(f"[...new Set({MAP}.renderers.filter(one => one.visible).flatMap(one => one.tags))]")
         assert shown == [name]
-        assert page.locator(".legend[data-layer]:visible").count() == 1
+        assert page.locator(".aside[data-layer]:visible").count() == 1
         assert page.locator("#layers [aria-pressed=true]").get_attribute("data-layer") == name
         told = clicked(page, 1.12, {"attractors": 0.201, "dynamic_factor": 0.2, "domains": 0.202}[name])
         assert word in told

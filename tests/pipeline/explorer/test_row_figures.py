@@ -61,7 +61,7 @@ def test_branches_have_their_values_colours_and_dashes(plane, quantity, physical
 def test_motions_are_drawn_as_they_were_found(plane):
     found = motions_at(plane.plan, 1.2, float(plane.rows[3]), compose([]).config.attractors)
     cards, units = [*found.attractors, *found.others], units_of(plane, found)
-    drawn = motion_figures(cards, found.model.b, units)
+    drawn = motion_figures(cards, found.gap, units)
     assert tuple(drawn) == MOTION_FIGURES and drawn["force"].x_range is drawn["time"].x_range
     assert drawn["time"].xaxis.axis_label.startswith("time (ms)") and "µm" in drawn["phase"].xaxis.axis_label
     texts = [item.label.value for item in drawn["time"].select_one(Legend).items]
@@ -87,4 +87,4 @@ def test_a_row_that_failed_and_no_motion_at_all_are_empty_figures(plane):
     found = curves_figure(none, frame_of_map(plane, False).x)
     assert renderers(found, "branches")[0].data_source.data["xs"] == []
     motions = motions_at(plane.plan, 1.2, float(plane.rows[3]), compose([]).config.attractors)
-    assert tuple(motion_figures([], 1.0, units_of(plane, motions))) == MOTION_FIGURES
+    assert tuple(motion_figures([], (-1.0, 1.0), units_of(plane, motions))) == MOTION_FIGURES

@@ -36,7 +36,7 @@ def test_python_without_assertions_is_refused(tmp_path):
 def test_a_display_that_is_not_there_is_no_matter(tmp_path, monkeypatch):
     (tmp_path / "outputs/store").mkdir(parents=True)
     small_store(tmp_path / "outputs/store/omega_fe.zarr", small_plan(columns=9, rows=3))
-    words = ["stages=[figures]", "figures.formats=[png]", "figures.dpi=30", "cluster=none"]
+    words = ["stages=[figures]", "figures.formats=[png]", "figures.dpi=30", "figures.curves=[0.2]", "cluster=none"]
     result = _run(tmp_path, *words, MPLBACKEND="foo")
     assert (result.returncode, result.stderr) == (0, "")
     assert (tmp_path / "outputs/figures/omega_fe/map.png").exists()

@@ -59,8 +59,8 @@ def plane(made):
     return read_stored(made)
 
 
-def drawn(path, folder, formats=("png",), only=None):
-    return figures.draw(path, folder, None, list(formats), 30, only=only)
+def drawn(path, folder, formats=("png",), only=None, curves=None):
+    return figures.draw(path, folder, curves, list(formats), 30, only=only)
 
 
 def test_what_is_written_and_the_same_bytes_again(made, tmp_path):
@@ -68,16 +68,16 @@ def test_what_is_written_and_the_same_bytes_again(made, tmp_path):
     import matplotlib
 
     folder, formats = tmp_path / "new" / "folder", ["png", "pdf", "svg"]
-    first = [*drawn(made, folder), *drawn(made, folder, formats[1:], only=["backbone"])]
+    first = [*drawn(made, folder, curves=[0.25]), *drawn(made, folder, formats[1:], only=["backbone"])]
     names = ["map.png", "curves.png", "backbone.png", "backbone.pdf", "backbone.svg"]
     assert [path.name for path in first] == names and {path.name for path in folder.iterdir()} == set(names)
     assert first[0].read_bytes().startswith(b"\x89PNG") and first[3].read_bytes().startswith(b"%PDF")
     with matplotlib.rc_context({"font.size": 20.0, "lines.linewidth": 5.0}):
-        again = drawn(made, tmp_path / "second", only=["map", "curves"])
+        again = drawn(made, tmp_path / "second", only=["map", "curves"], curves=[0.25])
         again += drawn(made, tmp_path / "second", formats[::-1], only=["backbone"])
         assert matplotlib.rcParams["font.size"] == 20.0
     code = f"from pathlib import Path; from pipeline import figures; made = Path({str(made)!r}), "
-    code += f"Path({str(tmp_path / 'third')!r}), None; figures.draw(*made, ['png'], 30, only=['map', 'curves']); "
+    code += f"Path({str(tmp_path / 'third')!r}), [0.25]; figures.draw(*made, ['png'], 30, only=['map', 'curves']); "
     code += "figures.draw(*made, ['pdf'], 30, only=['backbone'])"
     subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "PYTHONHASHSEED": "1"})
     assert len(again) == len(first)

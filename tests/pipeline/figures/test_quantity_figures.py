@@ -16,6 +16,7 @@ from pipeline.plane.row_curves import curves_at
 from pipeline.plane.stored import read_stored
 from solver import Event
 from solver.stability import Instability
+from tests.conftest import slow_but
 from tests.pipeline.planes import contents, small_plan, small_store, traced_store
 
 
@@ -117,7 +118,13 @@ def test_physical_values_stand_at_the_bar_and_beside_curves(tmp_path):
     assert all(not axes.child_axes for axes in factor.axes if axes.get_position().width < 0.1)
 
 
-@pytest.mark.parametrize("name", [name for name in QUANTITIES if name != "mean"])
+#: One with a backbone, one with a sign, one of the loads, and one of a share.
+_DRAWN = ("amplitude", "lowest", "dynamic_factor", "contact_loss")
+
+
+@pytest.mark.parametrize(
+    ("name",), slow_but([(name,) for name in _DRAWN], [(name,) for name in QUANTITIES if name != "mean"])
+)
 def test_curves_are_of_the_quantity_with_its_events(traced, name):
     plane = read_stored(traced)
     figure, row = draw_curves(plane, [0.3], name), curves_at(plane, 0.3)
@@ -142,14 +149,15 @@ def test_beside_the_mean_stands_the_amplitude(traced):
     assert [name for name in names if name] == ["mean", "amplitude"]
 
 
-def test_files_have_the_name_of_the_quantity(traced, tmp_path):
+def test_files_have_the_name_of_the_quantity(tmp_path):
+    path = small_store(tmp_path / "plane.zarr", small_plan(columns=21, rows=6))
     one, two = (
-        figures.draw(traced, tmp_path / folder, [0.3], ["png"], 40, quantity="peak_to_peak", of="mildest", only=only)
+        figures.draw(path, tmp_path / folder, [0.3], ["png"], 40, quantity="peak_to_peak", of="mildest", only=only)
         for folder, only in (("one", ["map", "map-quantity", "curves"]), ("two", ["map-quantity", "curves"]))
     )
     assert {path.name for path in one} == {"map.png", "map-peak_to_peak-mildest.png", "curves-peak_to_peak.png"}
     assert len(two) == 2 and all(path.read_bytes() == (tmp_path / "one" / path.name).read_bytes() for path in two)
-    only = figures.draw(traced, tmp_path, [0.3], ["png"], 40, quantity="amplitude", only=["map-quantity", "curves"])
+    only = figures.draw(path, tmp_path, [0.3], ["png"], 40, quantity="amplitude", only=["map-quantity", "curves"])
     assert [path.name for path in only] == ["curves.png", "map-amplitude-worst.png"]
 
 

@@ -27,7 +27,7 @@ NEAR = 1e-5
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory):
     """A part of the default plane with contradictions, two resonances 1:1 and a multiplier that passes +1."""
-    swept = small_plan("plane.sweep.max=1.4", "plane.parameter.min=0.05", columns=90, rows=24)
+    swept = small_plan("plane.sweep.max=1.4", "plane.parameter.min=0.05", columns=60, rows=16)
     return read_stored(traced_store(tmp_path_factory.mktemp("division") / "plane.zarr", swept))
 
 

@@ -8,6 +8,7 @@ import xarray as xr
 import zarr
 
 from pipeline import store
+from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane, read_stored
 from pipeline.store import groups
 from tests.pipeline.planes import small_plan, small_store
@@ -60,7 +61,9 @@ def test_a_whole_volume(volume):
 
 
 @pytest.mark.parametrize("layer", [None, 1])
-def test_parts_make_up_the_whole(plane, volume, layer):
+def test_parts_make_up_the_whole(plane, volume, layer, monkeypatch):
+    # Several chunks, and not all of them.
+    monkeypatch.setattr(Plan, "_rows_at_once", 2)
     whole = read_stored(plane, True) if layer is None else read_stored(volume, True).layer_at(layer)
     parts = list(whole.parts)
     assert len(parts) > 1 and all(part.dynamic and part.layer == layer for part in parts)

@@ -10,10 +10,11 @@ from solver.enumeration.enclosed import MEAN_GAIN, MEAN_LOAD, SHIFT
 from solver.harmonic.describing_function import evaluate, first_order_problem
 from tests.conftest import MODELS
 
+_RATIOS = (0.4, 2.5)
 _OPTIONS = [(held, sided, varied) for held in (True, False) for sided in (2, 1) for varied in (True, False)]
 
 
-def random_system(rng, held: bool, flanks: int, varied: bool) -> ContactSystem:
+def random_system(rng, held: bool, flanks: int, varied: bool, ratio: float = 1.0) -> ContactSystem:
     """Positive stiffness and a general damping matrix; free to move along a rigid motion unless springs hold it."""
     n = int(rng.integers(1 if held else 2, 5))
     root = rng.normal(size=(n, n))
@@ -42,6 +43,7 @@ def random_system(rng, held: bool, flanks: int, varied: bool) -> ContactSystem:
         force=force,
         front_gap=rng.uniform(0.1, 1.0),
         back_gap=rng.uniform(0.1, 1.0) if flanks == 2 else np.inf,
+        back_stiffness=ratio,
         varying_force=force * rng.uniform(0.5, 1.0),
         stiffness_harmonics=harmonics,
         load=np.array([mean, rng.uniform(-1.0, 1.0, n) + 1j * rng.uniform(-1.0, 1.0, n)]),
@@ -56,18 +58,22 @@ def by_newton(system: ContactSystem, omega: float, rng, starts: int) -> np.ndarr
     for _ in range(starts):
         y = np.append(rng.uniform(-1.0, 1.0, 3) * size * 10.0 ** rng.uniform(-1.0, 0.5), omega)
         y = problem.corrected(y, Newton(), max_iterations=30)
-        if y is None or np.max(np.abs(y[:3])) > 99.0:
+        if y is None or np.hypot(y[1], y[2]) > 99.0:
             continue
         if all(np.max(np.abs(y[:3] - other)) > 1e-6 for other in found):
             found.append(y[:3])
     return np.array(found).reshape(-1, 3)
 
 
-@pytest.mark.parametrize(("held", "flanks", "varied"), _OPTIONS)
-def test_newton_finds_no_solution_that_is_not_listed(held, flanks, varied):
+@pytest.mark.parametrize(
+    ("held", "flanks", "varied", "ratio"),
+    [(*option, 1.0) for option in _OPTIONS]
+    + [(*option, ratio) for option in _OPTIONS if option[1] == 2 for ratio in _RATIOS],
+)
+def test_newton_finds_no_solution_that_is_not_listed(held, flanks, varied, ratio):
     rng, several = np.random.default_rng(8 * held + 4 * varied + flanks), 0
-    for _ in range(60):
-        system = random_system(rng, held, flanks, varied)
+    for _ in range(60 if ratio == 1.0 else 30):
+        system = random_system(rng, held, flanks, varied, ratio)
         closed = np.linalg.solve(system.mass, system.stiffness + np.outer(system.force, system.contact))
         omega = rng.uniform(0.45, 1.0) * np.sqrt(np.max(np.linalg.eigvals(closed).real))
         found = all_solutions(system, omega)
@@ -110,11 +116,11 @@ def test_receptances_are_enclosed():
     assert enclosed[MEAN_LOAD, 0] <= mean <= enclosed[MEAN_LOAD, 1]
 
 
-def _law(nu, beta, kappa, flanks):
-    """phi and N of a motion of amplitude 1, by quadrature."""
+def _law(nu, beta, kappa, far):
+    """phi and N of a motion of amplitude 1, by quadrature; `far` is the stiffness of the far flank."""
     angle = (np.arange(40_000) + 0.5) * (np.pi / 40_000)
     place = nu + np.cos(angle)
-    force = np.maximum(place - beta, 0.0) - (np.maximum(-place - beta, 0.0) if flanks == 2 else 0.0)
+    force = np.maximum(place - beta, 0.0) - far * np.maximum(-place - beta, 0.0)
     return np.mean(force) + kappa * nu, 2.0 * np.mean(force * np.cos(angle))
 
 
@@ -125,7 +131,7 @@ def test_law_of_a_held_contact(kappa, flanks):
     for _ in range(150):
         beta = rng.uniform(0.0, 1.5) if flanks == 2 else 0.0
         nu = rng.uniform(0.0 if flanks == 2 else -2.0, 3.0)
-        phi, gain = _law(nu, beta, kappa, flanks)
+        phi, gain = _law(nu, beta, kappa, flanks - 1)
         found = contact_law(beta - nu, beta, law)
         np.testing.assert_allclose(found[:2], (phi, gain), rtol=0, atol=2e-7)
         gains, cosines = gain_over((found[0], found[0]), (beta, beta), law, np.nan, 0.0)
@@ -146,6 +152,51 @@ def test_law_of_a_held_contact(kappa, flanks):
             (f_2, n_2), (f_3, n_3) = (contact_law(beta - nu, beta + s, law)[:2] for s in (-step, step))
             by = ((n_3 - n_2) - slope * (f_3 - f_2)) / (2.0 * step)
             assert by_gap[0] - 1e-4 <= by <= by_gap[1] + 1e-4
+
+
+@pytest.mark.parametrize("far", [0.05, 0.5, 0.98])
+@pytest.mark.parametrize("kappa", [0.0, 1e-3, 0.7])
+def test_law_of_unlike_flanks(kappa, far):
+    """Bounds over rectangles hold everywhere in them; N falls with phi and then grows."""
+    rng, law, signs = np.random.default_rng(6), (kappa, 1e-16 * kappa, far), set()
+    for _ in range(60):
+        beta, width = rng.uniform(0.0, 1.5) * rng.choice([1.0, 3.0]), 10.0 ** rng.uniform(-5, -0.3)
+        nu = rng.uniform(-1.0, 1.0) * (1.0 + beta)
+        found = contact_law(beta - nu, beta, law)
+        np.testing.assert_allclose(found[:2], _law(nu, beta, kappa, far), rtol=0, atol=2e-7)
+        gains, cosines = gain_over((found[0], found[0]), (beta, beta), law, np.nan, 0.0)
+        # The mean is free inside the gap where no spring holds it.
+        if kappa > 0.0 or abs(nu) > beta - 0.99:
+            assert gains[0] <= found[1] <= gains[1]
+            assert gains[1] - gains[0] < 1e-9
+            assert cosines[0] <= beta - nu <= cosines[1]
+        phis, betas = (found[0] - width, found[0] + 0.5 * width), (beta, beta + width)
+        gains, cosines = gain_over(phis, betas, law, np.nan, 0.1 * width)
+        by_force, by_gap = gain_slopes(phis, betas, cosines, law, 0.1 * width)
+        assert gains[1] - gains[0] < 8.0 * width + 1e-9
+        for other_beta in np.linspace(*betas, 4):
+            for other_nu in nu + width * np.linspace(-4.0, 4.0, 17):
+                phi, gain, _, _, angles = contact_law(other_beta - other_nu, other_beta, law)
+                if not phis[0] <= phi <= phis[1] or (
+                    kappa == 0.0 and (angles == 0.0 or abs(other_nu) > 1.0 + other_beta)
+                ):
+                    continue
+                assert gains[0] <= gain <= gains[1]
+                step = 1e-6
+                (f_0, n_0), (f_1, n_1) = (
+                    contact_law(other_beta - other_nu + s, other_beta, law)[:2] for s in (-step, step)
+                )
+                if abs(f_1 - f_0) < 1e-9:
+                    continue
+                slope = (n_1 - n_0) / (f_1 - f_0)
+                signs.add(np.sign(slope))
+                assert by_force[0] - 2e-3 <= slope <= by_force[1] + 2e-3
+                (f_2, n_2), (f_3, n_3) = (
+                    contact_law(other_beta - other_nu, other_beta + s, law)[:2] for s in (-step, step)
+                )
+                by = ((n_3 - n_2) - slope * (f_3 - f_2)) / (2.0 * step)
+                assert by_gap[0] - 2e-3 <= by <= by_gap[1] + 2e-3
+    assert signs >= {-1.0, 1.0}
 
 
 def stop(**changes):

@@ -12,8 +12,11 @@ from pipeline.analysis.attractors import isolated
 from pipeline.errors import StoreError
 from pipeline.figures.curves import draw_curves
 from pipeline.figures.isolated_curves import isolated_curves_at
+from pipeline.plan.numerics import row_system, sweep_axis
 from solver import Event
+from solver.timedomain import find_attractors
 from tests.made_once import made_once
+from tests.pipeline.planes import small_plan
 
 #: Two rows over the upper resonance, where motions of two periods are (docs/physics.md, section 8).
 SMALL = [
@@ -27,6 +30,7 @@ SMALL = [
     "solver.certify_columns=15",
     "cluster=none",
     "attractors.starts=2",
+    "attractors.columns=8",
 ]
 
 
@@ -78,6 +82,18 @@ def test_extremes_are_those_of_the_balance(plane):
     here = stored.isel(isolated_point=np.flatnonzero(stored.isolated_f_e.values == row))
     np.testing.assert_array_equal(results.points["position"], here.isolated_omega.values)
     np.testing.assert_array_equal(results.points["highest"], here.highest.values)
+
+
+def test_a_spur_pair_has_its_isola_of_two_periods():
+    """tests/cases/kahraman_singh.py: from 1.36863 to 2.01142 at order 9."""
+    ranges = ("plane.sweep.min=1.2", "plane.sweep.max=2.2", "plane.parameter.min=0.08", "plane.parameter.max=0.1")
+    plan = small_plan("gear=spur", "plane=omega_load", *ranges, "solver.certify_columns=9", columns=11, rows=2)
+    x = np.array([1.8])
+    attractors = find_attractors(row_system(plan, 0.1), sweep_axis(plan), x)
+    found = isolated.isolated_task(plan, 0.1, x, attractors, 5)
+    assert found.notes == () and set(found.points["period"]) == {2} and set(found.points["closed"]) == {1}
+    ends = np.sort(found.points["position"][found.points["event"] == Event.FOLD])
+    np.testing.assert_allclose(ends, [1.36863, 2.01142], rtol=0, atol=2e-5)
 
 
 def test_what_is_made_is_kept(made, tmp_path, capsys):

@@ -302,6 +302,7 @@ SMALL = [
     "cluster=none",
     "figures.formats=[png]",
     "figures.dpi=30",
+    "figures.curves=[0.2]",
 ]
 
 

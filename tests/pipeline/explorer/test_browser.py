@@ -1,0 +1,212 @@
+"""The page in a real browser: what a reader does, at two sizes of the window, and nothing in the console."""
+
+import json
+import shutil
+import time
+from pathlib import Path
+from urllib.parse import parse_qsl, urlsplit
+
+import pytest
+
+from tests.pipeline.explorer.serving import served_plane, serving
+
+playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+
+#: Debian's, without the script around it that reads further settings, and others.
+BROWSERS = ("/usr/lib/chromium/chromium", "chromium", "chromium-browser", "google-chrome")
+#: Milliseconds that a page may take, however busy the machine is.
+PATIENCE = 60_000
+SIZES = {"wide": (1440, 900), "narrow": (1000, 760)}
+
+
+@pytest.fixture(scope="module")
+def browser():
+    found = [path for name in BROWSERS if (path := shutil.which(name))]
+    if not found:
+        pytest.skip("no Chromium is installed here: apt-get install chromium")
+    with playwright.sync_playwright() as driver:
+        reasons = []
+        for path in found:
+            try:
+                opened = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+            except playwright.Error as error:
+                reasons.append(f"{path}: {str(error).splitlines()[0]}")
+                continue
+            yield opened
+            opened.close()
+            return
+        pytest.skip(f"no browser can be started here: {'; '.join(reasons)}")
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory, browser):
+    folder = tmp_path_factory.mktemp("browsed")
+    served_plane(folder)
+    with serving(folder) as found:
+        yield found
+
+
+class Reader:
+    """Somebody at a page."""
+
+    def __init__(self, browser, size: str):
+        width, height = SIZES[size]
+        self.page = browser.new_page(viewport={"width": width, "height": height}, accept_downloads=True)
+        self.page.set_default_timeout(PATIENCE)
+        self.said, self.asked = [], []
+        self.page.on("console", lambda one: self.said.append(one.text) if one.type in ("error", "warning") else None)
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+
+    def open(self, url: str) -> None:
+        self.page.goto(url)
+        self.page.wait_for_selector(".map canvas")
+
+    @property
+    def view(self) -> dict[str, str]:
+        """What the address says."""
+        return dict(parse_qsl(urlsplit(self.page.url).query))
+
+    def until(self, done) -> None:
+        """Wait for what the page does in its own time."""
+        end = time.monotonic() + PATIENCE / 1000
+        while not done():
+            assert time.monotonic() < end, self.page.url
+            self.page.wait_for_timeout(50)
+
+    def click_map(self, across: float, up: float) -> None:
+        """Click a place of the map, in shares of the figure."""
+        box = self.page.locator(".map canvas").first.bounding_box()
+        before = self.view.get("at")
+        self.page.mouse.click(box["x"] + across * box["width"], box["y"] + up * box["height"])
+        self.until(lambda: self.view.get("at") != before)
+        self.page.wait_for_selector(".place-here canvas")
+        self.page.locator(".place-here").get_by_text("Integration finds").wait_for()
+
+    def heading(self, column: str) -> str:
+        """Of a place."""
+        return self.page.locator(f".place-{column} h2").inner_text()
+
+
+@pytest.fixture
+def reader(browser, served):
+    readers = []
+
+    def sit_down(size: str = "wide") -> Reader:
+        readers.append(Reader(browser, size))
+        return readers[-1]
+
+    yield sit_down
+    for one in readers:
+        assert one.said == []
+        outside = [url for url in one.asked if not url.startswith((served.url, "data:", "blob:"))]
+        # Everything comes from this machine.
+        assert [url for url in outside if not url.startswith(served.url.replace("http", "ws"))] == []
+        one.page.close()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_a_place_is_clicked_pinned_and_linked(reader, served, size, tmp_path):
+    one = reader(size)
+    one.open(served.url)
+    assert one.view == {} and not one.page.locator(".place-here").is_visible()
+    one.click_map(0.35, 0.5)
+    first = one.heading("here")
+    x, p = map(float, one.view["at"].split(","))
+    assert 0.05 <= x <= 2.0 and 0.0 <= p <= 0.5 and f"Ω = {x:.4g}" in first
+    one.page.get_by_role("button", name="Pin", exact=True).click()
+    one.until(lambda: one.view.get("pin") == one.view["at"])
+    one.click_map(0.7, 0.3)
+    one.page.wait_for_selector(".place-pinned canvas")
+    assert one.heading("pinned") == first != one.heading("here")
+    # Nothing is cut off at the side.
+    assert one.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    # A link reproduces the view.
+    other = reader(size)
+    other.open(one.page.url)
+    other.page.wait_for_selector(".place-pinned canvas")
+    assert (other.heading("here"), other.heading("pinned")) == (one.heading("here"), one.heading("pinned"))
+    assert other.view == one.view
+
+
+def test_zoom_layers_and_the_reset_of_both_are_in_the_address(reader, served):
+    one = reader()
+    one.open(served.url)
+    box = one.page.locator(".map canvas").first.bounding_box()
+    one.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    one.page.mouse.wheel(0, -400)
+    one.until(lambda: "window" in one.view)
+    low, high, *_ = map(float, one.view["window"].split(","))
+    assert 0.0 < high - low < 1.95
+    one.page.get_by_label("Map shows").select_option(label="n/I, dynamically stable motions")
+    one.until(lambda: one.view.get("layer") == "dynamic")
+    one.page.get_by_label("Map shows").select_option(label="share of the period without contact")
+    one.until(lambda: one.view.get("layer") == "contact_loss")
+    one.page.go_back()
+    one.until(lambda: one.view.get("layer") == "dynamic")
+
+
+def test_sliders_change_the_row_and_a_motion_is_integrated_from_any_state(reader, served):
+    one = reader()
+    one.open(f"{served.url}?at=0.6,0.2")
+    one.page.locator(".place-here").get_by_text("Integration finds").wait_for()
+    one.page.locator(".noUi-handle").first.focus()
+    one.page.keyboard.press("ArrowLeft")
+    one.until(lambda: "b" in one.view)
+    assert float(one.view["b"]) < 1.0
+    one.page.get_by_text("The map is of the stored plane").wait_for()
+    one.page.get_by_role("button", name="Reset").click()
+    one.until(lambda: "b" not in one.view)
+    chosen = one.page.get_by_label("In time, integrated")
+    chosen.select_option(label="from motion 2 of the map")
+    one.page.get_by_text("From motion 2 of the map, λ").wait_for()
+    assert one.view["motion"] == "2"
+    chosen.select_option(label="from a state of one's own")
+    one.until(lambda: "start" in one.view)
+    one.page.get_by_role("button", name="Basins").click()
+    one.until(lambda: one.view.get("basins") == "1")
+
+
+def test_a_design_point_has_margins(reader, served):
+    one = reader()
+    one.open(served.url)
+    one.page.get_by_role("checkbox").check()
+    one.until(lambda: "design" in one.view)
+    one.page.get_by_text("distance", exact=True).wait_for()
+    one.page.get_by_label("± Ω").fill("0.05")
+    one.page.keyboard.press("Enter")
+    one.until(lambda: one.view.get("tolerances", "").startswith("0.05,"))
+    one.page.get_by_text("Within the tolerances").wait_for()
+
+
+def test_figures_and_numbers_are_saved(reader, served, tmp_path):
+    one = reader()
+    one.open(f"{served.url}?at=0.6,0.2")
+    one.page.locator(".place-here").get_by_text("Integration finds").wait_for()
+    one.page.get_by_text("Save and repeat").click()
+
+    def saved() -> Path:
+        with one.page.expect_download() as waiting:
+            one.page.get_by_text("Save", exact=True).click()
+        path = tmp_path / waiting.value.suggested_filename
+        waiting.value.save_as(path)
+        return path
+
+    picture = saved()
+    assert picture.name == "omega_fe-map.png" and picture.read_bytes().startswith(b"\x89PNG")
+    selects = one.page.locator(".controls select")
+    selects.nth(1).select_option(label="motions at the place")
+    selects.nth(2).select_option(label="json")
+    numbers = saved()
+    assert numbers.suffix == ".json" and len(json.loads(numbers.read_text())["data_vars"]["amplitude"]["data"]) == 3
+    assert "plane.motions_at(omega=0.6, f_e=0.2)" in one.page.locator("pre").first.inner_text()
+    # Where there is nothing to be saved, the file and the page say why.
+    selects.nth(1).select_option(label="map, as shown")
+    selects.nth(2).select_option(label="png")
+    away = served.store.with_name("away.zarr")
+    served.store.rename(away)
+    try:
+        assert "is gone" in saved().read_text()
+    finally:
+        away.rename(served.store)
+    one.page.locator(".map").get_by_text("is gone").wait_for()
