@@ -55,8 +55,8 @@ for found in near.itertuples():
 # or 4 N·m less of torque, bring a second motion, whose teeth part. The tolerances are wider than that. So what is the
 # worst label within them, and up to which speed is it still 1/0?
 
-for top in (14500, 13500, 13000):
-    answer = margins(top)
+answers = {14500: answer, 13500: margins(13500), 13000: margins(13000)}
+for top, answer in answers.items():
     print(f"up to {top} rpm: {answer.loc[answer['item'] == 'worst', 'label'].item()}")
 
 # %%
