@@ -114,7 +114,7 @@ def _draw_card(figure, found: Motions, card, units: Units, limits, shown: int, t
     time, force = panel(_TIME, bottom + _FORCE + _GAP, _LAMBDA), panel(_TIME, bottom, _FORCE)
     phase, spectrum = panel(_PHASE, bottom, whole), panel(_SPECTRUM, bottom, whole)
     # A gap without a back flank goes on beyond what is shown.
-    low, high = (max(end * units.length, limits["displacement"][0]) for end in found.gap)
+    low, high = (end * units.length if np.isfinite(end) else limits["displacement"][0] for end in found.gap)
     time.axhspan(low, high, **_BAND)
     phase.axvspan(low, high, **_BAND)
     of_map = card if isinstance(card, MapMotion) else card.of_map

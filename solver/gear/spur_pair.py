@@ -54,7 +54,7 @@ def spur_pair(
     >>> import numpy as np, solver
     >>> pair = solver.spur_pair(0.05, 1.0, 0.1, stiffness_harmonics=[(0.2, np.pi)], error_harmonics=[(0.01, 0.0)])
     >>> [round(mean, 6) for mean in solver.all_solutions(pair, 0.5).mean.tolist()]
-    [1.100279]
+    [1.103068]
     """
     damping_ratio = finite_number("damping_ratio", damping_ratio, at_least=0.0)
     gap, mean_load = finite_number("gap", gap, at_least=0.0), finite_number("mean_load", mean_load)
@@ -76,8 +76,27 @@ def spur_pair(
     )
 
 
-def harmonic_rows(name: str, harmonics, n: int) -> np.ndarray:
-    """One-sided harmonics 0 ... L of a load on n coordinates, complex (L + 1, n): (amplitude, phase) of l = 1 ... L on
-    all of them, and no mean; raises ParameterError with `name` where they are no such pairs."""
+def harmonic_rows(name: str, harmonics: Harmonics, n: int) -> np.ndarray:
+    """One-sided harmonics of a load that is the same on all coordinates, without a mean.
+
+    Parameters
+    ----------
+    name : str
+        What errors name.
+    harmonics : sequence of (amplitude, phase)
+        Of l = 1 ... L; phases in rad.
+    n : int
+        Number of coordinates.
+
+    Returns
+    -------
+    (L + 1, n) array, complex
+        amplitude exp(i phase), from l = 0 on, where it is 0.
+
+    Raises
+    ------
+    ParameterError
+        If they are no such pairs.
+    """
     rows = [amplitude * np.exp(1j * phase) for amplitude, phase in harmonic_pairs(name, harmonics)]
     return np.repeat(np.array([0.0, *rows], dtype=complex)[:, None], n, axis=1)

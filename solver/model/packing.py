@@ -290,12 +290,14 @@ def _system(system: ContactSystem, axis: str, omega: float | None, order: int, p
         # What it adds to C is no difference of two floats.
         parameters = _system_vector(system, sizes, omega or 0.0)
         still = system.at("damping", 0.0)
-        return parameters, _system_vector(still.at(axis, 1.0), sizes, 0.0) - _system_vector(still, sizes, 0.0)
-    at_zero, at_one = (0.0 if axis == "omega" else omega, 1.0 if axis == "omega" else omega)
-    parameters = _system_vector(system.at(axis, 0.0), sizes, at_zero or 0.0)
+        start, end = (_system_vector(one, sizes, 0.0) for one in (still, still.at(axis, 1.0)))
+    else:
+        at_zero, at_one = (0.0 if axis == "omega" else omega, 1.0 if axis == "omega" else omega)
+        parameters = start = _system_vector(system.at(axis, 0.0), sizes, at_zero or 0.0)
+        end = _system_vector(system.at(axis, 1.0), sizes, at_one or 0.0)
     # An infinite gap stays what it is.
     with np.errstate(invalid="ignore"):
-        slope = _system_vector(system.at(axis, 1.0), sizes, at_one or 0.0) - parameters
+        slope = end - start
     slope[BACK_GAP] = slope[BACK_GAP] if system.two_sided else 0.0
     return parameters, slope
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.analysis.attractors.places import _at_rest
+from pipeline.analysis.attractors.places import states_at_rest
 from pipeline.analysis.diagram.following import follow
 from pipeline.analysis.diagram.options import Way
 from pipeline.analysis.margins.distances import margins_of_further
@@ -86,7 +86,7 @@ def test_a_start_in_a_box_has_the_displacement_and_the_speed_that_were_asked():
     planned = small_plan("gear=rotor", "plane=omega_load")
     model, omega = point_of(planned, 0.1, 0.9)
     system, asked = contact_system(model), np.array([[0.3, -0.2], [1.5, 0.7]])
-    states, n = _at_rest(model, omega, asked), system.degrees
+    states, n = states_at_rest(model, omega, asked), system.degrees
     np.testing.assert_allclose(states[:, :n] @ system.contact, asked[:, 0], rtol=1e-13)
     np.testing.assert_allclose(states[:, n:] @ system.contact, asked[:, 1], rtol=1e-13)
     across = np.array([1.0, 1.0, 0.0])

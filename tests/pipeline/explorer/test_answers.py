@@ -85,7 +85,7 @@ def test_what_was_asked_is_kept_and_what_is_changed_is_another_answer():
     first = asked.ask(answers.row, {}, 0.2)
     assert asked.ask(answers.row, {}, 0.2) is first
     changed = asked.ask(answers.row, {"b": 0.5, "alpha": 0.1}, 0.2)
-    assert changed.model.b == 0.5 and changed.model.alpha == 0.1 and first.model.b == PLAN.gear["b"]
+    assert changed.system.b == 0.5 and changed.system.alpha == 0.1 and first.system.b == PLAN.gear["b"]
     assert asked.ask(answers.row, {"alpha": 0.1, "b": 0.5}, 0.2) is changed
 
 

@@ -175,7 +175,7 @@ def test_shapes_other_axes_and_motions_that_are_none():
     assert resonant.rms == pytest.approx(math.hypot(0.1, 0.2) / math.sqrt(2.0), rel=1e-12)
     for arguments, name in (
         ((balance, model, "omega", 0.8, [1.0, 2.0]), "motions"),
-        ((balance, "gear", "omega", 0.8, motions[0, 0]), "model"),
+        ((balance, "gear", "omega", 0.8, motions[0, 0]), "system"),
         ((balance, model, "speed", 0.8, motions[0, 0]), "axis"),
         ((None, model, "omega", 0.8, motions[0, 0]), "balance"),
     ):
