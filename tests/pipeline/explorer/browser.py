@@ -3,7 +3,6 @@
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 
@@ -15,15 +14,19 @@ _PLACES = ("/usr/lib/chromium/chromium", "chromium", "chromium-browser", "google
 
 @contextmanager
 def chromium() -> Iterator:
-    """A running browser of Playwright."""
+    """A running browser of Playwright, the first that starts."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    found = next((path for path in map(shutil.which, _PLACES) if path), None)
-    with playwright.sync_playwright() as started:
-        own = Path(started.chromium.executable_path)
-        if found is None and not own.exists():
-            pytest.skip(f"no browser: none of {', '.join(_PLACES)}, nor {own}")
-        browser = started.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        try:
-            yield browser
-        finally:
-            browser.close()
+    reasons = []
+    with playwright.sync_playwright() as driver:
+        for path in (*filter(None, map(shutil.which, _PLACES)), driver.chromium.executable_path):
+            try:
+                browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+            except playwright.Error as error:
+                reasons.append(f"{path}: {str(error).splitlines()[0]}")
+                continue
+            try:
+                yield browser
+            finally:
+                browser.close()
+            return
+        pytest.skip(f"no browser can be started here: {'; '.join(reasons)}")

@@ -1,19 +1,15 @@
 """The page in a real browser: what a reader does, at two sizes of the window, and nothing in the console."""
 
 import json
-import shutil
 import time
 from pathlib import Path
 from urllib.parse import parse_qsl, urlsplit
 
 import pytest
 
+from tests.pipeline.explorer.browser import chromium
 from tests.pipeline.explorer.serving import served_plane, serving
 
-playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-
-#: Debian's, without the script around it that reads further settings, and others.
-BROWSERS = ("/usr/lib/chromium/chromium", "chromium", "chromium-browser", "google-chrome")
 #: Milliseconds that a page may take, however busy the machine is.
 PATIENCE = 60_000
 SIZES = {"wide": (1440, 900), "narrow": (1000, 760)}
@@ -21,21 +17,8 @@ SIZES = {"wide": (1440, 900), "narrow": (1000, 760)}
 
 @pytest.fixture(scope="module")
 def browser():
-    found = [path for name in BROWSERS if (path := shutil.which(name))]
-    if not found:
-        pytest.skip("no Chromium is installed here: apt-get install chromium")
-    with playwright.sync_playwright() as driver:
-        reasons = []
-        for path in found:
-            try:
-                opened = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
-            except playwright.Error as error:
-                reasons.append(f"{path}: {str(error).splitlines()[0]}")
-                continue
-            yield opened
-            opened.close()
-            return
-        pytest.skip(f"no browser can be started here: {'; '.join(reasons)}")
+    with chromium() as started:
+        yield started
 
 
 @pytest.fixture(scope="module")
