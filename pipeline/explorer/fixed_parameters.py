@@ -67,7 +67,8 @@ def fixed_parameters(plan: Plan) -> tuple[FixedParameter, ...]:
         within = further_axis(plan, Design(x, p, x, x), name)
         if within.low <= value <= within.high and within.low < within.high:
             key = "plane.omega" if name == "omega" else kind.key(name)
-            found.append(FixedParameter(name, value, within.low, within.high, axis_attributes(name)["long_name"], key))
+            text = axis_attributes(name, plan.kind)["long_name"]
+            found.append(FixedParameter(name, value, within.low, within.high, text, key))
     return tuple(found)
 
 

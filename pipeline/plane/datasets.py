@@ -34,7 +34,7 @@ def dataset_of_motions(
     """
     told = arrays_of(plan)
     variables = {name: ("solution", *_shown(name, array, told, scales)) for name, array in values.items()}
-    return xr.Dataset(variables, {name: ((), *_shown_axis(name, value, scales)) for name, value in place.items()})
+    return xr.Dataset(variables, {name: ((), *_shown_axis(name, value, plan, scales)) for name, value in place.items()})
 
 
 def dataset_of_branches(row: RowCurves, scales: Scales | None) -> xr.Dataset:
@@ -48,8 +48,8 @@ def dataset_of_branches(row: RowCurves, scales: Scales | None) -> xr.Dataset:
     return xr.Dataset(
         {name: ("point", *_shown(name, array, told, scales)) for name, array in values.items()},
         {
-            sweep: ("point", *_shown_axis(sweep, row.points["position"], scales)),
-            parameter: ((), *_shown_axis(parameter, row.value, scales)),
+            sweep: ("point", *_shown_axis(sweep, row.points["position"], row.plan, scales)),
+            parameter: ((), *_shown_axis(parameter, row.value, row.plan, scales)),
         },
     )
 
@@ -60,10 +60,10 @@ def _shown(name: str, values, told: dict, scales: Scales | None) -> tuple:
     return _scaled(values, told[name]["attributes"], None if scales is None or wanted is None else scales[wanted])
 
 
-def _shown_axis(name: str, values, scales: Scales | None) -> tuple:
+def _shown_axis(name: str, values, plan: Plan, scales: Scales | None) -> tuple:
     """The same of an axis, which has another name where its physical value is another quantity."""
     if scales is None or name not in scales:
-        return values, axis_attributes(name)
+        return values, axis_attributes(name, plan.kind)
     return _scaled(values, {"long_name": scales[name].name}, scales[name])
 
 

@@ -66,6 +66,7 @@ def _meaning(label: str) -> str:
     return f"n{n}" if states == "-" else f"n{n}_I{states}"
 
 
-def axis_attributes(name: str) -> dict:
-    """Name and unit of a parameter."""
-    return {"long_name": LONG_NAMES[name], "units": UNITS.get(name, "1")}
+def axis_attributes(name: str, kind: str = "bevel") -> dict:
+    """Name and unit of a parameter; matrices of one's own have no mesh, and any consistent units."""
+    own = kind == "system" and name == "omega"
+    return {"long_name": "frequency of the excitation" if own else LONG_NAMES[name], "units": UNITS.get(name, "1")}

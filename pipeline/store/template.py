@@ -86,7 +86,7 @@ def template_files(plan: Plan, attributes: dict) -> dict[str, bytes]:
             chunks=layouts[name].chunks,
             dimension_names=layouts[name].dims,
             compressors=COMPRESSORS,
-            attributes=axis_attributes(axis.name),
+            attributes=axis_attributes(axis.name, plan.kind),
         )
     for name, spec in arrays_of(plan).items():
         root.create_array(

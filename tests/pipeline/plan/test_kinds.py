@@ -15,9 +15,10 @@ from pipeline.plan.scales import scales_of
 from pipeline.plan.unfelt import unfelt_harmonics
 from pipeline.plane.resonances import contact_modes
 from pipeline.plane.stored import read_stored
+from pipeline.store.attributes import LONG_NAMES
 from solver import ContactSystem, all_solutions, spur_pair, sweep_row
 from solver.model.parameter_path import place_on
-from tests.pipeline.planes import small_plan, traced_store
+from tests.pipeline.planes import small_plan, small_store, traced_store
 
 #: One system of each kind with every axis that it has.
 GEARS = {
@@ -174,3 +175,9 @@ def test_a_plane_of_a_spur_pair_is_stored_divided_and_read(tmp_path):
     assert fold.name == "omega" and sorted(beside) == [1, 3]
     assert "0.2" in fixed_parameters(found) and "1 degree of freedom" in gear_text(found)
     assert mesh_energies(stored) == ("100 % mesh",)
+
+
+@pytest.mark.parametrize(("gear", "name"), [("stop", "frequency of the excitation"), ("spur", LONG_NAMES["omega"])])
+def test_matrices_of_ones_own_have_no_mesh_frequency(gear, name, tmp_path):
+    small_store(tmp_path / "plane.zarr", planned(gear), blocks=())
+    assert read_stored(tmp_path / "plane.zarr").attributes["omega"]["long_name"] == name
