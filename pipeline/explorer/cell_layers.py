@@ -16,6 +16,7 @@ from pipeline.figures.attractors import CLASSES, class_of
 from pipeline.figures.cell_panels import borders_between
 from pipeline.figures.palette import hex_colour
 from pipeline.figures.panels import cell_borders
+from pipeline.figures.quantity_map import ends_of
 from pipeline.figures.verification import COLOURS
 from pipeline.plane.quantities import scale_of
 from pipeline.plane.stored import StoredPlane
@@ -39,7 +40,7 @@ def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFr
         frame.x,
         frame.y,
         cells=plane_cells(plane, values, frame),
-        ends=_ends(values),
+        ends=ends_of(values),
         lines=map_lines(plane, frame, detail),
         shades=_without_value(plane, values, frame),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
@@ -60,14 +61,6 @@ def _share(cells: np.ndarray) -> str:
 def _shares(counts: list[int]) -> list[str]:
     """In percent; empty of what there is none of, so that no legend has it."""
     return [share if count else "" for share, count in zip(percents(counts), counts, strict=True)]
-
-
-def _ends(values: np.ndarray) -> tuple[float, float] | None:
-    known = values[np.isfinite(values)]
-    if known.size == 0:
-        return None
-    low, high = float(known.min()), float(known.max())
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
 def _told_label(plane: StoredPlane, frame: MapFrame) -> Told:

@@ -17,7 +17,7 @@ from pipeline.plane.quantities import scale_of
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 
-__all__ = ["NO_VALUE", "draw_quantity_map", "quantity_colours"]
+__all__ = ["NO_VALUE", "draw_quantity_map", "ends_of", "quantity_colours"]
 
 #: Cells without a value: dotted, since in grey their shade is that of some value.
 NO_VALUE = {"facecolor": "0.82", "edgecolor": "0.4", "linewidth": 0.0, "hatch": "....", "zorder": 1}
@@ -43,7 +43,7 @@ def draw_quantity_map(plane: StoredPlane, name: str, of: str) -> Drawing:
     """
     quantity, values = QUANTITIES[name], plane.extreme(name, of)
     columns, rows = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
-    ends = _ends(values)
+    ends = ends_of(values)
     colours = quantity_colours(values, ends)
     marked = {
         "no value": (NO_VALUE, np.isnan(values) & (plane.status != FAILED)[:, None]),
@@ -76,7 +76,7 @@ def quantity_colours(values: np.ndarray, ends: tuple[float, float] | None) -> np
     return colours
 
 
-def _ends(values: np.ndarray) -> tuple[float, float] | None:
+def ends_of(values: np.ndarray) -> tuple[float, float] | None:
     """Lowest and highest value; None where there is none."""
     known = values[np.isfinite(values)]
     if known.size == 0:
