@@ -169,7 +169,10 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         return _run_with_result(stages, job, workforce, reporter)
     from pipeline.store.repair import remove_left_overs
 
-    with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
+    wait = job.settings.config.store.wait
+    with contextlib.ExitStack() as held:
+        with workforce.aside() if wait else contextlib.nullcontext():
+            waited = held.enter_context(holding(job.store_path, wait, reporter.line))
         remove_left_overs(job.store_path)
         # What was checked before a wait may have become another store.
         job = prepare(job.settings) if waited else job

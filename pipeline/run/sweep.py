@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Sequence
-from dataclasses import replace
 from time import perf_counter
 
 from pipeline import store
@@ -90,11 +89,11 @@ def _expect_figures(job: Job, workforce: Workforce) -> None:
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:
     """This process alone for a plane that takes less time than workers take to start, unless a cluster is asked for."""
-    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks)
+    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks) * workforce.planes
     first_order = job.plan.solver["balance"] == "describing_function"
     if job.settings.overridden("cluster") or not first_order or cells > _FEW_CELLS:
         return workforce
-    return Workforce(replace(workforce.config, kind="none"))
+    return workforce.alone()
 
 
 def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: Reporter, waited: float = 0.0) -> int:

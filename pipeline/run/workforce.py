@@ -10,7 +10,7 @@ import pickle
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from queue import SimpleQueue
 
 from pipeline.config.schema import Cluster
@@ -65,6 +65,17 @@ class Workforce:
         self._connection = self._admission = self._helpers = None
         self._open = contextlib.ExitStack()
         self._seen: tuple[float, dict[str, int]] = -_COUNT_EVERY, {}
+
+    #: Planes that share it: what one of them does alone, others wait for.
+    planes = 1
+
+    def alone(self) -> "Workforce":
+        """This process alone, for what takes less time than workers take to start."""
+        return Workforce(replace(self.config, kind="none"))
+
+    def aside(self) -> contextlib.AbstractContextManager:
+        """To wait within for something else than tasks, which keeps no other plane waiting."""
+        return contextlib.nullcontext()
 
     def __enter__(self):
         return self
