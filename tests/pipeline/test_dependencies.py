@@ -7,6 +7,8 @@ import tomllib
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -39,6 +41,7 @@ def declared(extra: str | None = None) -> dict[str, str]:
     return {plain(name): low for name, low in (word.split(">=") for word in words)}
 
 
+@pytest.mark.costly
 def test_every_import_is_declared_and_nothing_else():
     files = [*ROOT.glob("solver/**/*.py"), *ROOT.glob("pipeline/**/*.py")]
     # The key of a run is made with it by dask, which has it as an extra.

@@ -152,6 +152,7 @@ def test_what_was_verified_is_written_whatever_becomes_of_the_files(small, tmp_p
     same(path, whole)
 
 
+@pytest.mark.costly
 def test_no_group_is_written_from_rows_that_went_missing(small, tmp_path, monkeypatch, capsys):
     from pipeline.analysis.boundaries import tracing
 
@@ -168,6 +169,7 @@ def test_no_group_is_written_from_rows_that_went_missing(small, tmp_path, monkey
     assert code == 1 and "branches/event/c/5/0 is missing" in err and not (path / "boundaries").exists()
 
 
+@pytest.mark.costly
 def test_a_layer_is_not_taken_out_of_a_damaged_volume(tmp_path, capsys):
     words = ["plane=omega_b_fe", "plane.sweep.num=9", "plane.parameter.num=4", "plane.parameter2.num=2"]
     words += ["store.name=volume", "solver.certify_columns=9"]

@@ -167,6 +167,7 @@ def test_repair_removes_only_what_is_its_own(copy, tmp_path, capsys):
     )
 
 
+@pytest.mark.costly
 def test_overwriting_removes_no_file_of_the_user(copy, tmp_path, capsys):
     (copy / "notes.txt").write_text("mine")
     before = sorted(copy.rglob("*"))

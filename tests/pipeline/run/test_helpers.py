@@ -78,6 +78,7 @@ def test_helpers_are_forked_again_or_done_without_where_what_forks_them_was_kill
     assert _answers(made.run(pow, _TASKS)) == _EXPECTED
 
 
+@pytest.mark.costly
 @pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="nothing forks here")
 def test_what_forks_helpers_is_ended_with_them_even_while_it_loads():
     made = Helpers(["pipeline.figures.ready"])
@@ -111,6 +112,7 @@ def test_helpers_that_cannot_load_leave_everything_to_this_process():
     made.close()
 
 
+@pytest.mark.costly
 def test_helpers_end_with_the_process_that_was_killed():
     code = (
         "import multiprocessing, os, signal\nfrom pipeline.run.helpers import Helpers\nhelpers = Helpers(['json'])\n"

@@ -65,6 +65,7 @@ def test_contact_angles_are_the_balance_and_have_its_derivatives(axis, low, high
     assert len(seen) >= 5
 
 
+@pytest.mark.costly
 @all_planes
 def test_points_solve_the_balance_and_their_own_condition(gear, axis):
     margins = {

@@ -304,6 +304,7 @@ def test_a_full_disk_everywhere(cheap, small_disk):
     assert compiled == BOTH * 2 and 1 <= len(said) <= 2 and "not kept" in said[-1]
 
 
+@pytest.mark.costly
 def test_an_entry_that_cannot_be_written(cheap, monkeypatch):
     """By a limit on file sizes, which any user meets."""
     import resource

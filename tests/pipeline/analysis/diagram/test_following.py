@@ -34,6 +34,7 @@ def followed(low: float = 1.2, high: float = 1.26) -> Followed:
     return follow(plan, way)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("low, high, ends", [(1.2, 1.26, UPPER), (0.5, 0.65, LOWER)])
 def test_hysteresis_ends_at_saddle_nodes(low, high, ends):
     found, step = followed(low, high).hysteresis, (high - low) / 30

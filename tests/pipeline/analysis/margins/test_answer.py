@@ -218,6 +218,7 @@ def test_the_largest_box(stores, name, x, p, low, high):
         assert at == border or set(enumerated(plan, plan.parameter.name, levels, out, p)) != {"1/0"}
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "where", "tolerance", "further"),
     [
@@ -344,6 +345,7 @@ def test_the_stage(stores, tmp_path, capsys):
     assert not (tmp_path / "none").exists() and capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.costly
 def test_the_figure(stores):
     from pipeline.figures.margins import draw_margins
     from pipeline.plane.stored import read_stored
