@@ -92,6 +92,7 @@ def small(tmp_path_factory):
     return plan, small_store(tmp_path_factory.mktemp("small") / "plane.zarr", plan)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", _KINDS)
 def test_every_array_of_a_block_is_verified_before_its_rows_are_kept(small, tmp_path, kind):
     plan, whole = small

@@ -98,6 +98,7 @@ _LISTED = list(itertools.product(_NAMES, [_GROUP, _ARRAY]))
 _READERS = [stage for stage in _STAGES if stage != "list"]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "document", "stages"),
     [

@@ -108,6 +108,7 @@ def whole(run, world):
     return contents(made_once("attractors-made-up", make) / "plane.zarr")
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("blocks", [pytest.param(1, marks=pytest.mark.slow), 10])
 def test_the_size_of_blocks_does_not_matter(run, whole, monkeypatch, blocks):
     monkeypatch.setattr(grid_module, "_BLOCKS", blocks)

@@ -43,6 +43,7 @@ def test_hysteresis_ends_at_saddle_nodes(low, high, ends):
         assert np.min(np.abs(found[:, side] - place)) <= step / 32 + 1e-6
 
 
+@pytest.mark.costly
 def test_hysteresis_is_that_of_the_attractors(tmp_path):
     """Where the two runs differ, the search in every cell, which knows nothing of runs, tells hysteresis as well."""
     from pipeline.__main__ import main

@@ -171,6 +171,7 @@ def test_of_a_volume_there_is_none(tmp_path, capsys, stage):
     assert files(tmp_path) == before
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("stage", ["diagram", "spectrum"])
 def test_a_gear_in_physical_units_is_drawn_in_them(tmp_path, capsys, stage):
     shutil.copytree(stored("omega_b-miter", "plane=omega_b", "gear=miter") / "store", tmp_path / "store")

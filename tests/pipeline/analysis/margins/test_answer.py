@@ -309,6 +309,7 @@ def test_designs_as_users_write_them(stores):
     assert read == Design(0.6, 0.2, 0.59, 0.61, 0.02, {"b": 0.1}, 3.0)
 
 
+@pytest.mark.costly
 def test_the_stage(stores, tmp_path, capsys):
     """Files, the same bytes again, the figure's own, and nothing written where the input is not allowed."""
     path, _ = stores["omega_fe"]
