@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import xarray as xr
-
 from pipeline.config.compose import compose
-from pipeline.errors import ComputationError, StoreError
+from pipeline.errors import ComputationError
+from pipeline.multirun.index import read_index
+from pipeline.multirun.opened_study import Study
 from pipeline.opened_plane import OpenPlane
-from pipeline.plane.stored import read_stored
+from pipeline.opened_volume import OpenVolume, opened_at
 from pipeline.run.libraries import check_zarr
 from pipeline.run.preparation import prepare, run_plane_stages
 from pipeline.run.progress import SilentReporter
@@ -17,7 +17,7 @@ from pipeline.store import store_path
 from solver import ParameterError
 from solver.model.checks import instance_of, instances_of
 
-__all__ = ["OpenPlane", "compute", "open_plane"]
+__all__ = ["OpenPlane", "OpenVolume", "Study", "compute", "open_plane", "open_study"]
 
 
 def compute(
@@ -77,8 +77,8 @@ def compute(
     return open_plane(job.store_path)
 
 
-def open_plane(name: Path | str, root: Path | str = "outputs/store") -> OpenPlane:
-    """Open a stored plane.
+def open_plane(name: Path | str, root: Path | str = "outputs/store") -> OpenPlane | OpenVolume:
+    """Open a stored plane, or a volume, of which `layer(VALUE)` is one.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> OpenPlan
     Raises
     ------
     StoreError
-        If there is no such store, it is a volume, or this program cannot read it.
+        If there is no such store, or this program cannot read it.
     ConfigurationError
         If zarr is set up in such a way that it would wait for ever.
     solver.ParameterError
@@ -100,7 +100,30 @@ def open_plane(name: Path | str, root: Path | str = "outputs/store") -> OpenPlan
     path, folder = store_path("name", name), store_path("root", root)
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = folder / f"{name}.zarr"
-    stored = read_stored(path)
-    if stored.plan.parameter2 is not None:
-        raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which can be opened")
-    return OpenPlane(stored, xr.open_datatree(path, engine="zarr"))
+    return opened_at(path)
+
+
+def open_study(root: Path | str = "outputs/store") -> Study:
+    """Open the planes that one command has computed, `python -m pipeline -m KEY=VALUE,VALUE`.
+
+    Parameters
+    ----------
+    root : str or Path
+        Folder of the stores, which has the index `study.csv`.
+
+    Returns
+    -------
+    Study
+        With `planes`, `index`, `to_xarray()` and `to_datatree()`.
+
+    Raises
+    ------
+    StoreError
+        If there is no index, or it is none of this program's.
+    ConfigurationError
+        If zarr is set up in such a way that it would wait for ever.
+    solver.ParameterError
+        If the root is no path.
+    """
+    check_zarr()
+    return Study(read_index(store_path("root", root)))

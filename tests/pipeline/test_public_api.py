@@ -9,6 +9,7 @@ import pytest
 import pipeline
 from pipeline.__main__ import main
 from pipeline.errors import ConfigurationError
+from pipeline.multirun.index import Index
 from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
 from tests.pipeline.planes import small_plan, traced_store
@@ -19,8 +20,8 @@ PUBLIC = public(("pipeline", "pipeline.api"))
 PUBLIC |= public(("pipeline.figures.plots",))
 PUBLIC |= public(("pipeline.store",), "read_plan") | public(("pipeline.study.statements",), "evaluate", "evaluate_all")
 #: Made by `open_plane`; the others are given by both names.
-RESULTS = {"pipeline.api.OpenPlane", "pipeline.figures.plots.Plots"}
-TWICE = {"pipeline.api.compute", "pipeline.api.open_plane"}
+RESULTS = {"pipeline.api.OpenPlane", "pipeline.api.OpenVolume", "pipeline.api.Study", "pipeline.figures.plots.Plots"}
+TWICE = {"pipeline.api.compute", "pipeline.api.open_plane", "pipeline.api.open_study"}
 
 PATHS = (None, 1, True, [], {}, b"omega_fe", "", "a\0b", "x" * 5000, "nowhere.zarr")
 WRONG_PLANES = (None, 1, "omega_fe", ["omega_fe"], *({"omega_fe": path} for path in PATHS[:-1]))
@@ -39,6 +40,7 @@ def plane(tmp_path_factory):
     few = ["attractors.columns=3", "attractors.rows=2", "attractors.starts=1", "attractors.branches=2"]
     folders = [f"store.root={path.parent}", f"output.root={path.parent / 'outputs'}"]
     assert main([*words, *few, *folders]) == 0
+    Index(path.parent, (), {}).write()
     return pipeline.open_plane(path)
 
 
@@ -134,6 +136,7 @@ CALLS = {
         "name": argument(plane.path, PATHS, "nowhere.zarr"),
         "root": argument("outputs", PATHS[:-1]),
     },
+    "pipeline.open_study": lambda plane: {"root": argument(plane.path.parent, PATHS, "nowhere.zarr")},
     "pipeline.scales_of": lambda plane: {"plan": argument(plane.plan, OBJECT)},
     "pipeline.store.read_plan": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr")},
     "pipeline.study.statements.evaluate": lambda plane: {

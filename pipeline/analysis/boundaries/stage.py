@@ -22,6 +22,10 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
 
     path, plan = job.store_path, job.plan
     note_unfinished(job, reporter, "boundaries start from the others")
+    if plan.parameter2 is not None:
+        from pipeline.analysis.boundaries.layers import run_layers
+
+        return run_layers(job, workforce, reporter)
     begin = perf_counter()
     try:
         summary = _traced(job, workforce, reporter)
@@ -68,4 +72,4 @@ def _traced(job: Job, workforce: Workforce, reporter: Reporter):
     return result
 
 
-STAGE = Stage("boundaries", _run, writes=True)
+STAGE = Stage("boundaries", _run, on_workers=True, writes=True, of_volumes=True)

@@ -19,7 +19,7 @@ from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SPECTRAL, Bounda
 from solver.boundaries.problem import SAME
 from solver.continuation.problem import Balance
 
-__all__ = ["Summary", "curves_through", "stored_summary", "to_store", "trace"]
+__all__ = ["Summary", "curves_through", "layer_boundaries", "stored_summary", "summary_of", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
@@ -66,17 +66,35 @@ def trace(path: Path, plan: Plan, get_ready: Callable[[], None] = lambda: None) 
     events = read_events(path, plan)
     stored = read_boundaries(path, plan)
     if stored is not None and stored.digest == events.digest:
-        return _summary(plan, stored, True)
+        return summary_of(plan, stored, True)
     get_ready()
+    fresh = _boundaries_of(plan, events)
+    write_boundaries(path, plan, fresh)
+    return summary_of(plan, fresh, False)
+
+
+def layer_boundaries(path: Path, volume: Plan, layer: int) -> StoredBoundaries:
+    """Trace the boundaries of one layer of a stored volume.
+
+    Parameters
+    ----------
+    path : Path
+        The store. Only its complete rows count.
+    volume : Plan
+        The store's own.
+    layer : int
+    """
+    return _boundaries_of(volume.layer(layer), read_events(path, volume, layer))
+
+
+def _boundaries_of(plan: Plan, events: RowEvents) -> StoredBoundaries:
     balance, starts = balance_of(plan.solver), events.starts((*FOLDS_AND_GRAZINGS, *BIFURCATIONS))
     traced = curves_through(plan, starts, balance)
     contradictions = curves_through(plan, contradiction_starts(plan, events.contradictory, traced), balance)
     # What is sought may be no boundary.
     traced += tuple(curve for curve in contradictions if len(curve.points) > 1)
     curves = [to_store(curve, _side(curve, plan, events)) for curve in traced]
-    fresh = StoredBoundaries(tuple(curves), events.digest)
-    write_boundaries(path, plan, fresh)
-    return _summary(plan, fresh, False)
+    return StoredBoundaries(tuple(curves), events.digest)
 
 
 def stored_summary(path: Path, plan: Plan) -> Summary | None:
@@ -84,7 +102,7 @@ def stored_summary(path: Path, plan: Plan) -> Summary | None:
     stored = read_boundaries(path, plan)
     if stored is None or stored.digest != read_events(path, plan).digest:
         return None
-    return _summary(plan, stored, True)
+    return summary_of(plan, stored, True)
 
 
 def curves_through(plan: Plan, starts, balance: Balance | None = None) -> tuple[BoundaryCurve, ...]:
@@ -132,7 +150,8 @@ def _side(curve: BoundaryCurve, plan: Plan, events: RowEvents) -> int:
     return int(-np.sign(curve.slopes[vertex[steep], 4]) * ahead[steep])
 
 
-def _summary(plan: Plan, boundaries: StoredBoundaries, found_done: bool) -> Summary:
+def summary_of(plan: Plan, boundaries: StoredBoundaries, found_done: bool) -> Summary:
+    """Boundaries of a plane in numbers."""
     curves = Counter(_WORDS.get(curve.kind, "grazing") for curve in boundaries.curves)
     first_order = balance_of(plan.solver).truncated
     special: Counter[str] = Counter()
