@@ -185,6 +185,7 @@ def check_row(plane: Plane, curves, value, row) -> tuple[int, int]:
     return len(met), cells
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("plane",), slow_but([(plane,) for plane in ORDINARY], [(plane,) for plane in PLANES]))
 def test_rows_are_what_curves_say(plane):
     low, high = RANGES[plane.parameter]
