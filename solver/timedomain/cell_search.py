@@ -19,7 +19,8 @@ from solver.timedomain.integrator import COMPLETE
 from solver.timedomain.orbits import new_orbit
 from solver.timedomain.poincare import add_harmonics
 from solver.timedomain.quantities import clear, gather, new_work, read
-from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, fill_sample, try_orbit
+from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, try_orbit
+from solver.timedomain.samples import fill_sample
 from solver.timedomain.section_map import MAP_ROOM, carry_period, new_room, new_steps
 from solver.timedomain.settling import LIMITS, MEMORY, Limits, Memory, settle_state, spread_sample
 
