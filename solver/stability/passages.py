@@ -1,8 +1,8 @@
 """Where multipliers pass the unit circle on a branch, between places whose test functions are known.
 
 What two neighbouring places bracket is located by regula falsi, bisected where that is slow: next to a grazing the
-functions have square-root corners. Where a function comes nearest to zero at the middle one of three places the branch
-is looked at in between, as long as a parabola, or how steeply it falls, says that it may reach zero there.
+functions have square-root corners. A pair may leave the circle and meet on the real axis within one step, and one of
+the two come back through +1 or -1: next to where a real multiplier passes, the others tell.
 """
 
 import math
@@ -29,7 +29,7 @@ from solver.stability.multipliers import (
     spectral_tests,
 )
 
-__all__ = ["FOUND", "UNKNOWN", "Found", "Recent", "Watch", "look", "search", "search_dips"]
+__all__ = ["FOUND", "INDICES", "ON_CIRCLE", "UNKNOWN", "WATCH", "Found", "Watch", "look", "search"]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
 INDICES = types.int64[::1]
@@ -44,16 +44,13 @@ _CLOSE, _BESIDE = 0.5, 1e-6
 _ROUNDING, _NARROW = 1e-13, 1e-12
 # Events of one kind whose motions and axis values are this close, as a share, are one.
 _SAME = 1e-8
-# A pair whose modulus is this close to 1 on both sides is on the circle, as of undamped systems, and passes nothing.
-_ON_CIRCLE = 1e-8
+#: A pair whose modulus is this close to 1 on both sides is on the circle, as of undamped systems, and passes nothing.
+ON_CIRCLE = 1e-8
 # At a Neimark-Sacker point the pair nearest to the circle lies on it; if not, a real multiplier was what passed it.
 _PASSED = 1e-5
 # The cubic between two points tells to some share of the arc where on the branch a motion of the raster lies: where its
 # test functions are not those of the branch there, these shares further outward.
 _ASIDE = (0.0, 1e-4, 1e-3, 1e-2)
-# Looks for a pair of events between three places; a function that comes no nearer to zero than this share of its least
-# value is not followed.
-_DIP_LOOKS, _CLEARANCE = 8, 0.5
 
 
 class Watch(NamedTuple):
@@ -75,16 +72,6 @@ class Found(NamedTuple):
     counts: np.ndarray
 
 
-class Recent(NamedTuple):
-    """The last three places of a branch whose test functions are known: arc lengths, ascending, behind which points of
-    the branch lies what is between two of them, and the functions (3, TESTS)."""
-
-    positions: np.ndarray
-    pieces: np.ndarray
-    tests: np.ndarray
-
-
-RECENT = types.NamedTuple((ARRAY, INDICES, MATRIX), Recent)
 WATCH = types.NamedTuple((ARRAY, ARRAY, ROOM), Watch)
 FOUND = types.NamedTuple((INDICES, ARRAY, FLAGS, MATRIX, INDICES), Found)
 LOCATED, MISSED, UNKNOWN = range(3)
@@ -227,7 +214,7 @@ def _end_on_branch(setup, watch, left, right, arc, x, sense, expected, tests, po
 def _bracketed(before, behind, pairs, doublings, units):
     """What two places with these test functions bracket, beside what is located between them already: 0 if nothing."""
     # What lies on the circle on both sides, as in undamped systems, passes nothing.
-    apart = max(abs(before[GAP]), abs(behind[GAP])) > _ON_CIRCLE
+    apart = max(abs(before[GAP]), abs(behind[GAP])) > ON_CIRCLE
     if apart and abs(before[OUTSIDE] - behind[OUTSIDE]) > 2.0 * pairs:
         return _TORUS
     if doublings == 0.0 and before[DOUBLING] * behind[DOUBLING] < 0.0:
@@ -325,97 +312,3 @@ def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_h
             if abs(tests[OUTSIDE] - at_positions[k - 1 + side, OUTSIDE]) > 1.0:
                 count = _insert(positions, at_positions, done, count, k, beside, tests, 1 - side)
     return high
-
-
-@kernel(_B(MATRIX, _I), inline=True)
-def _dips(tests, slot):
-    """Whether a function has one sign at three places (3, TESTS) and comes nearest to zero at the middle one."""
-    sign = math.copysign(1.0, tests[1, slot])
-    return _ON_CIRCLE < sign * tests[1, slot] <= min(sign * tests[0, slot], sign * tests[2, slot]) < math.inf
-
-
-@kernel(types.void(SETUP, WATCH, FOUND, MATRIX, MATRIX, ARRAY, RECENT, _I), inner=True)
-def _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot):
-    """`search_dips` for one of the test functions."""
-    n, size = setup.unknowns, point_size(setup)
-    positions, pieces, at_positions = recent.positions.copy(), recent.pieces.copy(), recent.tests.copy()
-    left, right, point, tests = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(TESTS)
-    for _ in range(_DIP_LOOKS):
-        if not _dips(at_positions, slot):
-            return
-        before, least, behind = at_positions[0, slot], at_positions[1, slot], at_positions[2, slot]
-        first = (least - before) / (positions[1] - positions[0])
-        bend = ((behind - least) / (positions[2] - positions[1]) - first) / (positions[2] - positions[0])
-        if not bend * least > 0.0:
-            return
-        position = 0.5 * (positions[0] + positions[1]) - 0.5 * first / bend
-        lowest = before + (position - positions[0]) * (first + bend * (position - positions[1]))
-        # From either side it may fall on as steeply for half the way to the other one.
-        left_step, right_step = positions[1] - positions[0], positions[2] - positions[1]
-        falls = 0.5 * max(abs(before - least) * right_step / left_step, abs(behind - least) * left_step / right_step)
-        if not (lowest * math.copysign(1.0, least) < _CLEARANCE * abs(least) or falls > abs(least)):
-            return
-        margin = 0.05 * (positions[2] - positions[0])
-        if abs(position - positions[1]) < margin:
-            position = positions[1] + (margin if positions[2] - positions[1] > positions[1] - positions[0] else -margin)
-        side = 0 if position < positions[1] else 1
-        piece = pieces[side]
-        arc = arclength[piece + 1] - arclength[piece]
-        for j in range(n + 1):
-            left[j], left[n + 1 + j] = branch[piece, j], tangents[piece, j]
-            right[j], right[n + 1 + j] = branch[piece + 1, j], tangents[piece + 1, j]
-        x = (position - arclength[piece]) / arc
-        if state_at(setup, left, right, arc, x, point) < 0:
-            return
-        look(watch, point[: n + 1], tests)
-        if math.isnan(tests[LARGEST]):
-            return
-        if tests[OUTSIDE] != at_positions[side, OUTSIDE] or tests[DOUBLING] * at_positions[side, DOUBLING] < 0.0:
-            # One call in a loop: every further one is compiled once more.
-            for part in range(2):
-                low, high = (positions[side] - arclength[piece]) / arc, x
-                at_low, at_high = at_positions[side], tests
-                if part == 1:
-                    low, high = x, (positions[side + 1] - arclength[piece]) / arc
-                    at_low, at_high = tests, at_positions[side + 1]
-                search(setup, watch, found, piece, left, right, arc, low, high, at_low, at_high)
-            return
-        # The three places among four that have the least value in the middle.
-        closer = abs(tests[slot]) <= abs(least)
-        if closer:
-            other = 2 - 2 * side
-            positions[other], pieces[1 - side] = positions[1], piece
-            copy_into(at_positions[other], at_positions[1])
-        new = 1 if closer else 2 * side
-        positions[new] = position
-        copy_into(at_positions[new], tests)
-
-
-@kernel(types.void(SETUP, WATCH, FOUND, MATRIX, MATRIX, ARRAY, RECENT, _F, _I, ARRAY), inner=True)
-def search_dips(setup, watch, found, branch, tangents, arclength, recent, position, piece, tests):
-    """Take one more place, and locate pairs of events that the last three suggest and do not bracket.
-
-    Parameters
-    ----------
-    setup, watch, found
-    branch, tangents, arclength : (k, n + 1), (k, n + 1) and (k,) arrays
-        Points of the branch.
-    recent : Recent
-    position : float
-        Its arc length.
-    piece : int
-        Behind which point of the branch it and the place before lie.
-    tests : (TESTS,) array
-    """
-    for k in range(2):
-        recent.positions[k] = recent.positions[k + 1]
-        copy_into(recent.tests[k], recent.tests[k + 1])
-    recent.positions[2], recent.pieces[0], recent.pieces[1] = position, recent.pieces[1], piece
-    copy_into(recent.tests[2], tests)
-    if not recent.positions[0] < recent.positions[1] < recent.positions[2]:
-        return
-    if not recent.tests[0, OUTSIDE] == recent.tests[1, OUTSIDE] == recent.tests[2, OUTSIDE]:
-        return
-    for slot in (DOUBLING, GAP):
-        if _dips(recent.tests, slot):
-            _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot)
