@@ -1,5 +1,8 @@
 """`python -m pipeline`: the command line. Imports are inside the functions because every worker imports this module."""
 
+import atexit
+import contextlib
+import os
 import signal
 import sys
 
@@ -198,5 +201,22 @@ def _explained(job, error: Exception) -> str:
     raise error
 
 
+def _leave(statuses: list[int]) -> None:
+    """End the process with the status of `main`, the last thing that is done at exit.
+
+    Python would first take apart every module and everything in them, which takes a quarter of a second.
+    """
+    if statuses:
+        # They may be closed, or nobody may read them.
+        for stream in filter(None, (sys.stdout, sys.stderr)):
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(statuses[0])
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    _STATUSES: list[int] = []
+    # What is registered first is called last.
+    atexit.register(_leave, _STATUSES)
+    _STATUSES.append(main())
+    sys.exit(_STATUSES[0])
