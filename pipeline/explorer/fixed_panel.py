@@ -71,6 +71,9 @@ class FixedPanel:
         if not self._sliders:
             self._make(self._state.physical)
             self.show(self._state)
+            if self._run.running:
+                # Begun from another page.
+                self._follow()
 
     def _make(self, physical: bool) -> None:
         self._physical, scales = physical, scales_of(self._plan) if physical else None

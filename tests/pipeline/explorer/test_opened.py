@@ -4,14 +4,18 @@ import shutil
 
 import numpy as np
 import pytest
-from bokeh.document import Document
 
 from pipeline.errors import StoreError
-from pipeline.explorer.later import Later
 from pipeline.explorer.legend import legend
 from pipeline.explorer.opened import Opened
 from pipeline.run.rows import sweep_block
 from tests.pipeline.planes import small_plan, small_store
+
+pytest.importorskip("panel", reason="the extra explore is not installed")
+
+from bokeh.document import Document
+
+from pipeline.explorer.later import Later
 
 PLAN = small_plan("plane=omega_fe", columns=20, rows=3)
 
