@@ -16,6 +16,8 @@ def plain(name: str) -> str:
 
 
 EXPLORER = ROOT / "pipeline/explorer"
+#: What submits jobs.
+JOBS = [ROOT / "pipeline/run/slurm_cluster.py", ROOT / "pipeline/run/slurm_jobs.py"]
 
 
 def imported(files) -> set[str]:
@@ -42,7 +44,8 @@ def declared(extra: str | None = None) -> dict[str, str]:
 def test_every_import_is_declared_and_nothing_else():
     files = [*ROOT.glob("solver/**/*.py"), *ROOT.glob("pipeline/**/*.py")]
     # The key of a run is made with it by dask, which has it as an extra.
-    assert imported(file for file in files if EXPLORER not in file.parents) | {"cryptography"} == set(declared())
+    core = [file for file in files if EXPLORER not in file.parents and file not in JOBS]
+    assert imported(core) | {"cryptography"} == set(declared())
 
 
 def test_what_pages_need_is_imported_by_the_explorer_alone_and_is_an_extra():
@@ -50,8 +53,12 @@ def test_what_pages_need_is_imported_by_the_explorer_alone_and_is_an_extra():
     assert "bokeh" in extra and extra <= set(declared("explore"))
 
 
+def test_what_jobs_need_is_imported_where_they_are_submitted_alone_and_is_an_extra():
+    assert imported(JOBS) - set(declared()) == set(declared("slurm")) == {"dask-jobqueue"}
+
+
 def test_every_declared_distribution_is_pinned_at_its_lower_bound_or_above():
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").split()
     pinned = {plain(name): version for name, version in (line.split("==") for line in lines)}
-    for name, low in {**declared(), **declared("explore")}.items():
+    for name, low in {**declared(), **declared("explore"), **declared("slurm")}.items():
         assert [int(part) for part in re.findall(r"\d+", pinned[name])] >= [int(part) for part in low.split(".")], name
