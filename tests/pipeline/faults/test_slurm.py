@@ -57,9 +57,8 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(
-    "setting", [pytest.param(one, marks=[] if "queue" in one else pytest.mark.slow) for one in REFUSED]
-)
+@pytest.mark.costly
+@pytest.mark.parametrize("setting", REFUSED)
 def test_what_sbatch_refuses_is_one_line_with_its_words(setting, tmp_path, environment):
     run = finished(tmp_path, *ONE_CORE, setting, environment=environment)
     assert run.code == 2 and run.err.count("\n") == 1, run.err
