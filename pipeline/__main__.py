@@ -55,6 +55,8 @@ def _end_abruptly(number: int, reporter) -> None:
 
     for worker in multiprocessing.active_children():
         worker.kill()
+    if (jobs := sys.modules.get("pipeline.run.slurm_jobs")) is not None:
+        jobs.give_back()
     let_go()
     reporter.error(_interrupted(number))
 
