@@ -9,7 +9,7 @@ LOWEST := .venv-lowest
 DIST := dist/bevelmap-$(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 PYTHONS ?= python3.11 python3.12 python3.13
 
-.PHONY: map warmup test test-slow check format docs lowest release bench clean
+.PHONY: map warmup test test-costly test-slow check format docs lowest release bench clean
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -25,8 +25,13 @@ warmup: $(READY)
 test: $(READY)
 	$(VENV)/bin/python -m pytest
 
+# What takes seconds each; .ci/run has them too.
+test-costly: $(READY)
+	$(VENV)/bin/python -m pytest -m "costly and not slow"
+
+# What takes minutes each.
 test-slow: $(READY)
-	$(VENV)/bin/python -m pytest -m slow
+	$(VENV)/bin/python -m pytest -m "slow or costly"
 
 # Format, lint and imports.
 check: $(READY)

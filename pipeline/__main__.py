@@ -135,6 +135,14 @@ def _check_names(all_settings) -> None:
 
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
+    from pipeline.run.early import early_helpers
+
+    _check_names(all_settings)
+    with early_helpers(all_settings) as helpers:
+        return _run_each(all_settings, reporter, helpers)
+
+
+def _run_each(all_settings, reporter, helpers) -> int:
     from pipeline.errors import ConfigurationError
     from pipeline.run.libraries import load_zarr
     from pipeline.stages import STAGES
@@ -146,7 +154,6 @@ def _run_all(all_settings, reporter) -> int:
     from pipeline.run.workforce import Workforce
 
     status, jobs = 0, []
-    _check_names(all_settings)
     for settings in all_settings:
         try:
             jobs.append(prepare(settings))
@@ -155,7 +162,7 @@ def _run_all(all_settings, reporter) -> int:
             status = max(status, error.status)
     if not jobs:
         return status
-    with Workforce(jobs[0].settings.config.cluster, reporter.line) as workforce:
+    with Workforce(jobs[0].settings.config.cluster, reporter.line, helpers) as workforce:
         for job in jobs:
             status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
         # Tables need several planes: once, after all of them.

@@ -13,6 +13,7 @@ import yaml
 from hypothesis import settings
 
 from tests.made_once import share
+from tests.object_server import object_server  # noqa: F401
 
 # The same examples in every run: a test that fails once fails again, and no folder of examples is left behind.
 settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)

@@ -1,4 +1,4 @@
-"""Two processes that draw beside this one, loaded while this one computes.
+"""Two processes that compute and draw beside this one, loaded while this one gets ready.
 
 For what takes less time than dask's workers take to start. They are forked from one process that has loaded what they
 need, or load it themselves where the system does not fork. They hold nothing that could be lost: a task whose helper
@@ -20,10 +20,12 @@ try:
 except ImportError:  # nothing forks on this system
     forkserver = None
 
+from pipeline.config.schema import Cluster
+from pipeline.errors import WorkerLost
 from pipeline.run.libraries import load_zarr
 from pipeline.run.processes import deaf_to_interrupts, main_module_hidden
 
-__all__ = ["COUNT", "Helpers", "load"]
+__all__ = ["COUNT", "Helpers", "helpers", "load"]
 
 COUNT = 2
 
@@ -65,6 +67,18 @@ def _end_server() -> None:
             server._stop_unlocked()
 
 
+@contextlib.contextmanager
+def helpers(config: Cluster, modules: Iterable[str]) -> Iterator["Helpers | None"]:
+    """`Helpers` with these modules; None where this process must do everything itself."""
+    made = None
+    if config.kind == "local" and (os.cpu_count() or 1) > 1:
+        # Without a process to spare all is done here.
+        with contextlib.suppress(OSError):
+            made = Helpers(modules)
+    with contextlib.nullcontext() if made is None else contextlib.closing(made):
+        yield made
+
+
 class Helpers:
     """Processes that load modules and then take tasks.
 
@@ -75,6 +89,8 @@ class Helpers:
     """
 
     def __init__(self, modules: Iterable[str]):
+        #: How many tasks they do at a time.
+        self.count = COUNT
         modules, context = tuple(modules), multiprocessing.get_context("forkserver" if _FORKS else "spawn")
         self._pool = ProcessPoolExecutor(COUNT, mp_context=context, initializer=_begin, initargs=(modules,))
         self._processes, self._begun = set(), []
@@ -85,8 +101,26 @@ class Helpers:
             context.set_forkserver_preload(["pipeline.run.helpers", *modules])
             with deaf_to_interrupts(), main_module_hidden():
                 forkserver.ensure_running()
-        else:
-            self._submit(load, [((),)] * COUNT)
+        # The first one tells when all is loaded.
+        self._first = self._starter.submit(self._submit, load, [((),)] * (1 if _FORKS else COUNT))
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether a helper has loaded everything."""
+        return self._first.done() and any(future.done() for _, future in self._first.result())
+
+    def submit(self, function: Callable, arguments: tuple) -> Future | None:
+        """Begin with one task, unless helpers are still loading or have been ended; see `outcome`."""
+        begun = self._submit(function, [arguments]) if self.is_ready else []
+        return begun[0][1] if begun else None
+
+    @staticmethod
+    def outcome(future: Future):
+        """The result of a task, or its exception; `WorkerLost` where its helper was ended."""
+        error = future.exception()
+        if isinstance(error, BrokenProcessPool):
+            return WorkerLost("its process was ended")
+        return future.result() if error is None else error
 
     def begin(self, function: Callable, tasks: Iterable[tuple]) -> None:
         """Begin with tasks that `run` will be asked for, unless that has been done."""
@@ -103,11 +137,11 @@ class Helpers:
         begun += self._submit(function, [task for task in waiting if task not in known])
         futures = {future: task for task, future in begun}
         for future in as_completed(futures):
-            error = future.exception()
-            if isinstance(error, BrokenProcessPool):
+            result = self.outcome(future)
+            if isinstance(result, WorkerLost):
                 continue
             waiting.remove(futures[future])
-            yield futures[future], future.result() if error is None else error
+            yield futures[future], result
         for task in waiting:
             try:
                 yield task, function(*task)
@@ -132,6 +166,10 @@ class Helpers:
         if self._ends_server:  # once more: the starter may have found none and started one
             _end_server()
         self._pool.shutdown(wait=False, cancel_futures=True)
+        self.kill()
+
+    def kill(self) -> None:
+        """End the processes there are: what is asked of them from now on is done here."""
         for process in self._processes:
             process.kill()
             process.join()

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from time import perf_counter
 
 from pipeline import store
@@ -10,6 +9,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.plan.axes import ROLES
 from pipeline.plan.plan import Block
 from pipeline.plan.planning import warnings
+from pipeline.run.early import DRAWING, ROWS, is_small
 from pipeline.run.job import Job, open_log
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.stage import Stage
@@ -23,10 +23,6 @@ from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
 
-#: Cells of first order that one core computes in about the time in which two workers start and do the same.
-_FEW_CELLS = 100_000
-#: What makes a process ready to draw, and to solve the rows of first order that figures need.
-_DRAWING, _ROWS = "pipeline.figures.ready", "pipeline.run.ready_rows"
 #: Failed rows, and rows with notes, that are listed in full.
 _LISTED = 10
 
@@ -83,16 +79,13 @@ def _expect_figures(job: Job, workforce: Workforce) -> None:
     """What draws is loaded while boundaries are traced, and of a small plane while its rows are computed."""
     if job.asks("figures") and job.plan.parameter2 is None:
         first_order = job.plan.solver["balance"] == "describing_function"
-        workforce.expect([_DRAWING, _ROWS] if first_order else [_DRAWING])
+        workforce.expect([ROWS, DRAWING] if first_order else [DRAWING])
 
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:
-    """This process alone for a plane that takes less time than workers take to start, unless a cluster is asked for."""
+    """This process and helpers where workers would take longer to start, unless a cluster is asked for."""
     cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks)
-    first_order = job.plan.solver["balance"] == "describing_function"
-    if job.settings.overridden("cluster") or not first_order or cells > _FEW_CELLS:
-        return workforce
-    return Workforce(replace(workforce.config, kind="none"))
+    return workforce.alone() if is_small(job.settings, cells) else workforce
 
 
 def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: Reporter, waited: float = 0.0) -> int:

@@ -5,12 +5,12 @@ Tasks are independent and write their own results; only small receipts come back
 
 import contextlib
 import logging
-import os
 import pickle
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass, replace
 from queue import SimpleQueue
 
 from pipeline.config.schema import Cluster
@@ -50,6 +50,8 @@ class Workforce:
         Checked by `pipeline.run.cluster_settings.check_cluster`.
     say : callable, optional
         Takes a line about workers that must not compute (`pipeline.run.admission`).
+    helpers : pipeline.run.helpers.Helpers, optional
+        Those that have been started; whoever started them ends them.
 
     Examples
     --------
@@ -59,10 +61,10 @@ class Workforce:
     [((2, 3), 8), ((3, 2), 9)]
     """
 
-    def __init__(self, config: Cluster, say: Callable[[str], None] = lambda text: None):
+    def __init__(self, config: Cluster, say: Callable[[str], None] = lambda text: None, helpers=None):
         self.config = config
-        self._say = say
-        self._connection = self._admission = self._helpers = None
+        self._say, self._helpers = say, helpers
+        self._connection = self._admission = None
         self._open = contextlib.ExitStack()
         self._seen: tuple[float, dict[str, int]] = -_COUNT_EVERY, {}
 
@@ -83,7 +85,7 @@ class Workforce:
             If a scheduler does not answer in time, or none of its workers computes as this process does.
         """
         if self.config.kind == "none":
-            return "tasks run in this process"
+            return "tasks run in this process" + (" and beside it" if self._helpers is not None else "")
         local = self.config.kind == "local"
         if self._connection is None:
             check_start(self.config)
@@ -169,8 +171,7 @@ class Workforce:
             If the scheduler goes away or falls silent, or no worker is left that may compute.
         """
         if self.config.kind == "none":
-            while (task := take()) is not None:
-                yield task, _attempt(function, task.arguments)
+            yield from self._serve_here(function, take)
             return
         self.start()
         connection, running, finished, again = self._connection, {}, SimpleQueue(), deque()
@@ -197,6 +198,33 @@ class Workforce:
                     yield task, result
         finally:
             connection.cancel(running)
+
+    def _serve_here(self, function: Callable, take: Callable[[], Task | None]) -> Iterator[tuple[Task, object]]:
+        """`serve` in this process, and on helpers where there are any and they have loaded."""
+        beside: dict[Future, Task] = {}
+        try:
+            while True:
+                for future in [future for future in beside if future.done()]:
+                    yield beside.pop(future), self._helpers.outcome(future)
+                if (task := take()) is not None:
+                    if (future := self._beside(function, task, len(beside))) is not None:
+                        beside[future] = task
+                    else:
+                        yield task, _attempt(function, task.arguments)
+                elif beside:
+                    wait(beside, return_when=FIRST_COMPLETED)
+                else:
+                    return
+        finally:
+            if beside:
+                # Whoever stops here wants no more of what they are at.
+                self._helpers.kill()
+
+    def _beside(self, function: Callable, task: Task, running: int) -> Future | None:
+        """A task on a helper that has nothing to do; None where there is none."""
+        if self._helpers is None or running >= self._helpers.count:
+            return None
+        return self._helpers.submit(function, task.arguments)
 
     def _places(self, task: Task) -> dict:
         """Where a task may run, as `Client.submit` takes it: anywhere, unless there are workers to be avoided."""
@@ -261,9 +289,9 @@ class Workforce:
 
         Workers do, where there are some already; otherwise helpers, which start sooner.
         """
-        if self.config.kind != "local" or (os.cpu_count() or 1) < 2 or self._helpers is not None:
+        if self.config.kind != "local" or self._helpers is not None:
             return
-        from pipeline.run.helpers import Helpers, load
+        from pipeline.run.helpers import helpers, load
 
         if self._connection is not None:
             submit, answers = self._connection.submit, SimpleQueue()
@@ -271,9 +299,11 @@ class Workforce:
             # Kept, since dask drops what nobody waits for.
             self._loading = [submit(answers, load, tuple(modules), **place) for place in places]
             return
-        # Without a process to spare all is done here.
-        with contextlib.suppress(OSError):
-            self._helpers = self._open.enter_context(contextlib.closing(Helpers(modules)))
+        self._helpers = self._open.enter_context(helpers(self.config, modules))
+
+    def alone(self) -> "Workforce":
+        """This process, and helpers if there are any, for what takes less time than workers take to start."""
+        return Workforce(replace(self.config, kind="none"), self._say, self._helpers)
 
     def begin_beside(self, function: Callable, tasks: Iterable[tuple]) -> None:
         """Have helpers, where there are any, begin with tasks that `run_beside` will be asked for."""
@@ -294,7 +324,7 @@ class Workforce:
     def size(self) -> int:
         """Number of threads that run tasks; workers of a foreign scheduler may come and go."""
         if self.config.kind == "none":
-            return 1
+            return 1 if self._helpers is None else 1 + self._helpers.count
         workers = self._workers()
         return sum(workers[worker] for worker in self._admission.allowed(workers))
 

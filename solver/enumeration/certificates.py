@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from solver.enumeration.contact_law import LAW, gain_over
+from solver.enumeration.contact_law import LAW
 from solver.enumeration.enclosed import MIRRORED, SHIFT, interval_of, law_of
+from solver.enumeration.gain_bounds import gain_over
 from solver.enumeration.gain_equation import motion_over
 from solver.enumeration.interval import add
 from solver.enumeration.reduction import CONTACT, GAP, ROWS, determinant_over, is_modulated, reduce_balance

@@ -5,8 +5,9 @@
 
 import math
 
-from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes, is_unlike, near_cosine
+from solver.enumeration.contact_law import contact_law, is_unlike, near_cosine
 from solver.enumeration.enclosed import interval_of, law_of
+from solver.enumeration.gain_bounds import gain_over, gain_slopes
 from solver.enumeration.interval import (
     INTERVAL,
     above,
@@ -80,7 +81,7 @@ def _scaled_at(reduced, t):
 
 @kernel(types.UniTuple(INTERVAL, 2)(MATRIX, _F, _F), inner=True)
 def gain_at(reduced, t, guess):
-    """N at one gain, and the near flank's cosine there; `guess` as in `solver.enumeration.contact_law.gain_over`.
+    """N at one gain, and the near flank's cosine there; `guess` as in `solver.enumeration.gain_bounds.gain_over`.
 
     Parameters
     ----------

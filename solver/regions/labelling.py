@@ -11,7 +11,10 @@ import numpy as np
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.problem import Plane
 from solver.contact.impact import domain_code, domain_label, impact_of_range
-from solver.enumeration.solutions import Proof, enumerate_row
+from solver.enumeration.solutions import Proof, RowSolutions, enumerate_row
+from solver.model.contact_system import ContactSystem
+from solver.model.gear_model import Model
+from solver.model.packing import dead_zone_ends
 from solver.model.parameter_path import place_on
 from solver.regions.ceiling import ceiling_curve
 from solver.regions.slabs import RegionError, RowCrossings, Slab
@@ -172,7 +175,7 @@ class Labeller:
                 low = middle
             else:
                 high = middle
-        solutions = _enumerated(self.plane, value, np.array([low]), 2.0 * self.amplitude_max)
+        _, _, solutions = _enumerated(self.plane, value, np.array([low]), 2.0 * self.amplitude_max)
         motions = np.column_stack([solutions.mean[0], solutions.cos[0], solutions.sin[0]])
         misses = np.abs(solutions.amplitude[0] / self.amplitude_max - 1.0)
         if not np.any(misses < 1e-6):
@@ -191,9 +194,9 @@ def _settled(seen: list[dict[int, list]]) -> list[int]:
 
 
 def _enumerated(plane: Plane, value: float, x: np.ndarray, amplitude_max: float):
-    """Every solution at places of one row."""
+    """The system and the frequency of one row, and every solution at places of it."""
     system, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
-    return enumerate_row(system, plane.x_axis, x, omega=omega, amplitude_max=amplitude_max)
+    return system, omega, enumerate_row(system, plane.x_axis, x, omega=omega, amplitude_max=amplitude_max)
 
 
 def row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
@@ -209,8 +212,9 @@ def row_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -
     (k,) int array
         0 where the solutions are not proven to be all.
     """
-    found = _enumerated(plane, value, x, amplitude_max)
-    return np.where(found.proof == Proof.PROVEN, _label_codes(plane, value, x, found, found.stable == 1), _UNDECIDED)
+    system, _, found = _enumerated(plane, value, x, amplitude_max)
+    codes = _label_codes(_state_bits(plane, system, x, found), found.stable == 1)
+    return np.where(found.proof == Proof.PROVEN, codes, _UNDECIDED)
 
 
 def stability_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: float) -> np.ndarray:
@@ -230,9 +234,8 @@ def stability_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: fl
     (k,) int64 array
         0 where the solutions are not proven to be all; see `static_code`, `dynamic_code` and `is_contradictory`.
     """
-    found = _enumerated(plane, value, x, amplitude_max)
+    system, omega, found = _enumerated(plane, value, x, amplitude_max)
     stable = found.stable == 1
-    system, omega = place_on(plane.p_axis, value, plane.system, plane.omega)
     column, which = np.nonzero(stable)
     kind = np.zeros(stable.shape, np.int8)
     # No band about the unit circle: boundaries tell where multipliers pass it, and next to them they are close to it.
@@ -245,20 +248,26 @@ def stability_codes(plane: Plane, value: float, x: np.ndarray, amplitude_max: fl
         static=found.stable[column, which],
         tolerance=0.0,
     ).kind
-    static = _label_codes(plane, value, x, found, stable).astype(np.int64)
-    dynamic = _label_codes(plane, value, x, found, stable & np.isin(kind, LEFT_TO_FOLDS)).astype(np.int64)
+    bits = _state_bits(plane, system, x, found)
+    static = _label_codes(bits, stable).astype(np.int64)
+    dynamic = _label_codes(bits, stable & np.isin(kind, LEFT_TO_FOLDS)).astype(np.int64)
     contradictory = np.any(stable & (kind == Instability.CONTRADICTORY), axis=1)
     known = (found.proof == Proof.PROVEN) & ~np.any(kind == Instability.UNDECIDED, axis=1)
     return np.where(known, stability_code(static, dynamic, contradictory), _UNDECIDED)
 
 
-def _label_codes(plane: Plane, value: float, x: np.ndarray, found, counted: np.ndarray) -> np.ndarray:
-    """Codes of the labels of the solutions that are counted, (k,) uint16."""
-    low, high = plane.dead_zone(x, value)
+def _state_bits(plane: Plane, system: Model | ContactSystem, x: np.ndarray, found: RowSolutions) -> np.ndarray:
+    """The bit of the impact state of every solution, (k, solutions)."""
+    low, high = dead_zone_ends(system, plane.x_axis, x)
     ends = low[:, None], high[:, None]
-    states = impact_of_range(found.mean - found.amplitude, found.mean + found.amplitude, *ends).astype(np.int64)
-    bits = np.bitwise_or.reduce(np.where(counted, 1 << states.clip(0), 0), axis=1, initial=0)
-    return domain_code(np.sum(counted, axis=1), bits)
+    states = impact_of_range(found.mean - found.amplitude, found.mean + found.amplitude, *ends)
+    return 1 << states.astype(np.int64).clip(0)
+
+
+def _label_codes(bits: np.ndarray, counted: np.ndarray) -> np.ndarray:
+    """Codes of the labels of the solutions that are counted, (k,) uint16."""
+    states = np.bitwise_or.reduce(np.where(counted, bits, 0), axis=1, initial=0)
+    return domain_code(np.sum(counted, axis=1), states)
 
 
 def stability_code(static, dynamic, contradictory):

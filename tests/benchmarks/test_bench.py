@@ -40,6 +40,7 @@ def test_fsolve_finds_motions_that_exist():
     assert np.max(np.nanmin(np.abs(known[found] - amplitudes[found, None]), axis=1)) < 1e-8
 
 
+@pytest.mark.costly
 def test_runge_kutta_settles_where_the_integrator_does():
     model = MODELS["consistent"]()
     grid = np.array([0.9, 1.9])

@@ -65,6 +65,7 @@ def test_rows_that_fail_are_an_error_and_stored(tmp_path, monkeypatch):
     assert np.all(pipeline.open_plane("omega_fe", root=tmp_path / "store").tree["status"].values == 2)
 
 
+@pytest.mark.costly
 def test_figures_are_shown_whatever_style_is_in_force(plane):
     import matplotlib
 
@@ -106,6 +107,7 @@ def test_it_says_what_it_is(plane):
     assert repr(plane) in said
 
 
+@pytest.mark.costly
 def test_a_script_needs_no_guard(tmp_path):
     """Workers do not run the script that started them."""
     script = tmp_path / "script.py"

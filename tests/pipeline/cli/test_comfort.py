@@ -108,6 +108,7 @@ def test_options_are_read():
 # stages=[list]
 
 
+@pytest.mark.costly
 def test_list_says_what_there_is(folder, capsys):
     root = folder / "outputs/store"
     half, failed = (shutil.copytree(root / "omega_fe.zarr", root / f"{name}.zarr") for name in ("half", "failed"))
@@ -139,6 +140,7 @@ def test_list_says_what_there_is(folder, capsys):
     assert lines["omega_fe"][start:].startswith("complete") and lines["half"][start:].startswith("3 of 5")
 
 
+@pytest.mark.costly
 def test_list_knows_groups_size_hash_and_age(folder):
     from pipeline.analysis import boundaries
 

@@ -74,6 +74,7 @@ def test_nothing_else_is_written(planes):
     assert made == ["runs", "store", "tables"]
 
 
+@pytest.mark.costly
 def test_a_second_run_finds_the_work_done_and_draws(planes, capsys):
     folder, _ = planes
     before = contents(folder / "outputs/store/omega_b.zarr")
@@ -117,6 +118,7 @@ def test_failed_rows_give_status_1_and_a_summary(tmp_path, capsys):
     assert set(status) == {store.COMPLETE, store.FAILED}
 
 
+@pytest.mark.costly
 def test_a_missing_plane_is_named_with_its_command(tmp_path):
     result = run(tmp_path, "stages=[tables]", "quality=draft")
     assert result.returncode == 2 and len(result.stderr.splitlines()) == 1
@@ -125,6 +127,7 @@ def test_a_missing_plane_is_named_with_its_command(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.costly
 def test_broyden_gives_the_same_plane(tmp_path):
     small = ["plane.sweep.num=60", "plane.parameter.num=6", "stages=[sweep]"]
     for name in ("newton", "broyden"):

@@ -343,6 +343,7 @@ def _show(folder: Path, *command: str, path: Path | None = None) -> str:
     return result.stdout
 
 
+@pytest.mark.costly
 def test_conf_is_found_from_a_wheel_the_repository_and_beside_a_foreign_pipeline(tmp_path):
     assert conf_folder() == ROOT / "conf"
     subprocess.run(

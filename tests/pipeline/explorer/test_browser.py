@@ -88,6 +88,7 @@ def reader(browser, served):
         one.page.close()
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("size", SIZES)
 def test_a_place_is_clicked_pinned_and_linked(reader, served, size, tmp_path):
     one = reader(size)
@@ -129,6 +130,7 @@ def test_zoom_layers_and_the_reset_of_both_are_in_the_address(reader, served):
     one.until(lambda: one.view.get("layer") == "dynamic")
 
 
+@pytest.mark.costly
 def test_sliders_change_the_row_and_a_motion_is_integrated_from_any_state(reader, served):
     one = reader()
     one.open(f"{served.url}?at=0.6,0.2")
@@ -150,6 +152,7 @@ def test_sliders_change_the_row_and_a_motion_is_integrated_from_any_state(reader
     one.until(lambda: one.view.get("basins") == "1")
 
 
+@pytest.mark.costly
 def test_a_design_point_has_margins(reader, served):
     one = reader()
     one.open(served.url)
@@ -162,6 +165,7 @@ def test_a_design_point_has_margins(reader, served):
     one.page.get_by_text("Within the tolerances").wait_for()
 
 
+@pytest.mark.costly
 def test_figures_and_numbers_are_saved(reader, served, tmp_path):
     one = reader()
     one.open(f"{served.url}?at=0.6,0.2")

@@ -27,6 +27,7 @@ def content(tmp_path_factory):
     return Opened(served_plane(tmp_path_factory.mktemp("taken"))).content()
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("what", "kind", "view"),
     [
@@ -60,6 +61,7 @@ def test_what_there_is_not_is_refused(content):
     assert set(FORMATS) == {"map", "curves", "motions"}
 
 
+@pytest.mark.costly
 def test_a_changed_gear_is_computed_beside_the_page(content, tmp_path):
     command = " ".join(["python -m pipeline", *SIZES, shlex.quote(f"output.root={tmp_path}"), "cluster=none"])
     plane = new_plane(command, content.plan, {"b": 0.5, "xi_mesh": 0.06})

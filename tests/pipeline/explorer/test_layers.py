@@ -104,6 +104,7 @@ def test_attractors_and_credibility_have_a_class_in_every_cell(plane):
     assert {Credibility(int(code)).words for code in np.unique(found.credibility.values)} >= set(names)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", ["dynamic_factor", "impact_velocity"])
 def test_quantities_are_the_stored_ones_in_units_of_the_axis(physical, name):
     plain, shown = layer(physical, name), layer(physical, name, physical=True)
@@ -119,6 +120,7 @@ def test_quantities_are_the_stored_ones_in_units_of_the_axis(physical, name):
     assert shown.ends == (np.nanmin(shown.cells.values), np.nanmax(shown.cells.values))
 
 
+@pytest.mark.costly
 def test_physical_maps_are_dimensionless_ones_in_other_units(physical):
     plain, shown = layer(physical, "domains"), layer(physical, "domains", physical=True)
     assert (shown.x.unit, shown.y.unit) == ("rpm", "µm") and shown.x.low == plain.x.low * shown.x.size

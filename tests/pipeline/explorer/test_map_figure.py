@@ -59,6 +59,7 @@ def test_values_come_back_from_what_is_sent(layers):
     assert (bar.color_mapper.low, bar.color_mapper.high) == shown.ends
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("legend", [True, False])
 def test_every_layer_can_follow_every_other_in_a_figure(layers, legend):
     found = map_figure(layers["attractors"], legend=legend)

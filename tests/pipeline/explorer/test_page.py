@@ -82,6 +82,7 @@ def test_it_says_what_the_map_tells_and_where_it_is_wrong(plane, text):
     assert "python -m pipeline <b>" in said and plane.about["configuration_hash"] in said
 
 
+@pytest.mark.costly
 def test_layers_and_rows_are_those_that_were_asked_for(plane, text):
     data = content(text)
     assert data["layers"] == ["domains", "dynamic", "attractors", "credibility", "dynamic_factor"]
@@ -93,6 +94,7 @@ def test_layers_and_rows_are_those_that_were_asked_for(plane, text):
     assert content(bare)["rows"] == [] and "id=curves" not in bare and len(content(bare)["document"]["roots"]) == 1
 
 
+@pytest.mark.costly
 def test_the_same_store_gives_the_same_text(plane, text):
     # Bokeh has counted on in between.
     again = page_of(read_stored(plane.path), rows=3, quantities=("dynamic_factor",), command="python -m pipeline <b>")
@@ -113,6 +115,7 @@ def words(path, *further):
     ]
 
 
+@pytest.mark.costly
 def test_the_stage_writes_one_file_and_makes_it_anew_only_if_something_changed(plane, tmp_path, capsys):
     path = integrated_store(tmp_path)
     made = tmp_path / "outputs/page/plane.html"
@@ -153,6 +156,7 @@ def test_without_bokeh_one_line_says_what_to_install(plane, capsys, tmp_path, mo
     assert "bokeh" in line and "pip install 'bevelmap[explore]'" in line and not (tmp_path / "o").exists()
 
 
+@pytest.mark.costly
 def test_an_unfinished_plane_says_so(tmp_path):
     plane = read_stored(small_store(tmp_path / "plane.zarr", small_plan(columns=20, rows=6)))
     vars(plane)["status"] = np.where(np.arange(6) < 2, plane.status, PENDING)

@@ -86,6 +86,7 @@ def test_a_click_tells_the_exact_label_and_what_integration_found(page, plane):
         assert f"integration {label};" in told and "verdict" in told
 
 
+@pytest.mark.costly
 def test_layers_change_and_tell_their_values(page, plane):
     clicked(page, 1.0531, 0.3)
     for name, word in (("dynamic_factor", "dynamic factor"), ("attractors", "integration"), ("domains", "n/I")):

@@ -107,6 +107,7 @@ def connected(served, origin: str) -> bool:
     return asyncio.run(connect())
 
 
+@pytest.mark.costly
 def test_pages_of_other_origins_are_refused(served):
     port = served.url.rsplit(":", 1)[1].strip("/")
     assert connected(served, f"http://127.0.0.1:{port}")
@@ -142,11 +143,13 @@ def test_no_path_leads_to_files(served, path):
     assert "root:" not in answer
 
 
+@pytest.mark.costly
 def test_an_address_that_names_no_view_is_a_line_of_the_page(served):
     assert "layer = ../../etc is not allowed" in texts(f"{served.url}?layer=../../etc")
     assert "store = '../x' is not shown here" in texts(f"{served.url}?store=../x")
 
 
+@pytest.mark.costly
 def test_several_pages_at_once_have_views_of_their_own(served):
     # Both are given out before either is looked at.
     pages = [get(f"{served.url}?at={at}") for at in ("0.6,0.2", "1.3,0.3")]

@@ -105,6 +105,7 @@ def test_a_chunk_that_stands_for_more_than_it_may_is_not_decompressed(copy, file
     assert traced.peak < _LITTLE and "damaged" in entry.status
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("file", "entry"), slow_but([_BOMBS[2]], _BOMBS))
 def test_no_stage_decompresses_such_a_chunk(copy, tmp_path, capsys, file, entry):
     (copy / file).write_bytes(bomb(3 * 10**7, entry))
@@ -203,6 +204,7 @@ def test_a_plane_of_too_many_rows_costs_nothing(tmp_path, words, changes):
 _CASES = list(itertools.product(_ON, _TOO_MANY))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("words", "changes"), slow_but([_CASES[5]], _CASES))
 def test_a_plane_of_too_many_rows_costs_no_stage_much(tmp_path, capsys, words, changes):
     _too_large(tmp_path / "outputs/store/plane.zarr", words, changes)

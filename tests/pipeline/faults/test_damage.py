@@ -254,6 +254,7 @@ def test_left_overs_of_killed_writers_are_removed(copy, tmp_path, capsys):
     assert (code, err) == (0, "") and "nothing to do" in out and not left.exists()
 
 
+@pytest.mark.costly
 def test_chunks_without_a_store_are_made_again(undisturbed, tmp_path, capsys):
     """What a task leaves that ran on while the store was taken away."""
     path = tmp_path / "outputs/store/plane.zarr"
@@ -262,6 +263,7 @@ def test_chunks_without_a_store_are_made_again(undisturbed, tmp_path, capsys):
     same(path, undisturbed)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("kind",), slow_but([("flipped",)], [("flipped",), ("truncated",), ("empty",)]))
 def test_a_last_block_that_fills_its_chunk_in_part_is_mended(tmp_path, kind):
     """What is written to such a chunk goes into what is read from it."""

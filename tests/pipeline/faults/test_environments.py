@@ -33,6 +33,7 @@ def test_python_without_assertions_is_refused(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.costly
 def test_a_display_that_is_not_there_is_no_matter(tmp_path, monkeypatch):
     (tmp_path / "outputs/store").mkdir(parents=True)
     small_store(tmp_path / "outputs/store/omega_fe.zarr", small_plan(columns=9, rows=3))
@@ -47,6 +48,7 @@ def test_a_display_that_is_not_there_is_no_matter(tmp_path, monkeypatch):
     assert os.environ["MPLBACKEND"] == "foo"
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "settings",
     [
@@ -84,6 +86,7 @@ def test_a_scheduler_is_reached_as_dask_is_configured_or_that_is_said():
     assert "dask" in str(caught.value) and "foo" in str(caught.value)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("library", ["dask", "zarr"])
 def test_configuration_that_a_library_cannot_read_is_said(library, tmp_path):
     (tmp_path / "bad").mkdir()

@@ -146,6 +146,7 @@ def test_nested_json_is_refused(copy):
         store.read_plan(copy)
 
 
+@pytest.mark.costly
 def test_a_stored_configuration_is_text(copy, tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("SECRET_OF_THE_READER", "swordfish")
     stored = "a: ${oc.env:SECRET_OF_THE_READER}\nb: {_target_: os.mkdir, path: went-off}\n"

@@ -92,6 +92,7 @@ def small(tmp_path_factory):
     return plan, small_store(tmp_path_factory.mktemp("small") / "plane.zarr", plan)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", _KINDS)
 def test_every_array_of_a_block_is_verified_before_its_rows_are_kept(small, tmp_path, kind):
     plan, whole = small
@@ -152,6 +153,7 @@ def test_what_was_verified_is_written_whatever_becomes_of_the_files(small, tmp_p
     same(path, whole)
 
 
+@pytest.mark.costly
 def test_no_group_is_written_from_rows_that_went_missing(small, tmp_path, monkeypatch, capsys):
     from pipeline.analysis.boundaries import tracing
 
@@ -168,6 +170,7 @@ def test_no_group_is_written_from_rows_that_went_missing(small, tmp_path, monkey
     assert code == 1 and "branches/event/c/5/0 is missing" in err and not (path / "boundaries").exists()
 
 
+@pytest.mark.costly
 def test_a_layer_is_not_taken_out_of_a_damaged_volume(tmp_path, capsys):
     words = ["plane=omega_b_fe", "plane.sweep.num=9", "plane.parameter.num=4", "plane.parameter2.num=2"]
     words += ["store.name=volume", "solver.certify_columns=9"]

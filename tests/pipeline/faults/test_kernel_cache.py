@@ -33,6 +33,7 @@ def _small(folder):
     return sorted(found)
 
 
+@pytest.mark.costly
 def test_damaged_entries_are_compiled_again(cache, tmp_path, undisturbed):
     harms = [lambda data: b"", lambda data: data[: len(data) // 2], lambda data: data[:-9] + b"\xff" + data[-8:]]
     for i, entry in enumerate(_small(cache)):

@@ -73,6 +73,7 @@ def _harm(victim, folder, seed, undisturbed, capsys):
     assert not [left for left in path.parent.iterdir() if left != path]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("victim", "seed"), slow_but(_ONCE, _FEW))
 def test_killed_and_continued(victim, seed, tmp_path, undisturbed, capsys):
     _harm(victim, tmp_path, seed, undisturbed, capsys)

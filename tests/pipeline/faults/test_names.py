@@ -98,6 +98,7 @@ _LISTED = list(itertools.product(_NAMES, [_GROUP, _ARRAY]))
 _READERS = [stage for stage in _STAGES if stage != "list"]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "document", "stages"),
     [
@@ -167,6 +168,7 @@ def test_repair_removes_only_what_is_its_own(copy, tmp_path, capsys):
     )
 
 
+@pytest.mark.costly
 def test_overwriting_removes_no_file_of_the_user(copy, tmp_path, capsys):
     (copy / "notes.txt").write_text("mine")
     before = sorted(copy.rglob("*"))

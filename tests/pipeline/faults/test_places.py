@@ -26,6 +26,7 @@ def _one_line(run, *parts):
         assert part in run.err
 
 
+@pytest.mark.costly
 def test_a_full_disk_by_limit(tmp_path, undisturbed, capsys):
     biggest = max(file.stat().st_size for file in undisturbed.rglob("*") if file.is_file() and "c" in file.parts)
 
@@ -78,6 +79,7 @@ def test_a_full_disk(small_disk, undisturbed, capsys):
     same(run.path, undisturbed)
 
 
+@pytest.mark.costly
 def test_a_folder_that_cannot_be_written(tmp_path, request):
     folder = tmp_path / "outputs"
     if os.getuid():
@@ -92,6 +94,7 @@ def test_a_folder_that_cannot_be_written(tmp_path, request):
     assert run.code == 2
 
 
+@pytest.mark.costly
 def test_a_store_that_cannot_be_written_is_read_by_all_that_only_read(small_disk, tmp_path, capsys):
     root = small_disk / "store"
     root.mkdir()
@@ -141,6 +144,7 @@ def test_a_url_is_never_made_as_a_folder(key, url, tmp_path, monkeypatch, capsys
 STEERING = "\x1b[2J\x1b]0;x\x07\u202e\x9b\n\r"
 
 
+@pytest.mark.costly
 def test_nothing_that_is_stored_steers_the_terminal(tmp_path, undisturbed, capsys):
     path = tmp_path / "outputs/store/plane.zarr"
     shutil.copytree(undisturbed, path)
@@ -198,6 +202,7 @@ def during(monkeypatch, tmp_path, capsys):
     return run
 
 
+@pytest.mark.costly
 def test_a_store_that_turns_unwritable_during_the_run(tmp_path, undisturbed, capsys, during):
     path, made = tmp_path / "outputs/store/plane.zarr", []
 
@@ -217,6 +222,7 @@ def test_a_store_that_turns_unwritable_during_the_run(tmp_path, undisturbed, cap
     same(path, undisturbed)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("gone", ["outputs/store/plane.zarr", pytest.param("outputs", marks=pytest.mark.slow)])
 def test_a_store_that_vanishes_during_the_run(tmp_path, undisturbed, gone, capsys, during):
     code, _, err = during(lambda: (tmp_path / gone).rename(tmp_path / "away"))
@@ -240,6 +246,7 @@ class Listening(io.StringIO):
         return super().write(text)
 
 
+@pytest.mark.costly
 def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed, monkeypatch):
     first = start(tmp_path, "cluster=none")
     until(first, 3)
@@ -266,6 +273,7 @@ def test_the_second_run_on_a_store_says_who_has_it(tmp_path, capsys, undisturbed
     same(first.path, undisturbed)
 
 
+@pytest.mark.costly
 def test_waiting_for_a_killed_run_goes_on_with_its_work(tmp_path, undisturbed, capsys, monkeypatch):
     first = start(tmp_path, "cluster=none")
     until(first, 3)
@@ -296,6 +304,7 @@ def test_a_lock_that_nobody_holds_is_recognised(tmp_path, undisturbed, capsys):
     assert code == 2 and "is in use by another process" in err
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("cluster", ["cluster=none", pytest.param("cluster.workers=1", marks=pytest.mark.slow)])
 def test_clocks_and_time_zones_change_nothing(cluster, tmp_path, undisturbed):
     environment = {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "clock", "TZ": "Pacific/Kiritimati"}

@@ -76,6 +76,7 @@ def losses(tmp_path_factory):
     return disk.left
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("step", [8, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_run_whose_power_was_lost_goes_on(step, losses, tmp_path, undisturbed, capsys):
     rows = set()
@@ -102,6 +103,7 @@ def test_a_complete_row_without_its_numbers_is_not_taken_as_done(harm, tmp_path,
     same(path, undisturbed)
 
 
+@pytest.mark.costly
 def test_no_status_says_complete_before_its_rows_are_on_the_disk(losses):
     """By what is left alone: whatever is complete can be read whole."""
     seen = 0

@@ -33,6 +33,7 @@ def _fails(fault, tmp_path, undisturbed, *words):
     assert not [left for left in run.path.parent.iterdir() if left != run.path]
 
 
+@pytest.mark.costly
 def test_a_row_that_hangs_fails_alone(tmp_path, undisturbed):
     _fails("spin", tmp_path, undisturbed, "cluster.row_seconds=1", "cluster.workers=1")
 
@@ -46,6 +47,7 @@ def test_a_row_that_raises_sleeps_or_takes_all_memory_fails_alone(fault, words, 
     _fails(fault, tmp_path, undisturbed, *words)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "words",
     [
@@ -61,6 +63,7 @@ def test_no_row_is_lost_whatever_each_support_damps(words, tmp_path):
     assert np.all(found["status"] == store.COMPLETE) and np.all(found["certified"] == 1)
 
 
+@pytest.mark.costly
 def test_rows_without_any_solution_are_complete(tmp_path, capsys):
     """Every solution lies above a ceiling that is this low."""
     axis = "plane.sweep.name=kappa", "plane.sweep.min=0.1", "plane.sweep.max=1", "plane.omega=0.6"
@@ -73,6 +76,7 @@ def test_rows_without_any_solution_are_complete(tmp_path, capsys):
     assert np.all(found["open"] == 1) and np.all(np.isnan(found["mean"])) and not np.any(found["branches/n_points"])
 
 
+@pytest.mark.costly
 def test_failed_rows_are_computed_by_the_next_run(tmp_path, undisturbed, capsys, monkeypatch):
     path, honest = tmp_path / "outputs/store/plane.zarr", rows.stored_row
     failing = store.read_plan(undisturbed).row(ROWS // 2)[1]

@@ -18,6 +18,7 @@ _CLUSTERS = {"local": ("cluster=local", "cluster.workers=1"), "none": ("cluster=
 _ENDED = list(itertools.product([signal.SIGTERM, signal.SIGHUP], ["local", "none"]))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("number", "cluster"), slow_but([_ENDED[0], _ENDED[3]], _ENDED))
 def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undisturbed, capsys):
     # Slow enough that it is not done before it is told.
@@ -36,6 +37,7 @@ def test_a_signal_that_ends_a_run_is_one_line(number, cluster, tmp_path, undistu
 _SPUN = [(signal.SIGINT, "local"), (signal.SIGTERM, "none"), (signal.SIGINT, "none")]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("number", "cluster"), slow_but(_SPUN[:2], _SPUN))
 def test_a_compiled_loop_without_end_is_interrupted(number, cluster, tmp_path, undisturbed, capsys):
     """Python itself does not see a signal until the loop is over."""
@@ -65,6 +67,7 @@ def test_a_hangup_that_is_ignored_stays_ignored(tmp_path):
 _CLOSED = [("| head -1",), ("| true",), (">&-",), ("2>&-",), (">&- 2>&-",)]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("closed",), slow_but([_CLOSED[0], _CLOSED[-1]], _CLOSED))
 def test_a_run_that_nobody_reads_completes(closed, tmp_path, undisturbed):
     # A worker inherits what the run writes to.

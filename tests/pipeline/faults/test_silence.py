@@ -34,6 +34,7 @@ def arguments(scheduler):
     return "cluster=scheduler", f"cluster.address={scheduler.address}", "cluster.timeout=2"
 
 
+@pytest.mark.costly
 def test_a_scheduler_that_is_suspended_before_the_run_is_refused(tmp_path, scheduler):
     scheduler.process.send_signal(signal.SIGSTOP)
     run = start(tmp_path, *arguments(scheduler)).end(_END)
@@ -42,6 +43,7 @@ def test_a_scheduler_that_is_suspended_before_the_run_is_refused(tmp_path, sched
     assert not (tmp_path / "outputs").exists()
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("workers", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_one_that_is_suspended_during_the_run_ends_it(workers, tmp_path, scheduler, undisturbed, capsys):
     """While tasks are computed and gathered, and while the run waits for a worker."""
@@ -62,6 +64,7 @@ def test_one_that_is_suspended_during_the_run_ends_it(workers, tmp_path, schedul
     same(run.path, undisturbed)
 
 
+@pytest.mark.costly
 def test_one_that_is_suspended_when_all_is_done_does_not_hold_the_run(tmp_path, scheduler, undisturbed):
     scheduler.add_worker()
     run = start(tmp_path, *arguments(scheduler))
@@ -73,6 +76,7 @@ def test_one_that_is_suspended_when_all_is_done_does_not_hold_the_run(tmp_path, 
     same(run.path, undisturbed)
 
 
+@pytest.mark.costly
 def test_a_run_that_is_stopped_itself_goes_on(tmp_path, scheduler, undisturbed):
     """Its own questions to the scheduler are too old then, which is not the scheduler's fault."""
     scheduler.add_worker()
@@ -86,6 +90,7 @@ def test_a_run_that_is_stopped_itself_goes_on(tmp_path, scheduler, undisturbed):
     same(run.path, undisturbed)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("words", ["cluster=none", pytest.param("cluster.workers=1", marks=pytest.mark.slow)])
 def test_settings_of_zarr_in_the_environment_change_nothing(words, tmp_path, undisturbed):
     """With the first one a run would wait for ever, as would its workers."""

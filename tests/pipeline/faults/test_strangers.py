@@ -119,6 +119,7 @@ def test_a_worker_without_the_key_cannot_join(started, stranger):
     assert workforce._connection.workers() == before
 
 
+@pytest.mark.costly
 def test_the_folders_of_workers_are_private_and_go_with_them():
     with Workforce(cluster("local", workers=1)) as workforce:
         workforce.start()
@@ -128,6 +129,7 @@ def test_the_folders_of_workers_are_private_and_go_with_them():
     assert not private[-1].exists()
 
 
+@pytest.mark.costly
 def test_the_dashboard_is_on_loopback_and_the_only_page():
     before = listening()
     with Workforce(cluster("local", workers=1, dashboard=True)) as workforce:

@@ -59,6 +59,7 @@ def used(run):
     return set(re.findall(r" on (tcp://\S+), \d+ points", log.read_text()))
 
 
+@pytest.mark.costly
 def test_a_worker_with_edited_sources_is_named_and_computes_nothing(tmp_path, scheduler, edited, undisturbed):
     scheduler.add_worker()
     (equal,) = there(scheduler, 1)
@@ -71,6 +72,7 @@ def test_a_worker_with_edited_sources_is_named_and_computes_nothing(tmp_path, sc
     same(run.path, undisturbed)
 
 
+@pytest.mark.costly
 def test_one_that_joins_during_the_run_is_found_out_too(tmp_path, scheduler, edited, undisturbed):
     first = scheduler.add_worker()
     (equal,) = there(scheduler, 1)
@@ -89,6 +91,7 @@ def test_one_that_joins_during_the_run_is_found_out_too(tmp_path, scheduler, edi
     same(run.path, undisturbed)
 
 
+@pytest.mark.costly
 def test_where_no_other_is_left_the_run_ends(tmp_path, scheduler, edited):
     run = start(tmp_path, *arguments(scheduler))
     said = [run.process.stdout.readline()]
@@ -117,6 +120,7 @@ def _without_bevelmap(_, __):
     return {"PYTHONPATH": str(INJECTED), "BEVELMAP_TEST_FAULT": "absent"}, "bevelmap cannot be used there .*No module"
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "kind", [pytest.param(_of_edited, marks=pytest.mark.slow), _of_another_numpy, _without_bevelmap]
 )
@@ -152,6 +156,7 @@ def test_a_processor_that_rounds_otherwise_is_told_by_what_it_computes():
     assert "rounds otherwise" in differences(other, own)
 
 
+@pytest.mark.costly
 def test_a_file_of_the_solver_that_changes_after_it_was_loaded_is_told(tmp_path, edited):
     copy = tmp_path / "copy"
     shutil.copytree(edited, copy)

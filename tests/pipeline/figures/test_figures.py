@@ -63,6 +63,7 @@ def drawn(path, folder, formats=("png",), only=None, curves=None):
     return figures.draw(path, folder, curves, list(formats), 30, only=only)
 
 
+@pytest.mark.costly
 def test_what_is_written_and_the_same_bytes_again(made, tmp_path):
     """Again with the formats in another order and another style in force, and in another process with other hashes."""
     import matplotlib
@@ -256,6 +257,7 @@ def test_failed_and_missing_rows(tmp_path):
     assert len(drawn(path, tmp_path, only=["backbone"])) == 1
 
 
+@pytest.mark.costly
 def test_nothing_but_failed_rows(tmp_path):
     plan = small_plan(columns=5, rows=2)
     path = small_store(tmp_path / "plane.zarr", plan, [])
@@ -278,6 +280,7 @@ def test_tiny_and_uniform(tmp_path):
     assert len(drawn(path, tmp_path, only=["curves"])) == 1
 
 
+@pytest.mark.costly
 def test_runaway_branches(tmp_path):
     """Cells below the amplitude ceiling's exits are hatched, and the curves stay readable."""
     path = small_store(tmp_path / "plane.zarr", small_plan(*RUNAWAY, columns=61, rows=3))
@@ -293,6 +296,7 @@ def test_runaway_branches(tmp_path):
     draw_backbone(plane)
 
 
+@pytest.mark.costly
 def test_without_frequency_along_the_rows(tmp_path):
     path = small_store(tmp_path / "plane.zarr", small_plan(*NO_FREQUENCY, columns=21, rows=3))
     assert [p.name for p in drawn(path, tmp_path)] == ["map.png", "curves.png"]
@@ -329,6 +333,7 @@ def traced(tmp_path_factory):
     return traced_store(tmp_path_factory.mktemp("figures") / "plane.zarr", plan)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("dynamic", [False, True])
 def test_what_is_unstable_is_shaded_up_to_the_curves(traced, dynamic):
     """At the magnification of a window as in the whole: no cell is seen."""
@@ -349,6 +354,7 @@ def test_what_is_unstable_is_shaded_up_to_the_curves(traced, dynamic):
     assert "stability contradictory:" in said
 
 
+@pytest.mark.costly
 def test_shares_of_the_legend_are_those_of_the_thresholds(traced):
     found: dict[str, float] = {}
     for one in pipeline.thresholds(traced):
@@ -385,12 +391,14 @@ def test_backbones_are_drawn_once_at_round_values(tmp_path):
     assert any("order 1" in text for text in texts(figure))
 
 
+@pytest.mark.costly
 def test_figures_of_dynamic_stability_have_names_of_their_own(traced, tmp_path):
     paths = figures.draw(traced, tmp_path, [0.25], ["png"], 30, stability="dynamic", only=["map", "curves"])
     names = ["map-dynamic.png", "curves-dynamic.png"]
     assert [path.name for path in paths] == names and {path.name for path in tmp_path.iterdir()} == set(names)
 
 
+@pytest.mark.costly
 def test_labels_are_written_into_their_regions(traced):
     """Inside of the region, or with a line that ends in it; each label once or more in an enlargement or the whole."""
     plane = read_stored(traced)
@@ -408,6 +416,7 @@ def test_labels_are_written_into_their_regions(traced):
             assert abs(x - other) >= 0.5 * (wide + width) or abs(y - level) >= 0.5 * (tall + height)
 
 
+@pytest.mark.costly
 def test_multipliers_along_a_row(plane, tmp_path):
     """Drawn where asked for: those of the motions of the row, the largest ones up to what cells store."""
     assert "multipliers.png" not in {path.name for path in drawn(plane.path, tmp_path / "without")}

@@ -155,6 +155,7 @@ def plan_speed():
     return scales_of(plan_of(*MITER))["omega"].shown
 
 
+@pytest.mark.costly
 def test_motions_of_the_map_that_are_far_larger_do_not_hide_attractors():
     """Near where the first-order branch goes to infinity (docs/physics.md, section 7)."""
     words = ("gear=consistent", "gear.rotation_coupling=0.93969262", "gear.variation.translation=0")

@@ -58,6 +58,7 @@ def test_dimensionless_figures_have_no_second_scale(made):
     assert all(not axes.child_axes for draw in (draw_map, draw_backbone) for axes in draw(plane).axes)
 
 
+@pytest.mark.costly
 def test_a_parameter_without_a_unit_keeps_its_axis(tmp_path):
     overrides = ("gear=miter", "plane.parameter.name=alpha_phase", "plane.parameter.min=0", "plane.parameter.max=3")
     path = small_store(tmp_path / "plane.zarr", small_plan(*overrides, columns=21, rows=3))
@@ -71,6 +72,7 @@ def test_values_are_told_in_both(made):
     assert value_text("kappa", 0.5, scales) == value_text("kappa", 0.5)
 
 
+@pytest.mark.costly
 def test_drawn_files(made, tmp_path):
     paths, again = (
         figures.draw(made, tmp_path / folder, [0.25], ["png"], 30, units="physical", only=["map", "curves"])

@@ -42,6 +42,7 @@ _COLOURED = ("dynamic_factor", "contact_loss", "error_lowest")
 _WAYS = list(itertools.product(["static", "dynamic"], ["worst", "mildest"]))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("stability", "of", "names"),
     [
@@ -80,6 +81,7 @@ def test_worst_and_mildest_differ_where_motions_coexist_and_nowhere_else(traced)
     assert np.array_equal(worst > mildest, plane.n_stable > 1) and np.any(worst > mildest)
 
 
+@pytest.mark.costly
 def test_cells_without_a_value_are_told(tmp_path):
     planned = small_plan(columns=21, rows=6)
     path = small_store(tmp_path / "plane.zarr", planned)
@@ -97,6 +99,7 @@ def test_cells_without_a_value_are_told(tmp_path):
     assert "no value" in texts(figure) and len(figure.axes) == 2
 
 
+@pytest.mark.costly
 def test_physical_values_stand_at_the_bar_and_beside_curves(tmp_path):
     path = small_store(tmp_path / "plane.zarr", small_plan("gear=miter"))
     plane = read_stored(path, physical=True)
@@ -149,6 +152,7 @@ def test_beside_the_mean_stands_the_amplitude(traced):
     assert [name for name in names if name] == ["mean", "amplitude"]
 
 
+@pytest.mark.costly
 def test_files_have_the_name_of_the_quantity(tmp_path):
     path = small_store(tmp_path / "plane.zarr", small_plan(columns=21, rows=6))
     one, two = (

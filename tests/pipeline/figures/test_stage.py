@@ -58,6 +58,7 @@ def drawn(job, workforce, folder):
     return status, said.getvalue(), {file.name: file.read_bytes() for file in (folder / "figures/plane").glob("[!.]*")}
 
 
+@pytest.mark.costly
 def test_side_by_side_they_are_the_same(job, tmp_path):
     (status, said, one), (_, other, many) = (
         drawn(job, workforce, tmp_path / name) for name, workforce in (("one", Alone()), ("many", SideBySide()))
@@ -66,6 +67,7 @@ def test_side_by_side_they_are_the_same(job, tmp_path):
     assert said.split(" in ")[0] == other.split(" in ")[0].replace("many", "one")
 
 
+@pytest.mark.costly
 def test_drawn_once_they_are_kept(job, tmp_path):
     _, _, first = drawn(job, Alone(), tmp_path)
     _, said, again = drawn(job, SideBySide(ValueError("drawn again")), tmp_path)

@@ -84,6 +84,7 @@ def test_mesh_damping_keeps_the_ratio(gear):
     assert any("xi_mesh = 0.005 differs from gear.kappa" in line and "mesh_damping" in line for line in alone)
 
 
+@pytest.mark.costly
 def test_boundaries_over_mesh_damping(tmp_path):
     """Folds and grazings where rows of other damping meet them: plain axes of the solver know nothing of the path."""
     window = ["plane.sweep.min=0.5", "plane.sweep.max=0.7", "plane.parameter.min=0.03", "plane.parameter.max=0.08"]

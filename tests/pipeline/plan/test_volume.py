@@ -99,6 +99,7 @@ def test_schema_with_xarray_alone(volume):
     assert chunks == (1, planned.rows_per_block, 30, planned.max_solutions)
 
 
+@pytest.mark.costly
 def test_every_layer_is_bitwise_its_plane(volume, tmp_path):
     found, planned = contents(volume), store.read_plan(volume)
     for index, value in enumerate(planned.parameter2.values.tolist()):
@@ -117,6 +118,7 @@ def test_an_interrupted_volume_continues(volume, tmp_path):
     assert_same_contents(contents(path), contents(volume))
 
 
+@pytest.mark.costly
 def test_check_mends_a_chunk_of_one_layer(volume, tmp_path, capsys):
     path = tmp_path / "store/omega_b_fe.zarr"
     shutil.copytree(volume, path)
@@ -164,6 +166,7 @@ def test_layers_are_drawn(swept, volume):
     assert present <= shown and len(present) > 3
 
 
+@pytest.mark.costly
 def test_a_layer_is_taken_out_as_a_plane(volume, tmp_path, capsys):
     shutil.copytree(volume, tmp_path / "store/omega_b_fe.zarr")
     # The layer nearest to 0.2; what is stored is not computed again.

@@ -122,6 +122,7 @@ def test_lines_part_what_differs(plane):
             assert np.mean(shown[plane.boundaries.curves[number].arc_shows]) > 0.95
 
 
+@pytest.mark.costly
 def test_at_a_higher_order_regions_are_what_their_cells_say(tmp_path):
     """No solution is enumerated there: cells have what the region says, and every place has a label."""
     overrides = ("solver=hb", "solver.order=3", "plane.sweep.min=0.45", "plane.sweep.max=0.75")

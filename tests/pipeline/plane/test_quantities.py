@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.config.quantities import READ
+from pipeline.config.quantities import QUANTITIES, READ
 from pipeline.plan.numerics import model_at
+from pipeline.plan.scales import scales_of
+from pipeline.plane.quantities import scale_of
 from pipeline.plane.stored import read_stored
 from solver import gear_system
 from solver.timedomain import motion_quantities, orbit_state, shoot
@@ -81,3 +83,22 @@ def test_peak_to_peak_sees_the_harmonics_that_the_amplitude_does_not(tmp_path):
     assert float(here.peak_to_peak) == pytest.approx(0.29134, abs=4e-5)
     assert float(here.rms) == pytest.approx(np.hypot(0.03002, np.hypot(0.12401, 0.00442)) / np.sqrt(2.0), abs=1e-4)
     assert float(here.contact_loss) > 0.15 and float(here.support_force) == 0.0
+
+
+def test_what_1_is_of_every_quantity_in_physical_units():
+    scales = scales_of(small_plan("plane=omega_fe", "gear=miter", columns=4, rows=2))
+    length, frequency = scales.gear.length_unit, scales.gear.frequency_unit
+    sizes = {
+        "length": (1e6 * length, "µm"),
+        "velocity": (length * frequency, "m/s"),
+        "force": (scales.gear.mesh_stiffness * length, "N"),
+    }
+    kinds = {"rms": "length", "impact_velocity": "velocity", "support_force": "force", "dynamic_factor": None}
+    assert {name: QUANTITIES[name].scale for name in kinds} == kinds
+    for one in QUANTITIES.values():
+        found = scale_of(one, scales)
+        if one.scale is None:
+            assert found is None
+        else:
+            size, unit = sizes[one.scale]
+            assert (found.shown, found.unit) == (pytest.approx(size, rel=1e-14), unit)

@@ -16,6 +16,7 @@ def stored(tmp_path_factory):
     return small_store(tmp_path_factory.mktemp("regions") / "plane.zarr", plan)
 
 
+@pytest.mark.costly
 def test_the_example_runs():
     assert doctest.testmod(pipeline.plane.regions).failed == 0
 

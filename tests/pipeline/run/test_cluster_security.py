@@ -69,6 +69,7 @@ def scheduler(tmp_path_factory, authority):
         yield started
 
 
+@pytest.mark.costly
 def test_a_scheduler_at_a_tls_address_computes_for_who_has_a_certificate(tmp_path, authority, scheduler):
     assert scheduler.address.startswith("tls://")
     here = [*PLANE, "cluster=none", f"output.root={tmp_path / 'here'}"]

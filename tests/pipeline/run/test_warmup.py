@@ -86,6 +86,7 @@ def ran(folder, options, **environment):
     return *json.loads(done.stdout), done.stderr
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
 def test_what_a_run_calls_is_listed(tmp_path, options, balance):
     """With kernels that are kept, so that it is seen without compiling."""
@@ -95,6 +96,7 @@ def test_what_a_run_calls_is_listed(tmp_path, options, balance):
     assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
 def test_what_a_run_of_another_system_calls_is_listed(tmp_path, options, balance):
     small = ["plane.sweep.num=30", "plane.parameter.num=3", "plane.sweep.min=0.5"]
@@ -104,6 +106,7 @@ def test_what_a_run_of_another_system_calls_is_listed(tmp_path, options, balance
     assert status == 0 and used and not missed, f"needed, but not listed: {missed}"
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("options", "balance"), list(zip(RUNS, BALANCES, strict=True)))
 def test_what_a_place_calls_is_listed(tmp_path, options, balance):
     """The stage motion solves the balance and integrates at one place."""

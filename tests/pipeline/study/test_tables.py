@@ -202,6 +202,7 @@ def test_thresholds_of_the_published_gear(texts):
         assert float(lines[0][what]) == pytest.approx(value, abs=digits)
 
 
+@pytest.mark.costly
 def test_columns_do_not_enter(tmp_path):
     """The same numbers from a raster four times as coarse."""
     fine, coarse = (

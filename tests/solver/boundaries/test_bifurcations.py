@@ -57,6 +57,7 @@ def shown(balance, point):
 # The equations -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.costly
 @balances
 @planes
 def test_points_solve_the_balance_and_their_own_condition(gear, axis, balance):

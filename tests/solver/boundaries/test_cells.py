@@ -140,6 +140,7 @@ def check(plane: Plane, values, columns: int) -> tuple[int, int]:
     return met, cells
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("plane",), slow_but([(plane,) for plane in ORDINARY], [(plane,) for plane in PLANES]))
 def test_cells_are_what_curves_say(plane):
     low, high = RANGES[plane.parameter]

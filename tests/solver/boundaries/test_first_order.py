@@ -65,6 +65,7 @@ def test_contact_angles_are_the_balance_and_have_its_derivatives(axis, low, high
     assert len(seen) >= 5
 
 
+@pytest.mark.costly
 @all_planes
 def test_points_solve_the_balance_and_their_own_condition(gear, axis):
     margins = {
@@ -92,6 +93,7 @@ def test_points_solve_the_balance_and_their_own_condition(gear, axis):
 # Completeness --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.costly
 @all_planes
 def test_every_event_of_every_row_lies_on_a_curve(gear, axis):
     values, starts = starts_of(gear, axis)

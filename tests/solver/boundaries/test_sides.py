@@ -95,6 +95,7 @@ def places(curve, balance):
                 yield stretch.curve.points[i, where], (stretch.curve.tangents[i] * stretch.problem.scale)[where]
 
 
+@pytest.mark.costly
 @planes
 def test_exactly_one_side_has_the_critical_multipliers_outside(gear, axis, balance):
     looked = dict.fromkeys(BIFURCATIONS, 0)

@@ -17,6 +17,7 @@ from tests.solver.boundary_planes import (
 )
 
 
+@pytest.mark.costly
 @all_planes
 def test_cusps_solve_the_cusp_equations(gear, axis):
     corners = specials(folds(gear, axis), SpecialPoint.FOLD_GRAZING)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from solver.contact.dead_zone import describing_functions
 from solver.enumeration import interval
 from solver.enumeration.coefficients import enclosed_coefficients
-from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes
+from solver.enumeration.contact_law import contact_law
+from solver.enumeration.gain_bounds import gain_over, gain_slopes
 from solver.harmonic.condensed import coefficients
 from solver.model.packing import axis_vectors
 from tests.conftest import MODELS

@@ -93,6 +93,7 @@ def test_five_solutions_between_the_two_folds():
         assert len(all_solutions(antiphase(), omega).mean) == 3
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("name",), slow_but([("antiphase",)], [(name,) for name in sorted(MODELS)]))
 def test_agrees_with_a_dense_search(name):
     rng = np.random.default_rng(sum(map(ord, name)))

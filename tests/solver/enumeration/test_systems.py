@@ -5,8 +5,9 @@ import pytest
 
 from solver import ContactSystem, Newton, ParameterError, Proof, all_solutions, enumerate_row, gear_system
 from solver.enumeration.condensed import condensed_over
-from solver.enumeration.contact_law import contact_law, gain_over, gain_slopes
+from solver.enumeration.contact_law import contact_law
 from solver.enumeration.enclosed import MEAN_GAIN, MEAN_LOAD, SHIFT
+from solver.enumeration.gain_bounds import gain_over, gain_slopes
 from solver.harmonic.describing_function import evaluate, first_order_problem
 from tests.conftest import MODELS
 

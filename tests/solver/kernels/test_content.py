@@ -192,6 +192,7 @@ print(json.dumps([top(1.0), other(1.0), names]))
 """
 
 
+@pytest.mark.costly
 def test_two_checkouts_share_what_is_equal_in_both(tmp_path, package):
     """And an edit in one of them compiles what it changes, there."""
     package()

@@ -109,6 +109,7 @@ def test_entries_are_found_again_and_nobody_else_can_read_them(cheap):
     assert stat.S_IMODE((cheap.home / "bevelmap").stat().st_mode) == 0o700
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("count", [12, pytest.param(150, marks=pytest.mark.slow)])
 def test_every_damaged_bit_is_noticed(count, filled):
     """Random single bits of real entries; the checksum is compared before anything is unpickled."""
@@ -141,6 +142,7 @@ print(json.dumps(outcomes))
     assert filled.run() == ([], [])
 
 
+@pytest.mark.costly
 def test_an_entry_of_another_length_is_made_again(filled):
     pristine = filled.entries
     harms = """
@@ -211,6 +213,7 @@ def _linked(path):
     path.symlink_to(path.parent / "elsewhere")
 
 
+@pytest.mark.costly
 def test_a_private_folder_serves_one_run_and_its_processes(filled):
     trace = filled.folder / "trace"
     for entry in filled.entries:
@@ -304,6 +307,7 @@ def test_a_full_disk_everywhere(cheap, small_disk):
     assert compiled == BOTH * 2 and 1 <= len(said) <= 2 and "not kept" in said[-1]
 
 
+@pytest.mark.costly
 def test_an_entry_that_cannot_be_written(cheap, monkeypatch):
     """By a limit on file sizes, which any user meets."""
     import resource

@@ -178,6 +178,7 @@ print(json.dumps([kept, made, results]))
 """
 
 
+@pytest.mark.costly
 def test_it_is_compiled_once_and_again_if_it_is_lost(tmp_path):
     def run():
         done = subprocess.run(

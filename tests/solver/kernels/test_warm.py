@@ -68,6 +68,7 @@ def _ended(process):
     return json.loads(out)
 
 
+@pytest.mark.costly
 def test_several_processes_share_the_work(start, tmp_path):
     processes = [start() for _ in range(3)]
     results = [_ended(process) for process in processes]
@@ -79,6 +80,7 @@ def test_several_processes_share_the_work(start, tmp_path):
     assert _ended(start())[0] == []
 
 
+@pytest.mark.costly
 def test_a_process_that_was_killed_holds_nothing_up(start, tmp_path):
     process = start()
     folder = tmp_path / "cache/bevelmap"

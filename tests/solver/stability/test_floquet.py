@@ -172,6 +172,7 @@ def flow(system, omega, load, state):
     )
 
 
+@pytest.mark.costly
 def test_derivative_of_the_flow():
     """About a periodic orbit found by shooting, which loses contact; its harmonics are all that the solver is told."""
     model, omega = published(), 1.3

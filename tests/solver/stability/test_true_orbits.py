@@ -71,6 +71,7 @@ def check(order: int, share: float, near: float, margin: float, seed: int, rows:
     assert counted >= 0.94 * orbits and orbits >= (0.8 if order == 1 else 0.93) * motions, found
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("order, share, near, margin", ORDERS)
 def test_motions_are_what_true_orbits_are(order, share, near, margin):
     check(order, share, near, margin, seed=11, rows=12, least=350)

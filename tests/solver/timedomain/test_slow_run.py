@@ -56,6 +56,7 @@ def test_the_hysteresis_of_the_upper_resonance_ends_at_saddle_nodes():
     np.testing.assert_allclose(ways[0][below], ways[1][below], rtol=1e-9)
 
 
+@pytest.mark.costly
 def test_large_steps_meet_the_same_jumps():
     """In steps of 0.02, wider than the upper hysteresis, as by shooting: four saddle-nodes, and a subcritical period
     doubling at 0.65016; between them tori and motions of four periods are met."""

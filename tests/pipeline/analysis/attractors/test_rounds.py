@@ -109,6 +109,7 @@ def whole(run, world):
     return contents(made_once("attractors-made-up", make) / "plane.zarr")
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("blocks", [pytest.param(1, marks=pytest.mark.slow), 10])
 def test_the_size_of_blocks_does_not_matter(run, whole, monkeypatch, blocks):
     monkeypatch.setattr(grid_module, "_BLOCKS", blocks)
@@ -139,6 +140,7 @@ def test_an_interrupted_run_is_gone_on_with(run, whole, monkeypatch, writes):
     assert code == 0 and "nothing to do" in out
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("array",), slow_but([("kind",)], [("kind",), ("rounds",), ("message",), ("label",)]))
 def test_a_damaged_chunk_is_found_and_repaired(run, whole, array):
     assert run()[0] == 0
@@ -155,6 +157,7 @@ def test_a_damaged_chunk_is_found_and_repaired(run, whole, array):
     assert_same_contents(contents(run.path), whole)
 
 
+@pytest.mark.costly
 def test_what_is_sound_of_a_damaged_group_is_kept(run, whole, monkeypatch):
     assert run()[0] == 0
     os.truncate(run.path / "attractors/kind/c/2/0/0", 3)
@@ -183,6 +186,7 @@ def test_a_row_that_raises_is_recorded_with_its_reason(run, world, round):
     assert np.all(found["attractors/kind"][np.arange(ROWS) != row][:, :, 0] == 1)
 
 
+@pytest.mark.costly
 def test_other_settings_and_another_map_begin_anew(run, whole):
     assert run()[0] == 0
     first = groups.open_group(run.path, "attractors").attrs["made_from"]

@@ -119,6 +119,7 @@ def _without_attractors(made):
     return made_once("attractors-none", make) / "plane.zarr"
 
 
+@pytest.mark.costly
 def test_workers_make_the_same_bytes(made, copy):
     path = copy / "store/plane.zarr"
     groups.remove_group(path, "attractors")
@@ -128,6 +129,7 @@ def test_workers_make_the_same_bytes(made, copy):
         assert (copy / "attractors" / name).read_bytes() == (made / "attractors" / name).read_bytes()
 
 
+@pytest.mark.costly
 def test_a_run_that_is_killed_is_gone_on_with(made, copy):
     """A process of its own, ended by the system after its first block."""
     path = copy / "store/plane.zarr"
@@ -153,6 +155,7 @@ def test_a_run_that_is_killed_is_gone_on_with(made, copy):
     assert_same_contents(contents(path), contents(made / "store/plane.zarr"))
 
 
+@pytest.mark.costly
 def test_a_layer_of_a_volume_has_the_attractors_of_its_plane(tmp_path):
     sizes = ["plane=omega_b_fe", "plane.sweep.num=5", "plane.parameter.num=3", "plane.parameter2.num=2", "cluster=none"]
     words = [*sizes, "store.name=volume", f"output.root={tmp_path}", "attractors.starts=2"]
@@ -167,6 +170,7 @@ def test_a_layer_of_a_volume_has_the_attractors_of_its_plane(tmp_path):
     assert store.find_damage(tmp_path / "store/volume.zarr") == []
 
 
+@pytest.mark.costly
 def test_places_of_the_spur_pair(tmp_path):
     """The basin of the 2T motion beside 1T: about 46 % of states uniform in lambda 0.5 ... 2, speed -1 ... 1."""
     words = [*SPUR, "plane=omega_fe", "cluster=none", *PNG]
@@ -190,6 +194,7 @@ def test_places_of_the_spur_pair(tmp_path):
     assert store.find_damage(tmp_path / "store/plane.zarr") == []
 
 
+@pytest.mark.costly
 def test_figures_are_drawn_and_the_same_again(made, tmp_path):
     names = ["attractors", "verification"]
     one, two = (

@@ -182,6 +182,7 @@ def test_a_second_time_there_is_nothing_to_do(few, tmp_path):
     assert (path / "boundaries/mean/c/0").stat().st_mtime_ns == before
 
 
+@pytest.mark.costly
 def test_what_a_killed_run_leaves_behind_is_replaced(few, tmp_path):
     plan, path = few
     expected = contents(path)
@@ -205,6 +206,7 @@ def test_what_a_killed_run_leaves_behind_is_replaced(few, tmp_path):
         shutil.rmtree(copy)
 
 
+@pytest.mark.costly
 def test_other_rows_give_other_boundaries(tmp_path):
     plan = small_plan("plane=omega_fe", "plane.sweep.min=0.55", "plane.sweep.max=0.65", columns=20, rows=6)
     path = small_store(tmp_path / "plane.zarr", plan, plan.blocks[:2])
@@ -216,6 +218,7 @@ def test_other_rows_give_other_boundaries(tmp_path):
     assert not more.found_done and sum(more.curves.values()) > sum(few.curves.values())
 
 
+@pytest.mark.costly
 def test_a_plane_without_boundaries(tmp_path):
     plan = small_plan("plane=omega_fe", "plane.sweep.min=1.6", "plane.parameter.max=0.1", columns=5, rows=3)
     path = small_store(tmp_path / "plane.zarr", plan)
@@ -268,6 +271,7 @@ def test_windows_that_are_refused(window):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.costly
 def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
     plan, path, _ = made
     (x, p), *_ = [
@@ -330,6 +334,7 @@ def test_the_stage(tmp_path, monkeypatch, capsys):
         assert (tmp_path / f"outputs/figures/omega_fe/{name}.png").stat().st_size > 0
 
 
+@pytest.mark.costly
 def test_incomplete_rows_are_left_out_and_said(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main([*SMALL, "stages=[sweep]"]) == 0

@@ -1,6 +1,7 @@
 """Where boundaries of contradictory cells are sought."""
 
 import numpy as np
+import pytest
 
 from pipeline.analysis.boundaries import contradictions
 from pipeline.analysis.boundaries.contradictions import contradiction_starts
@@ -38,6 +39,7 @@ def test_two_motions_that_follow_the_same_place_are_two_boundaries():
     assert sorted(kept[:, 0].tolist()) == [0.4, 0.4, 0.8, 0.8]
 
 
+@pytest.mark.costly
 def test_all_cells_lead_to_the_same_curves(tmp_path, monkeypatch):
     cells = read_events(small_store(tmp_path / "plane.zarr", _PLAN), _PLAN).contradictory
     few = contradiction_starts(_PLAN, cells, ())

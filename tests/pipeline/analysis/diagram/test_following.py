@@ -34,6 +34,7 @@ def followed(low: float = 1.2, high: float = 1.26) -> Followed:
     return follow(plan, way)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("low, high, ends", [(1.2, 1.26, UPPER), (0.5, 0.65, LOWER)])
 def test_hysteresis_ends_at_saddle_nodes(low, high, ends):
     found, step = followed(low, high).hysteresis, (high - low) / 30
@@ -42,6 +43,7 @@ def test_hysteresis_ends_at_saddle_nodes(low, high, ends):
         assert np.min(np.abs(found[:, side] - place)) <= step / 32 + 1e-6
 
 
+@pytest.mark.costly
 def test_hysteresis_is_that_of_the_attractors(tmp_path):
     """Where the two runs differ, the search in every cell, which knows nothing of runs, tells hysteresis as well."""
     from pipeline.__main__ import main

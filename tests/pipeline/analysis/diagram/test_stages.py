@@ -57,6 +57,7 @@ def table(path) -> list[dict]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.costly
 def test_a_diagram_is_drawn_and_told_the_same_every_time(copy, capsys):
     words = [*QUICK["diagram"], "figures.formats=[png,pdf,svg]"]
     before = files(copy)
@@ -98,6 +99,7 @@ def test_the_tables_have_every_step_and_point(copy):
         assert float(one["rms"]) == pytest.approx(np.interp(float(one["omega"]), x, rms), rel=0.1)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("further", [[], ["spectrum.of=force", "spectrum.axis=order", "spectrum.direction=down"]])
 def test_a_spectrum_is_drawn_and_told_the_same_every_time(copy, capsys, further):
     words = [*QUICK["spectrum"], *further, "spectrum.periods=4", "spectrum.orders=3", "figures.formats=[png,svg]"]
@@ -169,6 +171,7 @@ def test_of_a_volume_there_is_none(tmp_path, capsys, stage):
     assert files(tmp_path) == before
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("stage", ["diagram", "spectrum"])
 def test_a_gear_in_physical_units_is_drawn_in_them(tmp_path, capsys, stage):
     shutil.copytree(stored("omega_b-miter", "plane=omega_b", "gear=miter") / "store", tmp_path / "store")

@@ -218,6 +218,7 @@ def test_the_largest_box(stores, name, x, p, low, high):
         assert at == border or set(enumerated(plan, plan.parameter.name, levels, out, p)) != {"1/0"}
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "where", "tolerance", "further"),
     [
@@ -308,6 +309,7 @@ def test_designs_as_users_write_them(stores):
     assert read == Design(0.6, 0.2, 0.59, 0.61, 0.02, {"b": 0.1}, 3.0)
 
 
+@pytest.mark.costly
 def test_the_stage(stores, tmp_path, capsys):
     """Files, the same bytes again, the figure's own, and nothing written where the input is not allowed."""
     path, _ = stores["omega_fe"]
@@ -344,6 +346,7 @@ def test_the_stage(stores, tmp_path, capsys):
     assert not (tmp_path / "none").exists() and capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.costly
 def test_the_figure(stores):
     from pipeline.figures.margins import draw_margins
     from pipeline.plane.stored import read_stored

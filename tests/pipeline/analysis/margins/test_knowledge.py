@@ -46,6 +46,7 @@ def test_first_order_promises_nothing_of_the_spur_pair(made):
     assert [one.omega for one in found.resonances] == pytest.approx([1 / 3, 1 / 2], abs=1e-12)
 
 
+@pytest.mark.costly
 def test_what_integration_found_is_said(made, tmp_path):
     path, plan = made["fe"]
     path = shutil.copytree(path, tmp_path / "fe.zarr")

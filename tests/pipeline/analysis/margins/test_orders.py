@@ -44,6 +44,7 @@ def swept(plan, axis, grid, x, p, **changes):
     return [domain_label(int(code)) for code in row.domain]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "x", "p", "further"),
     [("fe", 0.62, 0.2, {"alpha": 0.05}), ("fe", 0.9, 0.1, {"b": 0.1}), ("spur", 0.5, 0.1, {"alpha": 0.02})],
@@ -75,6 +76,7 @@ def test_distances(stores, name, x, p, further):
     assert met
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "design"),
     [
@@ -101,6 +103,7 @@ def test_labels_within_tolerances(stores, name, design):
     assert "search" in found.notes[-1]
 
 
+@pytest.mark.costly
 def test_the_box(stores):
     path, plan = stores["fe"]
     found = answer(path, plan, Design(0.9, 0.1, 0.85, 1.0, 0.01))

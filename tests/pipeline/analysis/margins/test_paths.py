@@ -65,6 +65,7 @@ def test_distances_along_a_path(stores, name, x, p):
     assert met
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "design"),
     [
@@ -186,6 +187,7 @@ def test_answers_in_both_units(stores):
         assert f"omega = 1 ({rpm:.5g} rpm), temperature = 4 K" in text and " µm)" in text
 
 
+@pytest.mark.costly
 def test_the_figure_follows_the_units(stores, tmp_path, capsys):
     path, _ = stores["omega_xi"]
     words = [

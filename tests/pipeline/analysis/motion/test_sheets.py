@@ -38,6 +38,7 @@ def drawn(found):
         yield f"map {motion.number}", "balance", motion
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("place", PLACES)
 def test_curves_are_given_as_they_are_drawn(place):
     found, rows = found_at(*place), read(place, "-curves.csv")

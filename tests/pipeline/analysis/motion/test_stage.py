@@ -45,6 +45,7 @@ def files(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.costly
 def test_a_place_is_drawn_and_told_the_same_every_time(copy, capsys):
     words = ["stages=[motion]", "motion.at=[0.64,0.3]", "attractors.starts=6", "figures.formats=[png,pdf,svg]"]
     before = files(copy)
@@ -61,6 +62,7 @@ def test_a_place_is_drawn_and_told_the_same_every_time(copy, capsys):
     assert files(copy) == first
 
 
+@pytest.mark.costly
 def test_many_motions_take_several_pages(copy, monkeypatch):
     from pipeline.figures import motion
 
@@ -116,6 +118,7 @@ def test_of_a_volume_there_is_none(tmp_path, capsys):
     assert files(tmp_path) == before
 
 
+@pytest.mark.costly
 def test_a_gear_in_physical_units_is_drawn_in_them(tmp_path, capsys):
     folder = stored("omega_fe-miter", "plane=omega_fe", "gear=miter")
     shutil.copytree(folder / "store", tmp_path / "store")
