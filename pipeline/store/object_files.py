@@ -18,6 +18,7 @@ from zarr.storage import ObjectStore, StorePath
 
 from pipeline.config.places import ObjectPlace
 from pipeline.errors import Unreachable
+from pipeline.store.lease import check_held
 from pipeline.store.names import GROUP_FILE, METADATA, STORE_FILE, refuse_unknown
 from pipeline.store.objects import explained, object_store, of_bucket
 
@@ -198,11 +199,13 @@ class ObjectFiles:
 
     def _put(self, item: tuple[str, bytes]) -> None:
         name, content = item
+        check_held(str(self.place))
         with explained(self.place):
             # In one request, so that it is there whole or not at all.
             obstore.put(self._bucket, self._key(name), content, use_multipart=False)
 
     def _copy(self, name: str, target: "ObjectFiles") -> None:
+        check_held(str(target.place))
         with explained(self.place):
             obstore.copy(self._bucket, self._key(name), target._key(name))
 
@@ -210,6 +213,7 @@ class ObjectFiles:
         """Remove objects, metadata of the whole first: without it, the others are not there."""
         for some in ([name for name in names if name == METADATA], [name for name in names if name != METADATA]):
             if some:
+                check_held(str(self.place))
                 with explained(self.place), contextlib.suppress(FileNotFoundError):
                     obstore.delete(self._bucket, [self._key(name) for name in some])
 
