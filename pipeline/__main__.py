@@ -101,11 +101,15 @@ def _answer(asked) -> str | None:
 
 def _run_overrides(asked, reporter) -> int:
     from pipeline.config.compose import compose, expand
+    from pipeline.config.secrets import hidden, without_secrets
     from pipeline.errors import ConfigurationError, shown
 
-    combinations = expand(asked.overrides, asked.config_dir)
+    try:
+        combinations = expand(asked.overrides, asked.config_dir)
+    except ConfigurationError as error:
+        raise ConfigurationError(hidden(str(error), asked.overrides)) from None
     if len(combinations) > 1 and not asked.multirun:
-        raise ConfigurationError(f"{shown(' '.join(asked.overrides))}: several values need -m")
+        raise ConfigurationError(f"{shown(' '.join(map(without_secrets, asked.overrides)))}: several values need -m")
     all_settings = [compose(combination, asked.config_dir) for combination in combinations]
     if asked.show or asked.info:
         from pipeline.cli.information import configuration, information
@@ -191,12 +195,23 @@ def _attempt(run, job, workforce, reporter) -> int:
 def _explained(job, error: Exception) -> str:
     """What to say of an error: damage of a store, if there is any, or what the system said; others are ours."""
     from pipeline import store
+    from pipeline.errors import Unreachable
     from pipeline.run.libraries import load_zarr
+    from pipeline.store.files import files_at
 
+    if isinstance(error, Unreachable):
+        return f"{error}{_KEPT}"
+    # zarr passes on what an object store says.
+    if type(error).__module__.startswith("obstore"):
+        from pipeline.store.objects import said_of
+
+        return f"{job.store_path} {said_of(error)}{_KEPT}"
     load_zarr()
     # Stages that need several planes read all stores of the folder.
-    for path in [job.store_path, *sorted(set(job.store_path.parent.glob("*.zarr")) - {job.store_path})]:
-        if path.exists() and (found := store.damage_error(path)) is not None:
+    root = job.store_path.parent
+    beside = [root / name for name in files_at(root).folders() if name.endswith(".zarr") and not name.startswith(".")]
+    for path in [job.store_path, *(path for path in beside if path != job.store_path)]:
+        if store.exists(path) and (found := store.damage_error(path)) is not None:
             return str(found)
     if isinstance(error, OSError):
         return f"{error}{_KEPT}"

@@ -2,7 +2,7 @@
 
 import re
 
-__all__ = ["ComputationError", "ConfigurationError", "DamagedError", "StoreError", "WorkerLost", "shown"]
+__all__ = ["ComputationError", "ConfigurationError", "DamagedError", "StoreError", "Unreachable", "WorkerLost", "shown"]
 
 
 _LONG_WORD = re.compile(r"(\S{120})\S{200,}")
@@ -43,6 +43,10 @@ class DamagedError(StoreError):
 
     status = 1
     what = ""
+
+
+class Unreachable(OSError):
+    """An object store does not answer, or refuses; the message names the place and the way on."""
 
 
 class ComputationError(RuntimeError):
