@@ -77,6 +77,13 @@ class Workforce:
         self._open = contextlib.ExitStack()
         self._seen: tuple[float, dict[str, int]] = -_COUNT_EVERY, {}
 
+    #: Planes that share it: what one of them does alone, others wait for.
+    planes = 1
+
+    def aside(self) -> contextlib.AbstractContextManager:
+        """To wait within for something else than tasks, which keeps no other plane waiting."""
+        return contextlib.nullcontext()
+
     def __enter__(self):
         return self
 
