@@ -2,7 +2,16 @@
 
 import re
 
-__all__ = ["ComputationError", "ConfigurationError", "DamagedError", "StoreError", "Unreachable", "WorkerLost", "shown"]
+__all__ = [
+    "ComputationError",
+    "ConfigurationError",
+    "DamagedError",
+    "LeaseLost",
+    "StoreError",
+    "Unreachable",
+    "WorkerLost",
+    "shown",
+]
 
 
 _LONG_WORD = re.compile(r"(\S{120})\S{200,}")
@@ -47,6 +56,12 @@ class DamagedError(StoreError):
 
 class Unreachable(OSError):
     """An object store does not answer, or refuses; the message names the place and the way on."""
+
+
+class LeaseLost(StoreError):
+    """Another run writes into a store now; the message names both."""
+
+    status = 1
 
 
 class ComputationError(RuntimeError):
