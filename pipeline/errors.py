@@ -3,6 +3,7 @@
 import re
 
 __all__ = [
+    "KEPT",
     "ComputationError",
     "ConfigurationError",
     "DamagedError",
@@ -12,6 +13,9 @@ __all__ = [
     "WorkerLost",
     "shown",
 ]
+
+#: What is said of a run that ends early.
+KEPT = "; what is stored is kept, and the same command goes on from there"
 
 
 _LONG_WORD = re.compile(r"(\S{120})\S{200,}")

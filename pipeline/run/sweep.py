@@ -84,7 +84,7 @@ def _expect_figures(job: Job, workforce: Workforce) -> None:
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:
     """This process and helpers where workers would take longer to start, unless a cluster is asked for."""
-    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks)
+    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks) * workforce.planes
     return workforce.alone() if is_small(job.settings, cells) else workforce
 
 
