@@ -8,8 +8,12 @@ from pathlib import Path
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError
 from pipeline.run.libraries import load_dask
+from pipeline.run.slurm_settings import JobSettings, job_settings
 
-__all__ = ["address_of", "check_cluster", "check_start", "security_of", "setting_of"]
+__all__ = ["REMOTE", "address_of", "check_cluster", "check_start", "jobs_of", "security_of", "setting_of"]
+
+#: Kinds whose workers are on other machines: they need not see what this process compiles.
+REMOTE = ("scheduler", "slurm")
 
 #: Transport, host (a name, an IPv4 or an IPv6 address) and port.
 _ADDRESS = re.compile(r"(tcp|tls)://(\[[0-9A-Fa-f:.%\w]+\]|[\w.-]+):(\d{1,5})")
@@ -30,6 +34,13 @@ def check_cluster(config: Cluster) -> None:
         raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
     if config.kind == "scheduler":
         security_of(config, address_of(config))
+    if config.kind == "slurm":
+        jobs_of(config)
+
+
+def jobs_of(config: Cluster) -> JobSettings:
+    """The settings of jobs, checked."""
+    return job_settings(config, _LEAST_MEMORY)
 
 
 def check_start(config: Cluster) -> None:

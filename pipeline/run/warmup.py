@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 
+from pipeline.run.cluster_settings import REMOTE
 from pipeline.run.job import Job
 from pipeline.run.kernels import NEEDED, kernels_for
 from pipeline.run.progress import Reporter, RowProgress
@@ -20,10 +21,10 @@ warm(kernels_of(sys.argv[1:]))
 def warm_up_for(job: Job, reporter: Reporter) -> None:
     """`warm_up` what the stages of a job need; the first one that computes calls it.
 
-    Workers of a running scheduler have a cache of their own, which this process cannot fill.
+    Workers on other machines may have a cache of their own, which this process cannot fill.
     """
     config = job.settings.config
-    if config.cluster.kind != "scheduler":
+    if config.cluster.kind not in REMOTE:
         warm_up(kernels_for(config.stages, job.plan.solver["balance"], job.plan.kind), reporter)
 
 

@@ -1,4 +1,4 @@
-"""Where tasks run: in this process, on worker processes of this machine, or on a running dask scheduler.
+"""Where tasks run: in this process, on worker processes of this machine, in jobs, or on a running dask scheduler.
 
 Tasks are independent and write their own results; only small receipts come back, in any order.
 """
@@ -8,9 +8,9 @@ import logging
 import pickle
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from queue import SimpleQueue
 
 from pipeline.config.schema import Cluster
@@ -35,10 +35,19 @@ _START_WITHIN = 60.0
 
 @dataclass(frozen=True)
 class Task:
-    """Arguments of one call, and the address of a worker that should not get it."""
+    """Arguments of one call, and the address of a worker that should not get it.
+
+    Parameters
+    ----------
+    arguments : tuple
+    avoid : str, optional
+    left : int, optional
+        How many tasks may come after this one, as far as that is known: there need not be more jobs.
+    """
 
     arguments: tuple
     avoid: str | None = None
+    left: int | None = field(default=None, kw_only=True)
 
 
 class Workforce:
@@ -64,16 +73,23 @@ class Workforce:
     def __init__(self, config: Cluster, say: Callable[[str], None] = lambda text: None, helpers=None):
         self.config = config
         self._say, self._helpers = say, helpers
-        self._connection = self._admission = None
+        self._connection = self._admission = self._jobs = None
         self._open = contextlib.ExitStack()
         self._seen: tuple[float, dict[str, int]] = -_COUNT_EVERY, {}
+
+    #: Planes that share it: what one of them does alone, others wait for.
+    planes = 1
+
+    def aside(self) -> contextlib.AbstractContextManager:
+        """To wait within for something else than tasks, which keeps no other plane waiting."""
+        return contextlib.nullcontext()
 
     def __enter__(self):
         return self
 
     def __exit__(self, *error):
         # An interrupt ends workers at once.
-        self._connection = self._helpers = None
+        self._connection = self._helpers = self._jobs = None
         return self._open.__exit__(*error)
 
     def start(self) -> str:
@@ -82,7 +98,8 @@ class Workforce:
         Raises
         ------
         ConfigurationError
-            If a scheduler does not answer in time, or none of its workers computes as this process does.
+            If a scheduler does not answer in time, none of its workers computes as this process does, or no job is
+            taken.
         """
         if self.config.kind == "none":
             return "tasks run in this process" + (" and beside it" if self._helpers is not None else "")
@@ -90,9 +107,10 @@ class Workforce:
         if self._connection is None:
             check_start(self.config)
             _silence()
-            self._connection = self._start_local() if local else self._reach_scheduler()
-            self._open.callback(self._connection.close)
+            start = {"local": self._start_local, "slurm": self._submit_jobs, "scheduler": self._reach_scheduler}
             self._admission = Admission(self._say)
+            self._connection = start[self.config.kind]()
+            self._open.callback(self._connection.close)
             self._ask(_START_WITHIN if local else self.config.timeout, local)
             if self._nobody():
                 raise ConfigurationError(f"{setting_of(self.config)} is not allowed: {self._admission.nobody()}")
@@ -100,6 +118,8 @@ class Workforce:
         dashboard = f", dashboard {address}" if address else ""
         if local:
             return f"tasks run on {self.config.workers} worker processes{dashboard}"
+        if self._jobs is not None:
+            return f"{self._jobs.sentence}{dashboard}"
         if not self._workers(now=True):
             return f"waiting for workers: the scheduler at {self._connection.address} has none yet{dashboard}"
         return f"tasks run on the scheduler at {self._connection.address}, {self.size} threads at present{dashboard}"
@@ -111,6 +131,18 @@ class Workforce:
         started = local_cluster(self.config.workers, self.config.memory, self.config.dashboard)
         cluster = self._open.enter_context(started)
         return Connection(cluster, cluster.security, self.config.timeout)
+
+    def _submit_jobs(self):
+        from pipeline.run.connection import Connection
+        from pipeline.run.slurm_cluster import slurm_cluster
+
+        with contextlib.ExitStack() as started:
+            jobs = started.enter_context(slurm_cluster(self.config, self._say))
+            jobs.begin()
+            connection = Connection(jobs.cluster, jobs.cluster.security, self.config.timeout)
+            self._open.push(started.pop_all())
+        self._jobs = jobs
+        return connection
 
     def _reach_scheduler(self):
         from pipeline.run.connection import Connection
@@ -142,10 +174,15 @@ class Workforce:
             Small, picklable arguments; taken as workers become free.
         """
         source, again, lost = iter(tasks), deque(), Counter()
+        left = len(tasks) if isinstance(tasks, Sized) else None
 
         def take() -> Task | None:
-            arguments = again.popleft() if again else next(source, None)
-            return None if arguments is None else Task(arguments)
+            nonlocal left
+            fresh = not again
+            arguments = next(source, None) if fresh else again.popleft()
+            if fresh and left:
+                left -= 1
+            return None if arguments is None else Task(arguments, left=left)
 
         for task, result in self.serve(function, take):
             if isinstance(result, WorkerLost) and lost[id(task.arguments)] < _MOST_LOST:
@@ -175,9 +212,15 @@ class Workforce:
             return
         self.start()
         connection, running, finished, again = self._connection, {}, SimpleQueue(), deque()
+        left: int | None = None
 
         def next_task() -> Task | None:
-            return again.popleft() if again else take()
+            nonlocal left
+            if again:
+                return again.popleft()
+            task = take()
+            left = 0 if task is None else task.left
+            return task
 
         try:
             while True:
@@ -188,6 +231,8 @@ class Workforce:
                     running[connection.submit(finished, call_if_equal, digest, payload, **places)] = task
                 if not running:
                     return
+                if self._jobs is not None:
+                    self._jobs.fit(None if left is None else left + len(running) + len(again))
                 # However long tasks take, the scheduler must answer, and a worker that joins gets its own.
                 if (done := connection.next(finished, _COUNT_EVERY)) is None:
                     continue
@@ -335,7 +380,7 @@ class Workforce:
         return self._seen[1]
 
     def close(self) -> None:
-        """Stop the workers that this object started; a foreign scheduler goes on."""
+        """Stop the workers that this object started, and give its jobs back; a foreign scheduler goes on."""
         self.__exit__(None, None, None)
 
 

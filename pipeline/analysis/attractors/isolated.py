@@ -20,6 +20,7 @@ from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import continuation_of, model_at, row_of
 from pipeline.plan.plan import Plan
+from pipeline.run.cluster_settings import REMOTE
 from pipeline.run.job import Job, say_failures
 from pipeline.run.kernels import kernels_for_isolated, ready_for_isolated
 from pipeline.run.progress import Reporter, RowProgress
@@ -28,6 +29,7 @@ from pipeline.run.warmup import warm_up
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
+from pipeline.store.files import files_at
 from solver import Event, LiftedSeeds
 from solver.contact.impact import impact_of_range
 from solver.harmonic.galerkin import Galerkin
@@ -134,7 +136,7 @@ def run_isolated(job: Job, workforce: Workforce, reporter: Reporter, found: "xar
     stored = read_isolated(path)
     done = stored is not None and stored.attrs["made_from"] == origin
     if not done:
-        if job.settings.config.cluster.kind != "scheduler":
+        if job.settings.config.cluster.kind not in REMOTE:
             warm_up(kernels_for_isolated(kind_of(plan).name), reporter)
         results = _compute(plan, found, order, workforce, reporter)
         groups.write_group(path, GROUP, _dataset(plan, found, results, order).assign_attrs(made_from=origin))
@@ -226,7 +228,7 @@ def read_isolated(path: Path) -> "xarray.Dataset | None":
         return None
     import xarray
 
-    return xarray.open_zarr(path, group=GROUP, chunks=None).load()
+    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
 
 
 def isolated_near(stored: "xarray.Dataset", plan: Plan, value: float) -> "xarray.Dataset":
