@@ -272,7 +272,7 @@ def test_every_batch_has_a_line_in_the_log_and_none_on_the_terminal(tmp_path, mo
     assert "info batch" not in capsys.readouterr().out
     (log,) = tmp_path.glob("outputs/runs/*/*/run.log")
     lines = re.findall(
-        r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s, (\d+) points, 0 failed$",
+        r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s on this machine, (\d+) points, 0 failed$",
         log.read_text(),
         re.MULTILINE,
     )
