@@ -9,7 +9,6 @@ from pipeline.plane.row_curves import stored_row
 from pipeline.plane.stored import read_stored
 from solver import domain_label
 from solver.regions.labelling import static_code
-from tests.pipeline.explorer.browser import chromium
 from tests.pipeline.explorer.planes import integrated_store
 
 pytest.importorskip("bokeh", reason="the extra explore is not installed")
@@ -31,12 +30,6 @@ def file(plane, tmp_path_factory):
     path = tmp_path_factory.mktemp("browser") / "plane.html"
     path.write_text(page_of(plane, rows=4), encoding="utf-8")
     return path
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
 
 
 @pytest.fixture(params=SIZES)
