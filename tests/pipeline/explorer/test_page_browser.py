@@ -32,9 +32,10 @@ def file(plane, tmp_path_factory):
     return path
 
 
-@pytest.fixture(params=SIZES)
+@pytest.fixture(scope="module", params=SIZES)
 def page(request, browser, file):
-    """The page, drawn; what the browser complained of and what it asked for are looked at in the end."""
+    """The page, drawn, as the tests before have left it; what the browser complained of and what it asked for are
+    looked at in the end."""
     touch = request.param == "telephone"
     context = browser.new_context(viewport=SIZES[request.param], has_touch=touch)
     opened, complaints, requests = context.new_page(), [], []
