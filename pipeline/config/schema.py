@@ -1,7 +1,7 @@
 """Types of every configuration key, and what values may be where that is a range or a word; values live in conf/."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from omegaconf import MISSING
@@ -310,6 +310,8 @@ class Store:
     """The store of a plane, and how much a row may hold."""
 
     root: str = MISSING
+    #: Of an object store: secrets may be among them, which no text has.
+    storage_options: dict[str, Any] = field(default=MISSING, repr=False)
     name: str | None = MISSING
     overwrite: bool = MISSING
     wait: bool = MISSING

@@ -53,6 +53,13 @@ class Workforce:
         self._kernels: tuple[str, ...] = ()
         self._open = contextlib.ExitStack()
 
+    #: Planes that share it: what one of them does alone, others wait for.
+    planes = 1
+
+    def aside(self) -> contextlib.AbstractContextManager:
+        """To wait within for something else than tasks, which keeps no other plane waiting."""
+        return contextlib.nullcontext()
+
     def __enter__(self):
         return self
 

@@ -28,6 +28,7 @@ from pipeline.run.warmup import warm_up_where
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
+from pipeline.store.files import files_at
 from solver import Event, LiftedSeeds
 from solver.contact.impact import impact_of_range
 from solver.harmonic.galerkin import Galerkin
@@ -225,7 +226,7 @@ def read_isolated(path: Path) -> "xarray.Dataset | None":
         return None
     import xarray
 
-    return xarray.open_zarr(path, group=GROUP, chunks=None).load()
+    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
 
 
 def isolated_near(stored: "xarray.Dataset", plan: Plan, value: float) -> "xarray.Dataset":

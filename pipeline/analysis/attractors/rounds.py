@@ -86,7 +86,7 @@ def run_rounds(spec: Spec, workforce: Workforce, progress: Progress) -> list[str
         If the scheduler goes away, or a block cannot be read or written: the next one could not either.
     """
     group, lost = spec.group, []
-    forget_tries(group.folder)
+    forget_tries(group.folder.place)
     layer = group.rows.of_layer
     for first in range(0, group.rows.rows, layer):
         blocks = group.rows.holding(Block(first, first + layer))
@@ -94,7 +94,7 @@ def run_rounds(spec: Spec, workforce: Workforce, progress: Progress) -> list[str
         if lost:
             break
     if not lost:
-        forget_tries(group.folder)
+        forget_tries(group.folder.place)
     return lost
 
 

@@ -91,6 +91,20 @@ def test_help_loads_neither_solver_nor_dask(tmp_path):
     assert said.splitlines()[-1] == "[]"
 
 
+@pytest.mark.parametrize(("argument", "status"), [("--help", 0), ("--nonsense", 2)])
+def test_a_run_ends_with_its_status_after_what_is_to_be_done_at_exit(argument, status):
+    code = (
+        "import atexit, runpy, sys, pipeline.cli.arguments as arguments\n"
+        "parse = arguments.parse\n"
+        "arguments.parse = lambda words: (atexit.register(print, 'tidied'), parse(words))[1]\n"
+        f"sys.argv = ['bevelmap', {argument!r}]\n"
+        "runpy.run_module('pipeline', run_name='__main__', alter_sys=True)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=here())
+    assert done.returncode == status
+    assert done.stdout.endswith("tidied\n")
+
+
 @pytest.mark.parametrize(
     "wrong", [["--config-dir"], ["--nonsense"], ["--shell-completion", "ksh"], ["--shell-completion"]]
 )

@@ -12,7 +12,8 @@ from solver.contact.quantities import Quantities, Slot
 from solver.model.contact_system import ContactSystem, gear_system, support_kinds
 from solver.model.packing import packed
 from solver.timedomain import Status, advance, shoot
-from solver.timedomain.quantities import gauge_at, motion_quantities
+from solver.timedomain.gauge import gauge_at
+from solver.timedomain.quantities import motion_quantities
 from tests.conftest import antiphase, consistent, published
 from tests.solver.timedomain.systems import first_order_state, full_gear_system
 
