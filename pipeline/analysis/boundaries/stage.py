@@ -18,7 +18,6 @@ __all__ = ["STAGE"]
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
-    from pipeline.analysis import boundaries
 
     path, plan = job.store_path, job.plan
     note_unfinished(job, reporter, "boundaries start from the others")
