@@ -18,8 +18,7 @@ __all__ = ["STAGE"]
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
-
-    path, plan = job.store_path, job.plan
+    path = job.store_path
     note_unfinished(job, reporter, "boundaries start from the others")
     begin = perf_counter()
     try:
