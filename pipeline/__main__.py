@@ -1,5 +1,8 @@
 """`python -m pipeline`: the command line. Imports are inside the functions because every worker imports this module."""
 
+import atexit
+import contextlib
+import os
 import signal
 import sys
 
@@ -52,6 +55,8 @@ def _end_abruptly(number: int, reporter) -> None:
 
     for worker in multiprocessing.active_children():
         worker.kill()
+    if (jobs := sys.modules.get("pipeline.run.slurm_jobs")) is not None:
+        jobs.give_back()
     let_go()
     reporter.error(_interrupted(number))
 
@@ -96,11 +101,15 @@ def _answer(asked) -> str | None:
 
 def _run_overrides(asked, reporter) -> int:
     from pipeline.config.compose import compose, expand
+    from pipeline.config.secrets import hidden, without_secrets
     from pipeline.errors import ConfigurationError, shown
 
-    combinations = expand(asked.overrides, asked.config_dir)
+    try:
+        combinations = expand(asked.overrides, asked.config_dir)
+    except ConfigurationError as error:
+        raise ConfigurationError(hidden(str(error), asked.overrides)) from None
     if len(combinations) > 1 and not asked.multirun:
-        raise ConfigurationError(f"{shown(' '.join(asked.overrides))}: several values need -m")
+        raise ConfigurationError(f"{shown(' '.join(map(without_secrets, asked.overrides)))}: several values need -m")
     all_settings = [compose(combination, asked.config_dir) for combination in combinations]
     if asked.show or asked.info:
         from pipeline.cli.information import configuration, information
@@ -167,13 +176,29 @@ def _run_each(all_settings, reporter, helpers) -> int:
 
             status = max(status, run_planes(all_settings, jobs, workforce, reporter))
         # Tables need several planes: once, after all of them.
-        beside = sorted(jobs[-1].store_path.parent.glob("*.zarr"))
-        status = max(status, attempt(run_shared_stages, jobs[-1], workforce, reporter, beside))
+        status = max(status, attempt(run_shared_stages, jobs[-1], workforce, reporter, beside=True))
     if len(jobs) < len(all_settings):
         done = ", ".join(job.settings.store_name for job in jobs)
         reporter.line(f"note: {len(jobs)} of {len(all_settings)} planes were run: {done}; the others were refused")
     return status
 
 
+def _leave(statuses: list[int]) -> None:
+    """End the process with the status of `main`, the last thing that is done at exit.
+
+    Python would first take apart every module and everything in them, which takes a quarter of a second.
+    """
+    if statuses:
+        # They may be closed, or nobody may read them.
+        for stream in filter(None, (sys.stdout, sys.stderr)):
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(statuses[0])
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    _STATUSES: list[int] = []
+    # What is registered first is called last.
+    atexit.register(_leave, _STATUSES)
+    _STATUSES.append(main())
+    sys.exit(_STATUSES[0])

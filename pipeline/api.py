@@ -1,10 +1,11 @@
 """What Python offers: a plane computed, and a stored plane opened."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeline.config.compose import compose
-from pipeline.errors import ComputationError
+from pipeline.config.places import Place
+from pipeline.errors import ComputationError, ConfigurationError
 from pipeline.multirun.index import read_index
 from pipeline.multirun.opened_study import Study
 from pipeline.opened_plane import OpenPlane
@@ -77,39 +78,49 @@ def compute(
     return open_plane(job.store_path)
 
 
-def open_plane(name: Path | str, root: Path | str = "outputs/store") -> OpenPlane | OpenVolume:
+def open_plane(
+    name: Place | str, root: Place | str = "outputs/store", storage_options: Mapping | None = None
+) -> OpenPlane | OpenVolume:
     """Open a stored plane, or a volume, of which `layer(VALUE)` is one.
 
     Parameters
     ----------
     name : str or Path
-        Name of the store, such as "omega_fe", or a path to it.
+        Name of the store, such as "omega_fe", or a path to it, or its URL.
     root : str or Path
-        Folder of the stores, for names.
+        Folder of the stores, or its URL, for names.
+    storage_options : mapping, optional
+        For a URL: as `store.storage_options`.
 
     Raises
     ------
     StoreError
         If there is no such store, or this program cannot read it.
     ConfigurationError
-        If zarr is set up in such a way that it would wait for ever.
+        If zarr is set up in such a way that it would wait for ever, no store can be at such a URL, or a folder is given
+        storage options.
+    Unreachable
+        If an object store does not answer, or refuses.
     solver.ParameterError
-        If the name or the root is no path.
+        If the name or the root is no path and no URL.
     """
     check_zarr()
-    path, folder = store_path("name", name), store_path("root", root)
+    _check_options(storage_options)
+    path, folder = (store_path(key, value, storage_options) for key, value in (("name", name), ("root", root)))
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = folder / f"{name}.zarr"
-    return opened_at(path)
+    return opened_at(_checked(path, storage_options))
 
 
-def open_study(root: Path | str = "outputs/store") -> Study:
+def open_study(root: Place | str = "outputs/store", storage_options: Mapping | None = None) -> Study:
     """Open the planes that one command has computed, `python -m pipeline -m KEY=VALUE,VALUE`.
 
     Parameters
     ----------
     root : str or Path
-        Folder of the stores, which has the index `study.csv`.
+        Folder of the stores, or its URL, which has the index `study.csv`.
+    storage_options : mapping, optional
+        As for `open_plane`.
 
     Returns
     -------
@@ -121,9 +132,24 @@ def open_study(root: Path | str = "outputs/store") -> Study:
     StoreError
         If there is no index, or it is none of this program's.
     ConfigurationError
-        If zarr is set up in such a way that it would wait for ever.
+        If zarr is set up in such a way that it would wait for ever, or a folder is given storage options.
+    Unreachable
+        If an object store does not answer, or refuses.
     solver.ParameterError
-        If the root is no path.
+        If the root is no path and no URL.
     """
     check_zarr()
-    return Study(read_index(store_path("root", root)))
+    _check_options(storage_options)
+    return Study(read_index(_checked(store_path("root", root, storage_options), storage_options)))
+
+
+def _check_options(storage_options: Mapping | None) -> None:
+    if storage_options is not None and not isinstance(storage_options, Mapping):
+        raise ParameterError("storage_options", type(storage_options), "a mapping")
+
+
+def _checked(place: Place, storage_options: Mapping | None) -> Place:
+    """A place, unless it is a folder that is given options."""
+    if storage_options and isinstance(place, Path):
+        raise ConfigurationError(f"storage_options are not allowed: {place} is a folder")
+    return place

@@ -2,7 +2,17 @@
 
 import re
 
-__all__ = ["KEPT", "ComputationError", "ConfigurationError", "DamagedError", "StoreError", "WorkerLost", "shown"]
+__all__ = [
+    "KEPT",
+    "ComputationError",
+    "ConfigurationError",
+    "DamagedError",
+    "LeaseLost",
+    "StoreError",
+    "Unreachable",
+    "WorkerLost",
+    "shown",
+]
 
 #: What is said of a run that ends early.
 KEPT = "; what is stored is kept, and the same command goes on from there"
@@ -46,6 +56,16 @@ class DamagedError(StoreError):
 
     status = 1
     what = ""
+
+
+class Unreachable(OSError):
+    """An object store does not answer, or refuses; the message names the place and the way on."""
+
+
+class LeaseLost(StoreError):
+    """Another run writes into a store now; the message names both."""
+
+    status = 1
 
 
 class ComputationError(RuntimeError):

@@ -2,15 +2,16 @@
 
 import html
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from pipeline.config.places import Place
 from pipeline.opened_plane import OpenPlane
 from pipeline.plan.plan import Plan
 from pipeline.plane.boundaries import GROUP
 from pipeline.plane.stored import StoredPlane, read_stored
+from pipeline.store.files import files_at
 from solver.model.checks import finite_number
 
 __all__ = ["OpenVolume", "opened_at"]
@@ -32,7 +33,7 @@ class OpenVolume:
     tree: xr.DataTree
 
     @property
-    def path(self) -> Path:
+    def path(self) -> Place:
         """The store."""
         return self.stored.path
 
@@ -94,7 +95,7 @@ def _curves_of(boundaries: xr.Dataset, layer: int) -> xr.Dataset:
     return boundaries.isel(curve=here, boundary_point=points).drop_vars("layer").assign_attrs(digest)
 
 
-def opened_at(path: Path) -> OpenPlane | OpenVolume:
+def opened_at(path: Place) -> OpenPlane | OpenVolume:
     """The plane or the volume of a store.
 
     Raises
@@ -103,5 +104,5 @@ def opened_at(path: Path) -> OpenPlane | OpenVolume:
         As `pipeline.open_plane`.
     """
     stored = read_stored(path)
-    tree = xr.open_datatree(path, engine="zarr")
+    tree = xr.open_datatree(files_at(path).zarr(), engine="zarr")
     return OpenPlane(stored, tree) if stored.plan.parameter2 is None else OpenVolume(stored, tree)

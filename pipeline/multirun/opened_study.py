@@ -5,18 +5,20 @@ import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 import zarr
 
+from pipeline import store
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.multirun.index import Index
 from pipeline.opened_plane import OpenPlane
 from pipeline.opened_volume import OpenVolume, opened_at
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import read_stored
+from pipeline.store.files import files_at
 
 __all__ = ["Study"]
 
@@ -34,7 +36,7 @@ class _Planes(Mapping):
 
     def __init__(self, index: Index):
         self._root, self._opened = index.root, {}
-        self._names = [name for name in index.planes if (index.root / f"{name}.zarr").exists()]
+        self._names = [name for name in index.planes if store.exists(index.root / f"{name}.zarr")]
 
     def __getitem__(self, name: str) -> OpenPlane | OpenVolume:
         if name not in self._names:
@@ -66,7 +68,7 @@ class Study:
     listed: Index
 
     @property
-    def root(self) -> Path:
+    def root(self) -> Place:
         """The folder of its stores."""
         return self.listed.root
 
@@ -129,7 +131,7 @@ class Study:
         """
         children = {}
         for name in self.planes:
-            tree = xr.open_datatree(self.root / f"{name}.zarr", engine="zarr")
+            tree = xr.open_datatree(files_at(self.root / f"{name}.zarr").zarr(), engine="zarr")
             values = zip(self.listed.varied, self._names(tree.dims), self.listed.planes[name].values, strict=True)
             tree.dataset = tree.to_dataset().assign_coords(
                 {at: ((), value, _attributes(one)) for one, at, value in values}
@@ -165,7 +167,7 @@ class Study:
                     f"{self.root} has two planes for the same values, {other} and {name}: to_datatree() keeps them "
                     "apart"
                 )
-        opened = {name: xr.open_zarr(self.root / f"{name}.zarr", chunks={}) for name in plans}
+        opened = {name: xr.open_zarr(files_at(self.root / f"{name}.zarr").zarr(), chunks={}) for name in plans}
         first = next(iter(opened))
         absent = _not_computed(self.root / f"{first}.zarr", opened[first])
         names, values = self._names(opened[first].dims), list(self.varied.values())
@@ -225,7 +227,7 @@ def _axes(plan: Plan) -> str:
     return f"{sizes}, room for {plan.max_solutions} solutions"
 
 
-def _not_computed(path: Path, like: xr.Dataset) -> xr.Dataset:
+def _not_computed(path: Place, like: xr.Dataset) -> xr.Dataset:
     """A raster of which nothing is computed, in the shape of another: what its template holds."""
-    root = zarr.open_group(path, mode="r")
+    root = zarr.open_group(files_at(path).zarr(), mode="r")
     return like.assign({name: xr.full_like(array, root[name].fill_value) for name, array in like.data_vars.items()})

@@ -12,7 +12,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.multirun.index import Index
 from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
-from tests.pipeline.planes import small_plan, traced_store
+from tests.pipeline.planes import small_plan, small_store, traced_store
 from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, array, assert_wrong_calls_are_refused, optional, public
 
 PUBLIC = public(("pipeline", "pipeline.api"))
@@ -79,6 +79,15 @@ def physical():
 
 WRONG_WORDS = ("foo", "", None, 1, True, [])
 
+
+def volume(plane):
+    """A volume beside the plane."""
+    path = plane.path.parent / "omega_b_fe.zarr"
+    if not path.exists():
+        small_store(path, small_plan("plane=omega_b_fe", "plane.parameter2.num=2", columns=9, rows=3))
+    return pipeline.open_plane(path)
+
+
 CALLS = {
     "pipeline.compute": lambda plane: {
         "plane": argument("omega_fe", (None, 1, True, "", [], {}, "nowhere"), "omega_fe"),
@@ -135,6 +144,7 @@ CALLS = {
     "pipeline.open_plane": lambda plane: {
         "name": argument(plane.path, PATHS, "nowhere.zarr"),
         "root": argument("outputs", PATHS[:-1]),
+        "storage_options": argument(None, (1, "region", True, [], {"region": "x"})),
     },
     "pipeline.open_study": lambda plane: {"root": argument(plane.path.parent, PATHS, "nowhere.zarr")},
     "pipeline.scales_of": lambda plane: {"plan": argument(plane.plan, OBJECT)},
@@ -145,6 +155,10 @@ CALLS = {
     },
     "pipeline.study.statements.evaluate_all": lambda plane: {"planes": argument({}, WRONG_PLANES)},
     "pipeline.thresholds": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr"), **window(plane)},
+    "pipeline.api.OpenVolume.layer": lambda plane: {
+        "self": volume(plane),
+        "value": argument(0.2, (*NUMBER, -0.1, 5.0), "f_e"),
+    },
     "pipeline.api.OpenPlane.attractors_at": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.isolated_branches": lambda plane: {"self": plane, **row()},
     "pipeline.api.OpenPlane.basin_share": lambda plane: {

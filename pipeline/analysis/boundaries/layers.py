@@ -16,7 +16,7 @@ from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 
-__all__ = ["run_layers"]
+__all__ = ["run_layers", "write_layer_sheets"]
 
 
 def run_layers(job: Job, workforce: Workforce, reporter: Reporter) -> int:
@@ -46,8 +46,6 @@ def run_layers(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     told = ", ".join(f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in counts.items()) or "no boundaries"
     took = f"into {path} ({perf_counter() - begin:.2f} s)" if due else f"are in {path} already, nothing to do"
     reporter.line(f"boundaries: {told} in {len(summaries)} of {len(layers)} layers {took}")
-    names = _sheets(job, layers)
-    reporter.line(f"boundaries: {len(names)} files in {(job.settings.output_root / 'boundaries').resolve()}")
     return 1 if failures else 0
 
 
@@ -74,14 +72,14 @@ def _trace(
     return failures
 
 
-def _sheets(job: Job, layers: list[StoredBoundaries | None]) -> list:
-    """CSV files of every layer, unless they are up to date."""
+def write_layer_sheets(job: Job, reporter: Reporter) -> None:
+    """Write CSV files of every layer, unless they are up to date."""
     folder, name = job.settings.output_root / "boundaries", job.settings.store_name
     record, origin = folder / f".{name}.json", made_from(job.store_path)
     if (names := still_made(record, origin)) is None:
         plan, names = job.plan, []
-        for number, boundaries in enumerate(layers):
-            if boundaries is not None:
+        for number in range(plan.parameter2.num):
+            if (boundaries := read_boundaries(job.store_path, plan, number)) is not None:
                 names += write_sheets(boundaries, plan.layer(number), folder, layer_name(name, plan, number))
         write_record(record, origin, names)
-    return names
+    reporter.line(f"boundaries: {len(names)} files in {folder.resolve()}")

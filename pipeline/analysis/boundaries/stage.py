@@ -18,11 +18,9 @@ __all__ = ["STAGE"]
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
-    from pipeline.analysis import boundaries
-
-    path, plan = job.store_path, job.plan
+    path = job.store_path
     note_unfinished(job, reporter, "boundaries start from the others")
-    if plan.parameter2 is not None:
+    if job.plan.parameter2 is not None:
         from pipeline.analysis.boundaries.layers import run_layers
 
         return run_layers(job, workforce, reporter)
@@ -34,12 +32,6 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
             raise
         reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
         return 1
-    folder = job.settings.output_root / "boundaries"
-    name = job.settings.store_name
-    record, origin = folder / f".{name}.json", made_from(path)
-    if (names := still_made(record, origin)) is None:
-        names = boundaries.write_sheets(read_boundaries(path, plan), plan, folder, name)
-        write_record(record, origin, names)
     seconds = perf_counter() - begin
     counts = [f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in summary.curves.items()] or ["no boundaries"]
     special = ", ".join(f"{n} {kind.replace('_', '-')}" for kind, n in sorted(summary.special.items())) or "none"
@@ -52,7 +44,6 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
             f"boundaries: {', '.join(counts)} of {summary.points} points into {path}; special points: {special} "
             f"({seconds:.2f} s)"
         )
-    reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
     return 1 if summary.cut_short else 0
 
 
@@ -72,4 +63,23 @@ def _traced(job: Job, workforce: Workforce, reporter: Reporter):
     return result
 
 
-STAGE = Stage("boundaries", _run, on_workers=True, writes=True, of_volumes=True)
+def _write_sheets(job: Job, reporter: Reporter) -> None:
+    from pipeline.analysis import boundaries
+
+    if job.plan.parameter2 is not None:
+        from pipeline.analysis.boundaries.layers import write_layer_sheets
+
+        write_layer_sheets(job, reporter)
+        return
+    stored = read_boundaries(job.store_path, job.plan)
+    if stored is None:
+        return
+    folder, name = job.settings.output_root / "boundaries", job.settings.store_name
+    record, origin = folder / f".{name}.json", made_from(job.store_path)
+    if (names := still_made(record, origin)) is None:
+        names = boundaries.write_sheets(stored, job.plan, folder, name)
+        write_record(record, origin, names)
+    reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
+
+
+STAGE = Stage("boundaries", _run, on_workers=True, writes=True, of_volumes=True, finish=_write_sheets)
