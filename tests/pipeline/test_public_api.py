@@ -146,7 +146,10 @@ CALLS = {
         "root": argument("outputs", PATHS[:-1]),
         "storage_options": argument(None, (1, "region", True, [], {"region": "x"})),
     },
-    "pipeline.open_study": lambda plane: {"root": argument(plane.path.parent, PATHS, "nowhere.zarr")},
+    "pipeline.open_study": lambda plane: {
+        "root": argument(plane.path.parent, PATHS, "nowhere.zarr"),
+        "storage_options": argument(None, (1, "region", True, [], {"region": "x"})),
+    },
     "pipeline.scales_of": lambda plane: {"plan": argument(plane.plan, OBJECT)},
     "pipeline.store.read_plan": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr")},
     "pipeline.study.statements.evaluate": lambda plane: {
