@@ -7,6 +7,7 @@ __all__ = [
     "ComputationError",
     "ConfigurationError",
     "DamagedError",
+    "LeaseLost",
     "StoreError",
     "Unreachable",
     "WorkerLost",
@@ -59,6 +60,12 @@ class DamagedError(StoreError):
 
 class Unreachable(OSError):
     """An object store does not answer, or refuses; the message names the place and the way on."""
+
+
+class LeaseLost(StoreError):
+    """Another run writes into a store now; the message names both."""
+
+    status = 1
 
 
 class ComputationError(RuntimeError):

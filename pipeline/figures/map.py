@@ -166,7 +166,8 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
         if np.any(marked):
             axes.add_artist(PathPatch(outline_of(marked, columns, rows), **kind))
-    dark = np.isin(panel.code, [c for c, label in plane.labels.items() if text_colour(label_colour(label)) == "white"])
+    shown = np.unique(panel.code).tolist()
+    dark = np.isin(panel.code, [c for c in shown if text_colour(label_colour(plane.labels[c])) == "white"])
     for mark, marked in ((draw_lines, panel.unstable), (draw_dots, panel.contradictory)):
         mark(axes, marked & ~dark, panel.x, panel.y)
         mark(axes, marked & dark, panel.x, panel.y, "white")

@@ -199,23 +199,27 @@ class ObjectFiles:
 
     def _put(self, item: tuple[str, bytes]) -> None:
         name, content = item
-        check_held(str(self.place))
-        with explained(self.place):
+        with self._writing():
             # In one request, so that it is there whole or not at all.
             obstore.put(self._bucket, self._key(name), content, use_multipart=False)
 
     def _copy(self, name: str, target: "ObjectFiles") -> None:
-        check_held(str(target.place))
-        with explained(self.place):
+        with target._writing():
             obstore.copy(self._bucket, self._key(name), target._key(name))
 
     def _delete(self, names: Iterable[str]) -> None:
         """Remove objects, metadata of the whole first: without it, the others are not there."""
         for some in ([name for name in names if name == METADATA], [name for name in names if name != METADATA]):
             if some:
-                check_held(str(self.place))
-                with explained(self.place), contextlib.suppress(FileNotFoundError):
+                with self._writing(), contextlib.suppress(FileNotFoundError):
                     obstore.delete(self._bucket, [self._key(name) for name in some])
+
+    @contextlib.contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Around a request that changes something: not after another run has taken the store over."""
+        with explained(self.place):
+            check_held(str(self.place))
+            yield
 
     def _remove_all(self, known: re.Pattern) -> None:
         names = [name for name, _ in self._listed()]
