@@ -10,10 +10,12 @@ from pipeline import store
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.explorer.answers import Answers
 from pipeline.explorer.layer_data import Layer
-from pipeline.explorer.layers import layer, layer_names
+from pipeline.explorer.layers import layer, layer_names, layer_sketch
 from pipeline.explorer.view_state import Allowed, allowed_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane
+from pipeline.store.files import files_at
+from pipeline.store.names import METADATA
 
 __all__ = ["Content", "Opened", "said"]
 
@@ -37,6 +39,11 @@ class Content:
     def shown(self, physical: bool) -> StoredPlane:
         """The plane in one of its units."""
         return StoredPlane(self.path, self.plan, physical=physical)
+
+    def first_layer(self, name: str, physical: bool) -> tuple[Layer | None, bool]:
+        """What can be shown at once of a layer, and whether that is the layer itself."""
+        made = self._layers.get((name, physical))
+        return (layer_sketch(self.plane, name, physical=physical), False) if made is None else (made, True)
 
     def layer(self, name: str, physical: bool) -> Layer:
         """What the map shows, made once."""
@@ -86,7 +93,8 @@ class Opened:
     def _state(self) -> tuple:
         """Changes when somebody writes into the store."""
         try:
-            documents = [(file.name, file.stat().st_mtime_ns) for file in sorted(self.path.glob("**/zarr.json"))]
+            versions = files_at(self.path).versions()
+            documents = sorted(item for item in versions.items() if item[0].rpartition("/")[2] == METADATA)
             return (*documents, np.asarray(store.statuses(self.path)).tobytes())
         except Exception as error:
             raise StoreError(said(error, self.path)) from None
@@ -94,7 +102,7 @@ class Opened:
 
 def said(error: Exception, path: Path) -> str:
     """What a page says of an error: damage of the store, or that it is gone, if that is what it is."""
-    if not path.exists():
+    if not store.exists(path):
         return f"{path} is gone: the command that made it makes it again"
     if isinstance(error, ConfigurationError):
         return str(error)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from pipeline import store
 from pipeline.config.quantities import AMPLITUDE
 from pipeline.figures.options import check_options
 from pipeline.plane.stored import read_stored
@@ -218,7 +219,7 @@ def _draw(plane, folder, formats, dpi, names, curves, window, multipliers, quant
         from pipeline.figures.multipliers import draw_multipliers
 
         drawers["multipliers"] = lambda: draw_multipliers(plane, multipliers)
-    if any((plane.path / group).exists() for group in ("attractors", "places")):
+    if any(store.exists(plane.path / group) for group in ("attractors", "places")):
         # What it needs of the solver are many kernels, and most planes have none.
         drawers |= _of_attractors(plane)
     if has_backbone(plane):

@@ -61,7 +61,7 @@ def _recompute(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if rows:
         workforce.start()
     different = 0
-    for (_, _, row), result in workforce.run(compare_row, [(str(path), plan, row) for row in rows]):
+    for (_, _, row), result in workforce.run(compare_row, [(path, plan, row) for row in rows]):
         if isinstance(result, OSError | StoreError):
             raise result
         failed = isinstance(result, BaseException)

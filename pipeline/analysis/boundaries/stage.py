@@ -5,6 +5,7 @@ from time import perf_counter
 import numpy as np
 
 from pipeline import store
+from pipeline.errors import WorkerLost
 from pipeline.plane.boundaries import read_boundaries
 from pipeline.run.job import Job, note_unfinished
 from pipeline.run.made import made_from, still_made, write_record
@@ -17,14 +18,12 @@ __all__ = ["STAGE"]
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
-    from pipeline.analysis import boundaries
-
-    path, plan = job.store_path, job.plan
+    path = job.store_path
     note_unfinished(job, reporter, "boundaries start from the others")
     begin = perf_counter()
     try:
-        summary = boundaries.trace(path, plan, lambda: warm_up_for(job, reporter))
-    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        summary = _traced(job, workforce, reporter)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError, WorkerLost) as error:
         if store.damage_error(path) is not None:
             raise
         reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
@@ -42,6 +41,22 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
             f"({seconds:.2f} s)"
         )
     return 1 if summary.cut_short else 0
+
+
+def _traced(job: Job, workforce: Workforce, reporter: Reporter):
+    """Trace here, or on a worker where other planes would wait for this process."""
+    from pipeline.analysis import boundaries
+
+    path, plan = job.store_path, job.plan
+    if workforce.planes == 1:
+        return boundaries.trace(path, plan, lambda: warm_up_for(job, reporter))
+    if (summary := boundaries.stored_summary(path, plan)) is not None:
+        return summary
+    warm_up_for(job, reporter)
+    ((_, result),) = workforce.run(boundaries.trace, [(path, plan)])
+    if isinstance(result, Exception):
+        raise result
+    return result
 
 
 def _write_sheets(job: Job, reporter: Reporter) -> None:

@@ -20,7 +20,7 @@ from solver.boundaries.problem import SAME
 from solver.continuation.problem import Balance
 from solver.kernels.threads import side_by_side
 
-__all__ = ["Summary", "curves_through", "to_store", "trace"]
+__all__ = ["Summary", "curves_through", "stored_summary", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
@@ -86,6 +86,14 @@ def trace(path: Path, plan: Plan, get_ready: Callable[[], None] = lambda: None) 
     fresh = StoredBoundaries(tuple(curves), events.digest)
     write_boundaries(path, plan, fresh)
     return _summary(plan, fresh, False)
+
+
+def stored_summary(path: Path, plan: Plan) -> Summary | None:
+    """What the boundaries of a stored plane are; None where they have to be traced."""
+    stored = read_boundaries(path, plan)
+    if stored is None or stored.digest != read_events(path, plan).digest:
+        return None
+    return _summary(plan, stored, True)
 
 
 def curves_through(plan: Plan, starts, balance: Balance | None = None) -> tuple[BoundaryCurve, ...]:

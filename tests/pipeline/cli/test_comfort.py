@@ -338,7 +338,7 @@ def test_the_printed_scripts_call_this_program():
         ("bevelmap plane=omega_fp", ["omega_fpm"]),
         ("python -m pipeline cluster.add", ["cluster.address="]),
         ("python elsewhere.py plane=omega_fp", []),
-        ("bevelmap quality=draft cluster=", ["local", "none", "scheduler"]),
+        ("bevelmap quality=draft cluster=", ["local", "none", "scheduler", "slurm"]),
     ],
 )
 def test_completion_in_a_real_bash(line, expected):
