@@ -84,10 +84,8 @@ NEEDED = {
     "sweep": _ROWS,
     "boundaries": {
         "describing_function": (
-            "solver.boundaries.first_order._bifurcation_balance",
-            "solver.boundaries.first_order._fold_balance",
-            "solver.boundaries.first_order._grazing_balance",
-            "solver.boundaries.first_order._test_functions",
+            "solver.boundaries.first_order.gear_rows",
+            "solver.boundaries.first_order.gear_tests",
             "solver.boundaries.incidence._distances",
         ),
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
@@ -124,10 +122,8 @@ _OF_SYSTEMS = {
         "solver.harmonic.describing_function.system_residual_and_jacobian"
     ),
     "solver.harmonic.describing_function.test_functions": "solver.harmonic.describing_function.system_test_functions",
-    "solver.boundaries.first_order._bifurcation_balance": "solver.boundaries.first_order._system_bifurcation_balance",
-    "solver.boundaries.first_order._fold_balance": "solver.boundaries.first_order._system_fold_balance",
-    "solver.boundaries.first_order._grazing_balance": "solver.boundaries.first_order._system_grazing_balance",
-    "solver.boundaries.first_order._test_functions": "solver.boundaries.first_order._system_test_functions",
+    "solver.boundaries.first_order.gear_rows": "solver.boundaries.first_order.system_rows",
+    "solver.boundaries.first_order.gear_tests": "solver.boundaries.first_order.system_tests",
 }
 
 

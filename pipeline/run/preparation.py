@@ -217,4 +217,7 @@ def _run(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Repo
         status = max(status, stage.run(job, workforce, reporter))
         for later in stages[number:]:
             later.begin(job, workforce)
+            if later.writes:
+                break
+        stage.finish(job, reporter)
     return status

@@ -53,8 +53,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
-    warm_up_for(job, reporter)
     everybody, workforce = workforce, _enough(job, blocks, workforce)
+    warm_up_for(job, reporter, workforce)
     alone = workforce is not everybody
     if alone:
         _expect_figures(job, everybody)

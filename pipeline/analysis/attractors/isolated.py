@@ -20,12 +20,11 @@ from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import continuation_of, model_at, row_of
 from pipeline.plan.plan import Plan
-from pipeline.run.cluster_settings import REMOTE
 from pipeline.run.job import Job, say_failures
 from pipeline.run.kernels import kernels_for_isolated, ready_for_isolated
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.sheets import csv_text, write_files
-from pipeline.run.warmup import warm_up
+from pipeline.run.warmup import warm_up_where
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
@@ -136,8 +135,7 @@ def run_isolated(job: Job, workforce: Workforce, reporter: Reporter, found: "xar
     stored = read_isolated(path)
     done = stored is not None and stored.attrs["made_from"] == origin
     if not done:
-        if job.settings.config.cluster.kind not in REMOTE:
-            warm_up(kernels_for_isolated(kind_of(plan).name), reporter)
+        warm_up_where(workforce, kernels_for_isolated(kind_of(plan).name), reporter)
         results = _compute(plan, found, order, workforce, reporter)
         groups.write_group(path, GROUP, _dataset(plan, found, results, order).assign_attrs(made_from=origin))
         stored = read_isolated(path)

@@ -272,7 +272,7 @@ def test_every_batch_has_a_line_in_the_log_and_none_on_the_terminal(tmp_path, mo
     assert "info batch" not in capsys.readouterr().out
     (log,) = tmp_path.glob("outputs/runs/*/*/run.log")
     lines = re.findall(
-        r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s on this process, (\d+) points, 0 failed$",
+        r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s on this machine, (\d+) points, 0 failed$",
         log.read_text(),
         re.MULTILINE,
     )
@@ -338,7 +338,7 @@ def test_the_printed_scripts_call_this_program():
         ("bevelmap plane=omega_fp", ["omega_fpm"]),
         ("python -m pipeline cluster.add", ["cluster.address="]),
         ("python elsewhere.py plane=omega_fp", []),
-        ("bevelmap quality=draft cluster=", ["local", "none", "scheduler"]),
+        ("bevelmap quality=draft cluster=", ["local", "none", "scheduler", "slurm"]),
     ],
 )
 def test_completion_in_a_real_bash(line, expected):

@@ -9,7 +9,6 @@ from pipeline.plane.row_curves import stored_row
 from pipeline.plane.stored import read_stored
 from solver import domain_label
 from solver.regions.labelling import static_code
-from tests.pipeline.explorer.browser import chromium
 from tests.pipeline.explorer.planes import integrated_store
 
 pytest.importorskip("bokeh", reason="the extra explore is not installed")
@@ -33,15 +32,10 @@ def file(plane, tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture(params=SIZES)
+@pytest.fixture(scope="module", params=SIZES)
 def page(request, browser, file):
-    """The page, drawn; what the browser complained of and what it asked for are looked at in the end."""
+    """The page, drawn, as the tests before have left it; what the browser complained of and what it asked for are
+    looked at in the end."""
     touch = request.param == "telephone"
     context = browser.new_context(viewport=SIZES[request.param], has_touch=touch)
     opened, complaints, requests = context.new_page(), [], []
