@@ -12,6 +12,7 @@ from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import Outcome, Receipt, sweep_blocks
 from pipeline.run.workforce import Task, Workforce
+from pipeline.store.lock import check_held
 from pipeline.store.tries import MOST_TRIES
 
 __all__ = ["Batches", "dispatch"]
@@ -48,6 +49,8 @@ def dispatch(
     ------
     OSError
         If the scheduler goes away, or a block cannot be written: the next one could not either.
+    LeaseLost
+        If another run has taken the store over.
     """
     batches = Batches(blocks, workforce)
     limit = None if workforce.config.kind == "none" else workforce.config.row_seconds
@@ -59,6 +62,7 @@ def dispatch(
         return Task((path, plan, tuple(chosen), limit), avoid, left=batches.left)
 
     for task, result in workforce.serve(sweep_blocks, take):
+        check_held(path)
         given = list(task.arguments[2])
         if isinstance(result, Outcome):
             note(result.sentence)

@@ -18,7 +18,7 @@ from zarr.storage import ObjectStore, StorePath
 
 from pipeline.config.places import ObjectPlace
 from pipeline.errors import Unreachable
-from pipeline.store.lease import check_held
+from pipeline.store.lock import check_held
 from pipeline.store.names import GROUP_FILE, METADATA, STORE_FILE, refuse_unknown
 from pipeline.store.objects import explained, object_store, of_bucket
 
@@ -217,8 +217,8 @@ class ObjectFiles:
     @contextlib.contextmanager
     def _writing(self) -> Iterator[None]:
         """Around a request that changes something: not after another run has taken the store over."""
+        check_held(self.place)
         with explained(self.place):
-            check_held(str(self.place))
             yield
 
     def _remove_all(self, known: re.Pattern) -> None:
