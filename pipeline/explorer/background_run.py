@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.config.compose import compose
+from pipeline.config.secrets import HIDDEN
 from pipeline.config.typed import key_of
 from pipeline.errors import ConfigurationError
 from pipeline.explorer.fixed_parameters import fixed_parameters
@@ -67,6 +68,10 @@ def new_plane(command: str, plan: Plan, fixed: Mapping[str, float]) -> NewPlane:
     words, config_dir = shlex.split(command)[3:], None
     if words and words[0].startswith("--config-dir="):
         config_dir = words.pop(0).partition("=")[2]
+    if any(word.endswith(f"={HIDDEN}") for word in words):
+        raise ConfigurationError(
+            "store.storage_options were typed, and no command has their values: put them into the environment instead"
+        )
     keys = {one.name: one.key for one in fixed_parameters(plan)}
     changes = [f"{keys[name]}={value!r}" for name, value in sorted(fixed.items())]
     gone = {*map(key_of, changes), "store.overwrite"}
