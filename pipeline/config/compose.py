@@ -292,6 +292,8 @@ def _one_line(error: Exception) -> str:
                 of = key.split(".")[1]
                 example = of if of in SYSTEMS else "miter" if of in ("physical", "thermal") else "published"
                 return f"{key} is not allowed here: this gear has no such key; gear={example} has it"
+            if key.startswith("cluster.") and key in _keys():
+                return f"{key} is not allowed here: it is a setting of jobs; cluster=slurm has it"
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
         if " is not Optional" in said:

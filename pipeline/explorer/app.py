@@ -91,9 +91,8 @@ class _Page:
         self._later = Later(pn.state.curdoc if location is not None else None)
         plan, change = content.plan, self.change
         self._map: MapView | None = None
-        self._map_pane = pn.Column(text(note("The map is divided into its exact regions …", "note")), margin=0)
-        self._map_pane.sizing_mode = "stretch_width"
-        self._legend = text()
+        self._map_pane = pn.Column(margin=0, sizing_mode="stretch_width")
+        self._legend = text(note("The map is divided into its exact regions …", "note"))
         self._pin = pn.widgets.Button(name="Pin", width=90, stylesheets=[WIDGETS])
         self._pin.on_click(lambda _: self.change(pin=None if self._state.pin == self._state.at else self._state.at))
         self._here = PlaceColumn(opened, self._later, "here", change, self._pin)
@@ -159,16 +158,35 @@ class _Page:
             return
         self._layer_shown = name, physical
         content = self._content
-        self._later.ask("layer", lambda: content.layer(name, physical), self._show_layer, self._failed)
-
-    def _show_layer(self, layer: Layer) -> None:
-        self._legend.object = legend(layer)
         if self._map is None:
+            self._later.ask("layer", lambda: content.first_layer(name, physical), self._show_first, self._failed)
+        else:
+            self._later.ask("layer", lambda: content.layer(name, physical), self._show_layer, self._failed)
+
+    def _show_first(self, found: tuple[Layer | None, bool]) -> None:
+        layer, whole = found
+        if layer is not None:
             self._map = MapView(layer, self._content.plan, self._later, self.change)
             self._map.window(self._state.window)
             # Whole before it is handed over: Panel sends it later than Bokeh sends what is changed in it.
             self._map.show(self._state)
             self._map_pane[:] = [pn.pane.Bokeh(self._map.figure, sizing_mode="stretch_width")]
+        # What the reader does not look at first comes after the map.
+        self._later.turn(self._prepare)
+        if whole:
+            self._legend.object = legend(layer)
+        else:
+            name, physical, content = *self._layer_shown, self._content
+            self._later.ask("layer", lambda: content.layer(name, physical), self._show_layer, self._failed)
+
+    def _prepare(self) -> None:
+        self._fixed.prepare()
+        self._here.prepare()
+
+    def _show_layer(self, layer: Layer) -> None:
+        self._legend.object = legend(layer)
+        if self._map is None:
+            self._show_first((layer, True))
         else:
             self._map.show_layer(layer)
             self._map.show(self._state)
@@ -293,8 +311,14 @@ class _Page:
 
 
 def _section(name: str, *parts, folded: bool = False) -> pn.Card:
+    # What is within is one part, as Panel would send its parts' sight with every word that they say.
     return pn.Card(
-        *parts, title=name, collapsed=folded, sizing_mode="stretch_width", margin=(2, 5), stylesheets=[CARDS]
+        pn.Column(*parts, sizing_mode="stretch_width", margin=0),
+        title=name,
+        collapsed=folded,
+        sizing_mode="stretch_width",
+        margin=(2, 5),
+        stylesheets=[CARDS],
     )
 
 

@@ -13,7 +13,8 @@ from pipeline.config.compose import compose
 from pipeline.config.secrets import HIDDEN
 from pipeline.config.typed import key_of
 from pipeline.errors import ConfigurationError
-from pipeline.explorer.fixed_parameters import fixed_parameters
+from pipeline.explorer.fixed_parameters import changed_plan
+from pipeline.explorer.typed_changes import check_same, typed_changes
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan as plan_of
 
@@ -59,7 +60,7 @@ def new_plane(command: str, plan: Plan, fixed: Mapping[str, float]) -> NewPlane:
     Raises
     ------
     ConfigurationError
-        If there is no such plane: the command is not known, nothing is changed, or its values come from physical ones.
+        If there is no such plane: the command is not known, nothing is changed, or no command gives what is changed.
     """
     if not command:
         raise ConfigurationError("the command that made this plane is not known: type the new one")
@@ -72,23 +73,21 @@ def new_plane(command: str, plan: Plan, fixed: Mapping[str, float]) -> NewPlane:
         raise ConfigurationError(
             "store.storage_options were typed, and no command has their values: put them into the environment instead"
         )
-    keys = {one.name: one.key for one in fixed_parameters(plan)}
-    changes = [f"{keys[name]}={value!r}" for name, value in sorted(fixed.items())]
-    gone = {*map(key_of, changes), "store.overwrite"}
-    kept = [word for word in words if key_of(word) not in gone]
-    named = [word for word in kept if key_of(word) == "store.name"]
-    if named:
+    meant, config = changed_plan(plan, fixed), compose(words, config_dir).config
+    changes = typed_changes(config.gear, plan, meant)
+    if config.store.name is not None:
         # A name that was typed belongs to the plane it was typed for.
-        changed = "-".join(f"{name}={value:.6g}" for name, value in sorted(fixed.items()))
-        kept = [f"{word}-{changed}" if word in named else word for word in kept]
-    settings = compose([*kept, *changes], config_dir)
-    if settings.config.gear.physical is not None:
-        raise ConfigurationError(
-            "this gear is given in physical units, from which its dimensionless numbers follow: change gear.physical"
-        )
-    plan_of(settings)
+        named = [config.store.name, *(f"{name}={value:.6g}" for name, value in sorted(fixed.items()))]
+        changes["store.name"] = f"'{'-'.join(named)}'"
+    kept = [word for word in words if key_of(word) not in {*changes, "store.overwrite"}]
+    typed = [*kept, *(f"{key}={value}" for key, value in sorted(changes.items()))]
+    settings = compose(typed, config_dir)
+    made = plan_of(settings)
+    check_same(made, meant, fixed)
+    if made.digest == plan.digest:
+        raise ConfigurationError(f"{', '.join(sorted(fixed))}: that changes nothing in this plane")
     own = [f"--config-dir={config_dir}"] if config_dir else []
-    return NewPlane((*own, *kept, *changes), settings.store_path.resolve())
+    return NewPlane((*own, *typed), settings.store_path.resolve())
 
 
 class BackgroundRun:
@@ -150,8 +149,9 @@ class BackgroundRun:
 
     @property
     def line(self) -> str:
-        """What it said last; empty before it says anything."""
-        return self._lines[-1] if self._lines else ""
+        """What it said last, and of one that failed its error; empty before it says anything."""
+        errors = [] if self.running or self.succeeded else [one for one in self._lines if one.startswith("error")]
+        return [*self._lines[-1:], *errors][-1] if self._lines else ""
 
     def wait(self, seconds: float | None = None) -> None:
         """Wait until it has ended and everything that it said is read; raises subprocess.TimeoutExpired."""

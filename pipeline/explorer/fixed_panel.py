@@ -65,7 +65,15 @@ class FixedPanel:
         self.view = pn.Column(
             self._first, folded, pn.Row(self.reset, self.compute, margin=0), self.told, self.bar, margin=0
         )
-        self._make(physical=False)
+
+    def prepare(self) -> None:
+        """Make the sliders, which take longer than all the rest of a page."""
+        if not self._sliders:
+            self._make(self._state.physical)
+            self.show(self._state)
+            if self._run.running:
+                # Begun from another page.
+                self._follow()
 
     def _make(self, physical: bool) -> None:
         self._physical, scales = physical, scales_of(self._plan) if physical else None
@@ -105,12 +113,12 @@ class FixedPanel:
 
     def show(self, state: ViewState) -> None:
         """The values of a view."""
-        if state.physical != self._physical:
+        if self._sliders and state.physical != self._physical:
             self._make(state.physical)
         self._state, self._busy = state, True
         fixed = dict(state.fixed)
         try:
-            for one in self._parameters:
+            for one in self._parameters if self._sliders else ():
                 value = fixed.get(one.name, one.value) * self._sizes[one.name]
                 if self._sliders[one.name].value != value:
                     self._sliders[one.name].value = value

@@ -29,8 +29,6 @@ class FixedParameter:
         Between which it may be changed.
     words : str
         What it is.
-    key : str
-        The key of the configuration that gives it a value.
     """
 
     name: str
@@ -38,7 +36,6 @@ class FixedParameter:
     low: float
     high: float
     words: str
-    key: str
 
 
 def fixed_parameters(plan: Plan) -> tuple[FixedParameter, ...]:
@@ -66,9 +63,8 @@ def fixed_parameters(plan: Plan) -> tuple[FixedParameter, ...]:
             continue
         within = further_axis(plan, Design(x, p, x, x), name)
         if within.low <= value <= within.high and within.low < within.high:
-            key = "plane.omega" if name == "omega" else kind.key(name)
             text = axis_attributes(name, plan.kind)["long_name"]
-            found.append(FixedParameter(name, value, within.low, within.high, text, key))
+            found.append(FixedParameter(name, value, within.low, within.high, text))
     return tuple(found)
 
 

@@ -4,6 +4,8 @@ import contextlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+import panel as pn
+
 __all__ = ["Later"]
 
 #: Of all pages together; most of them wait, for kernels or for one another.
@@ -58,7 +60,7 @@ class Later:
             result = _tried(work)
             # A page that was closed has nobody to show it to.
             with contextlib.suppress(Exception):
-                self._document.add_next_tick_callback(lambda: done(*result))
+                self.turn(lambda: done(*result))
 
         if self._document is None:
             done(*_tried(work))
@@ -69,10 +71,17 @@ class Later:
 
     def turn(self, show: Callable[[], None]) -> None:
         """Show something in the page's own turn: handlers of widgets may run while another one changes the page."""
-        if self._document is None:
+        document = self._document
+        if document is None:
             show()
-        else:
-            self._document.add_next_tick_callback(show)
+            return
+
+        def shown() -> None:
+            # All that changes goes to the browser as one message.
+            with pn.io.hold(document):
+                show()
+
+        document.add_next_tick_callback(shown)
 
     def forget(self, kind: str) -> None:
         """What was asked of a kind is not shown any more."""

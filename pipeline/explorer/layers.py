@@ -6,15 +6,16 @@ from pipeline.errors import ConfigurationError
 from pipeline.explorer.cell_layers import attractor_layer, credibility_layer, quantity_layer
 from pipeline.explorer.layer_data import Layer
 from pipeline.explorer.map_frame import frame_of_map
-from pipeline.explorer.region_layers import region_layer
+from pipeline.explorer.region_layers import region_layer, sketch
 from pipeline.plan.kinds import kind_of
 from pipeline.plane.stored import StoredPlane
 
-__all__ = ["DETAIL", "layer", "layer_names"]
+__all__ = ["DETAIL", "layer", "layer_names", "layer_sketch"]
 
 #: How far what is drawn of a curve may be off it, as a share of the axes: at twenty times the size of a map that is
 #: 1500 pixels wide, a thirtieth of a pixel.
 DETAIL = 1e-6
+_LABELS = ("domains", "dynamic")
 
 
 def layer_names(plane: StoredPlane) -> tuple[str, ...]:
@@ -27,7 +28,7 @@ def layer_names(plane: StoredPlane) -> tuple[str, ...]:
         motions of this gear have.
     """
     found = ("attractors", "credibility") if read_attractors(plane.path) is not None else ()
-    return ("domains", "dynamic", *found, *(name for name in QUANTITIES if name not in kind_of(plane.plan).lacks))
+    return (*_LABELS, *found, *(name for name in QUANTITIES if name not in kind_of(plane.plan).lacks))
 
 
 def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "worst", detail: float = DETAIL) -> Layer:
@@ -59,7 +60,7 @@ def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "w
             "physical = True is not allowed: it must be False, as this plane's gear is dimensionless"
         )
     frame = frame_of_map(plane, physical)
-    if name in ("domains", "dynamic"):
+    if name in _LABELS:
         return region_layer(plane.counting(dynamic=name == "dynamic"), name, frame, detail)
     static = plane.counting(dynamic=False)
     if name == "attractors":
@@ -67,3 +68,16 @@ def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "w
     if name == "credibility":
         return credibility_layer(static, frame, detail)
     return quantity_layer(static, QUANTITIES[name], of, frame, detail)
+
+
+def layer_sketch(plane: StoredPlane, name: str, *, physical: bool = False) -> Layer | None:
+    """What can be shown of a layer at once, before its boundaries are put together; None of a layer without labels.
+
+    Parameters
+    ----------
+    plane, name, physical
+        As of `layer`.
+    """
+    if name not in _LABELS:
+        return None
+    return sketch(plane.counting(dynamic=name == "dynamic"), name, frame_of_map(plane, physical))

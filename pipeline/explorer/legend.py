@@ -1,13 +1,15 @@
 """Legends as HTML, which flow in whatever room there is: what colours, patterns, lines and marks mean."""
 
 import html
-
-from bokeh.models import Legend, LegendItem
+from collections.abc import Sequence
 
 from pipeline.explorer.layer_data import Layer, Shade
 from pipeline.explorer.styles import MARKERS, line_style
 
-__all__ = ["legend", "taken_out"]
+__all__ = ["Entry", "area_entry", "legend", "line_entry", "listed", "mark_entry"]
+
+#: A key as SVG, its text, and the share that it has, empty where that is not told.
+Entry = tuple[str, str, str]
 
 #: Pixels of a key.
 _WIDE, _HIGH = 26, 12
@@ -31,21 +33,17 @@ _SHAPES = {
 
 def legend(layer: Layer) -> str:
     """Of a layer, as HTML."""
-    entries = [(_framed(_area(one.colour)), one.name, one.share) for one in layer.classes if one.share or layer.exact]
+    entries = [area_entry(one.name, one.colour, one.share) for one in layer.classes if one.share or layer.exact]
     entries += [(_framed(_pattern(one)), one.name, one.share) for one in layer.shades]
-    entries += [(_line(**line_style(one.kind)), one.label, "") for one in layer.lines]
-    entries += [(_mark(MARKERS[one.kind][0], "white"), one.label, "") for one in layer.marks]
-    return _listed(entries) + "".join(f'<p class="quiet">{html.escape(note)}</p>' for note in layer.notes)
+    for one in layer.lines:
+        style = line_style(one.kind)
+        entries.append(line_entry(one.label, style["line_color"], style["line_width"], style["line_dash"]))
+    entries += [mark_entry(one.label, MARKERS[one.kind][0], "white") for one in layer.marks]
+    return listed(entries) + "".join(f'<p class="quiet">{html.escape(note)}</p>' for note in layer.notes)
 
 
-def taken_out(figure) -> str:
-    """The legend of a Bokeh figure as HTML, taken out of it: below, it has the room that it needs."""
-    entries = [(_sample(item), item.label.value, "") for one in figure.select(Legend) for item in one.items]
-    figure.below = [one for one in figure.below if not isinstance(one, Legend)]
-    return _listed(entries)
-
-
-def _listed(entries) -> str:
+def listed(entries: Sequence[Entry]) -> str:
+    """Entries as HTML."""
     spans = (
         f'<span class="entry">{key}<span>{html.escape(name)}</span>'
         f"{f' <span class=quiet>{html.escape(share)}</span>' if share else ''}</span>"
@@ -54,28 +52,21 @@ def _listed(entries) -> str:
     return f'<div class="legend">{"".join(spans)}</div>'
 
 
-def _sample(item: LegendItem) -> str:
-    drawn = item.renderers[0]
-    style = {name: _value(drawn, getattr(drawn.glyph, name, None), item.index or 0) for name in _STYLES}
-    marker, fill = style.pop("marker"), style.pop("fill_color")
-    if marker is None:
-        return _line(**style)
-    if marker == "square" and fill is not None:
-        return _framed(_area(fill))
-    return _mark(marker, fill or "none")
+def area_entry(text: str, colour: str, share: str = "") -> Entry:
+    """Of an area of one colour."""
+    return _framed(f'<rect width="{_WIDE}" height="{_HIGH}" fill="{colour}"/>'), text, share
 
 
-_STYLES = ("line_color", "line_width", "line_dash", "marker", "fill_color")
+def line_entry(text: str, colour: str, width: float, dash: str) -> Entry:
+    """Of a line; `dash` is as Bokeh takes it."""
+    dash = "" if dash in ("", "solid") else f' stroke-dasharray="{dash}"'
+    drawn = f'<path d="M0 6 H{_WIDE}" stroke="{colour}" stroke-width="{max(width, 1.2)}"{dash} fill="none"/>'
+    return _svg(drawn), text, ""
 
 
-def _value(drawn, found, index: int):
-    """A property of a glyph: itself, or that of one line."""
-    column = getattr(found, "field", None) or (found.get("field") if isinstance(found, dict) else None)
-    if column is None and isinstance(found, str) and found in drawn.data_source.data:
-        column = found
-    if column is not None:
-        return drawn.data_source.data[column][index]
-    return getattr(found, "value", found)
+def mark_entry(text: str, marker: str, fill: str) -> Entry:
+    """Of a marker, as Bokeh calls it."""
+    return _svg(f'<path d="{_SHAPES[marker]}" stroke="black" fill="{fill}"/>'), text, ""
 
 
 def _svg(drawn: str) -> str:
@@ -87,24 +78,8 @@ def _framed(drawn: str) -> str:
     return _svg(drawn + frame)
 
 
-def _area(colour: str) -> str:
-    return f'<rect width="{_WIDE}" height="{_HIGH}" fill="{colour}"/>'
-
-
 def _pattern(shade: Shade) -> str:
     width = 3 if shade.bold else 1.8 if shade.pattern == "dots" else 0.8
     return (
         f'<path d="{_PATTERNS[shade.pattern]}" stroke="{shade.colour}" stroke-width="{width}" stroke-linecap="round"/>'
     )
-
-
-def _line(line_color: str, line_width: float, line_dash, **further) -> str:
-    dashes = " ".join(map(str, line_dash)) if isinstance(line_dash, list | tuple) else line_dash
-    dash = "" if dashes in ("", "solid") else f' stroke-dasharray="{dashes}"'
-    return _svg(
-        f'<path d="M0 6 H{_WIDE}" stroke="{line_color}" stroke-width="{max(line_width, 1.2)}"{dash} fill="none"/>'
-    )
-
-
-def _mark(marker: str, fill: str) -> str:
-    return _svg(f'<path d="{_SHAPES[marker]}" stroke="black" fill="{fill}"/>')

@@ -39,9 +39,11 @@ class MapView:
         # What the map shows is said by the choice beside it.
         self.figure.title.visible = False
         self._places = ColumnDataSource({"x": [], "y": [], "colour": [], "name": []})
-        self._row = Span(dimension="width", line_color="#d7301f", line_width=1, line_dash="dashed", visible=False)
+        # What is moved over the map is drawn on a canvas of its own, so that the map is not drawn again.
+        over = dict(level="overlay", visible=False)
+        self._row = Span(dimension="width", line_color="#d7301f", line_width=1, line_dash="dashed", **over)
         self._box = BoxAnnotation(
-            editable=True, visible=False, fill_color="#1d6fb8", fill_alpha=0.22, line_color="#1d6fb8", line_width=1.5
+            editable=True, fill_color="#1d6fb8", fill_alpha=0.22, line_color="#1d6fb8", line_width=1.5, **over
         )
         self._overlay()
         self.figure.on_event(Tap, self._tapped)

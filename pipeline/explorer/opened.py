@@ -10,7 +10,7 @@ from pipeline import store
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.explorer.answers import Answers
 from pipeline.explorer.layer_data import Layer
-from pipeline.explorer.layers import layer, layer_names
+from pipeline.explorer.layers import layer, layer_names, layer_sketch
 from pipeline.explorer.view_state import Allowed, allowed_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane
@@ -39,6 +39,11 @@ class Content:
     def shown(self, physical: bool) -> StoredPlane:
         """The plane in one of its units."""
         return StoredPlane(self.path, self.plan, physical=physical)
+
+    def first_layer(self, name: str, physical: bool) -> tuple[Layer | None, bool]:
+        """What can be shown at once of a layer, and whether that is the layer itself."""
+        made = self._layers.get((name, physical))
+        return (layer_sketch(self.plane, name, physical=physical), False) if made is None else (made, True)
 
     def layer(self, name: str, physical: bool) -> Layer:
         """What the map shows, made once."""

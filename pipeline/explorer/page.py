@@ -17,17 +17,16 @@ from bokeh.models import CustomJS, Span
 from bokeh.resources import INLINE
 
 from pipeline.config.quantities import QUANTITIES
+from pipeline.explorer.curves_figure import curves_figure, fill_curves, value_limits
 from pipeline.explorer.layer_data import Layer, MapAxis
 from pipeline.explorer.layers import layer, layer_names
-from pipeline.explorer.legend import legend, taken_out
+from pipeline.explorer.legend import legend, listed
 from pipeline.explorer.map_figure import add_layer, map_figure
 from pipeline.explorer.map_frame import frame_of_map
 from pipeline.explorer.page_text import answer_of, doubts_of, heading_of
-from pipeline.explorer.row_figures import rows_figure, value_limits
 from pipeline.explorer.sources import Sources
-from pipeline.plane.row_curves import RowCurves, stored_row
+from pipeline.plane.row_curves import stored_row
 from pipeline.plane.stored import StoredPlane
-from solver import Scales
 
 __all__ = ["page_of"]
 
@@ -85,8 +84,8 @@ def page_of(
     if shown:
         curves, scales = [stored_row(plane, row) for row in shown], frame_of_map(plane, physical).scales
         ends = [value_limits(row, scales=scales) for row in curves]
-        drawn = _curves(curves, layers[0].x, scales)
-        keys = taken_out(drawn)
+        drawn = _curves(len(curves))
+        keys = listed(fill_curves(drawn, curves, layers[0].x, scales=scales))
         document.add_root(drawn)
     told = {"layers": names, "rows": values, "ends": ends}
     data = {"document": _renumbered(document.to_json(deferred=False)), **told}
@@ -119,9 +118,9 @@ def _map(layers: Sequence[Layer]):
     return found
 
 
-def _curves(rows: Sequence[RowCurves], axis: MapAxis, scales: Scales | None):
+def _curves(count: int):
     """One figure of all rows, of which the page shows one at a time."""
-    found = rows_figure(rows, axis, scales=scales, sizing_mode="stretch_both")
+    found = curves_figure(count, sizing_mode="stretch_both")
     place = Span(dimension="height", line_color=_PLACE, line_width=1, line_dash="6 4", name="place", visible=False)
     found.add_layout(place)
     return found

@@ -1,21 +1,24 @@
 """What is shown of one place: its row, every motion with its stability, one of them in time, and basins on demand."""
 
+import functools
 from collections.abc import Callable
 
 import panel as pn
 from bokeh.layouts import column, row
-from bokeh.models import Plot, Span
+from bokeh.models import Span
 
 from pipeline.analysis.motion.motions import Motion, Motions
 from pipeline.analysis.motion.wording import quantity_line, standing
 from pipeline.explorer import answers
+from pipeline.explorer.curves_figure import curves_figure, fill_curves
 from pipeline.explorer.later import Later
-from pipeline.explorer.legend import taken_out
+from pipeline.explorer.legend import listed
 from pipeline.explorer.map_frame import frame_of_map
 from pipeline.explorer.messages import note, text
+from pipeline.explorer.motion_figures import fill_motions, motion_figures
 from pipeline.explorer.opened import Content, Opened, said
-from pipeline.explorer.row_figures import curves_figure, motion_figures
-from pipeline.explorer.state_plane import state_plane
+from pipeline.explorer.plain_figure import source_of
+from pipeline.explorer.state_plane import fill_states, state_plane
 from pipeline.explorer.style import WIDGETS
 from pipeline.explorer.view_state import ViewState
 from pipeline.explorer.words import chip, found_by_integration, motion_table, place_text
@@ -28,8 +31,8 @@ __all__ = ["PlaceColumn"]
 
 #: What stands for an initial state of the reader's own among the motions.
 _OWN = "own"
-#: Pixels of the row and of each figure of a motion; the place in the row.
-_ROW, _CARD = 250, 190
+#: Pixels of the row, of each figure of a motion, and of the plane of states; the place in the row.
+_ROW, _CARD, _STATES = 250, 190, 300
 _HERE = {"line_color": "#d7301f", "line_width": 1, "line_dash": "dashed"}
 
 
@@ -54,7 +57,8 @@ class PlaceColumn:
         self._place_of = self._card_of = self._plane_of = None
         self._found: Motions | None = None
         self._busy = False
-        # Figures are put into Bokeh's own layouts: with Panel's it takes longer to replace them than to make them.
+        self._line = Span(dimension="height", **_HERE)
+        # Each holds figures that are made once and then filled with what there is at a place.
         self.heading, self.verdict, self.motions, self.told = text(), text(), text(), text()
         self.row, self.card, self.states = (column(sizing_mode="stretch_width") for _ in range(3))
         self.row_legend, self.card_legend, self.states_told = text(), text(), text()
@@ -82,6 +86,27 @@ class PlaceColumn:
             css_classes=["place", f"place-{name}"],
         )
 
+    @functools.cached_property
+    def _curves(self):
+        drawn = curves_figure(height=_ROW, sizing_mode="stretch_width")
+        drawn.add_layout(self._line)
+        return drawn
+
+    @functools.cached_property
+    def _figures(self) -> dict:
+        return motion_figures(height=_CARD, sizing_mode="stretch_width")
+
+    @functools.cached_property
+    def _plane(self):
+        drawn = state_plane(height=_STATES, sizing_mode="stretch_width")
+        source_of(drawn, "start").on_change("data", self._dragged)
+        return drawn
+
+    def prepare(self) -> None:
+        """Have the figures of a place in the page before the first place is asked for."""
+        _put(self.row, [self._curves])
+        _put(self.card, _pairs(self._figures))
+
     def show(self, content: Content, state: ViewState, place: tuple[float, float]) -> None:
         """Show a place; what is shown already is left as it is."""
         self._content, self._state, self._at = content, state, place
@@ -92,8 +117,8 @@ class PlaceColumn:
             self.heading.object = f"<h2>{place_text(content.plan, place, self._scales)}</h2>"
             if not self._opened.ready.is_set():
                 self.verdict.object = note("Kernels are being loaded …", "note")
-            self._ask("row", answers.row, place[1:], self._show_row)
-            self._ask("motions", answers.motions, place, self._show_motions)
+            self._ask("row", answers.row, place[1:], self._show_row, self._row_failed)
+            self._ask("motions", answers.motions, place, self._show_motions, self._motions_failed)
         elif self._found is not None:
             self._show_card()
             self._show_states()
@@ -110,12 +135,20 @@ class PlaceColumn:
     def _failed(self, error: Exception) -> None:
         self.told.object = note(said(error, self._opened.path))
 
+    def _row_failed(self, error: Exception) -> None:
+        self.row.visible, self.row_legend.object = False, ""
+        self._failed(error)
+
+    def _motions_failed(self, error: Exception) -> None:
+        self.verdict.object = self.motions.object = ""
+        self._no_card()
+        self._failed(error)
+
     def _show_row(self, found: RowCurves) -> None:
         axis = frame_of_map(self._content.plane, self._state.physical).x
-        drawn = curves_figure(found, axis, scales=self._scales, height=_ROW, sizing_mode="stretch_width")
-        drawn.add_layout(Span(location=self._at[0] * axis.size, dimension="height", **_HERE))
-        self.row_legend.object = taken_out(drawn)
-        _put(self.row, [drawn])
+        self.row_legend.object = listed(fill_curves(self._curves, [found], axis, scales=self._scales))
+        self._line.location = self._at[0] * axis.size
+        _put(self.row, [self._curves])
 
     def _show_motions(self, found: SolvedMotions) -> None:
         label = answers.label_of(found)
@@ -174,14 +207,11 @@ class PlaceColumn:
         self.told.object = f"<p>{words}.</p><p class='quiet'>{quantities}</p>"
         cards = [motion] if motion.of_map is None else [motion, motion.of_map]
         units = units_of(self._content.shown(self._state.physical), self._found)
-        figures = motion_figures(cards, self._found.gap, units, height=_CARD, sizing_mode="stretch_width")
-        self.card_legend.object = "".join(taken_out(one) for one in figures.values())
-        pairs = (("time", "force"), ("phase", "spectrum"))
-        rows = [row(*(figures[name] for name in pair), sizing_mode="stretch_width") for pair in pairs]
-        _put(self.card, rows)
+        self.card_legend.object = listed(fill_motions(self._figures, cards, self._found, units))
+        _put(self.card, _pairs(self._figures))
 
     def _no_card(self) -> None:
-        self.card.children, self.card_legend.object = [], ""
+        self.card.visible, self.card_legend.object = False, ""
 
     def _show_states(self) -> None:
         """The plane of initial states, where the view asks for it: with basins, or with a state to drag."""
@@ -189,21 +219,34 @@ class PlaceColumn:
         self._quietly_toggle(state.basins)
         wanted = state.basins or state.start is not None
         if self._plane_of == (state.basins, wanted):
+            if wanted and self.states.children:
+                self._show_start()
             return
         self._plane_of = state.basins, wanted
         if not wanted or self._change is None:
-            self.states.children, self.states_told.object = [], ""
+            self.states.visible, self.states_told.object = False, ""
         elif state.basins:
             self.states_told.object = note("The slice of basins is integrated …", "note")
-            self._ask("basins", answers.basins, self._at, self._draw_states, self._failed)
+            self._ask("basins", answers.basins, self._at, self._draw_states)
         else:
             self._draw_states(None)
 
     def _draw_states(self, place) -> None:
-        figure, source = state_plane(self._found.attractors, place, self._state.start or self._first_state())
-        source.on_change("data", self._dragged)
-        self.states_told.object = taken_out(figure)
-        _put(self.states, [figure])
+        self.states_told.object = listed(fill_states(self._plane, self._found.attractors, place))
+        self._show_start()
+        _put(self.states, [self._plane])
+
+    def _show_start(self) -> None:
+        """The state that can be dragged, where the view has it."""
+        x, speed = self._state.start or self._first_state()
+        source, shown = source_of(self._plane, "start"), {"x": [x], "y": [speed]}
+        if dict(source.data) != shown:
+            # The view's own state is nothing that the reader has dragged.
+            self._busy = True
+            try:
+                source.data = shown
+            finally:
+                self._busy = False
 
     def _first_state(self) -> tuple[float, float]:
         """Where an own state begins: on the first attractor."""
@@ -213,7 +256,7 @@ class PlaceColumn:
         return float(f"{x:.4g}"), float(f"{speed:.4g}")
 
     def _dragged(self, name: str, before: dict, after: dict) -> None:
-        if len(after["x"]) == 1:
+        if not self._busy and len(after["x"]) == 1:
             x, speed = (float(f"{after[key][0]:.4g}") for key in ("x", "y"))
             self._change(start=(x, speed), motion=None)
 
@@ -249,9 +292,14 @@ def _pane(drawn) -> pn.pane.Bokeh:
     return pn.pane.Bokeh(drawn, sizing_mode="stretch_width", margin=0)
 
 
+def _pairs(figures: dict) -> list:
+    """Figures of motions, two beside each other."""
+    pairs = (("time", "force"), ("phase", "spectrum"))
+    return [row(*(figures[name] for name in pair), sizing_mode="stretch_width") for pair in pairs]
+
+
 def _put(layout, drawn: list) -> None:
-    """Show figures in place of others; their tools come with the pointer."""
-    for one in drawn:
-        for plot in one.select({"type": Plot}):
-            plot.toolbar.autohide = True
-    layout.children = drawn
+    """Have figures in a layout, in sight."""
+    if not layout.children:
+        layout.children = drawn
+    layout.visible = True

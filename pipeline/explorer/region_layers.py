@@ -1,5 +1,7 @@
 """Labels n/I over the plane: exact regions where boundaries are stored and divide it, otherwise the cells."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from pipeline.explorer.boxes import cell_boxes
@@ -19,7 +21,7 @@ from solver import ImpactState
 from solver.regions.division import Division
 from solver.regions.labelling import dynamic_code, is_contradictory, static_code
 
-__all__ = ["label_cells", "region_layer"]
+__all__ = ["label_cells", "region_layer", "sketch"]
 
 
 def region_layer(plane: StoredPlane, name: str, frame: MapFrame, detail: float) -> Layer:
@@ -36,15 +38,14 @@ def region_layer(plane: StoredPlane, name: str, frame: MapFrame, detail: float) 
     """
     division, panel = stored_division(plane), panel_of(plane)
     if division is None:
-        classes, cells = label_cells(plane, frame)
+        classes, cells = label_cells(plane, frame, shares_of_labels(plane))
         shades = _shaded_cells(plane, frame)
     else:
         classes, cells = _regions(plane, division, frame, detail), None
         shades = _shaded_regions(plane, division, frame, detail)
-    stable = "dynamically stable" if plane.dynamic else "stable"
     return Layer(
         name,
-        f"n/I: number of {stable} motions, and their impact states",
+        _title(plane),
         "",
         frame.x,
         frame.y,
@@ -59,19 +60,29 @@ def region_layer(plane: StoredPlane, name: str, frame: MapFrame, detail: float) 
     )
 
 
-def label_cells(plane: StoredPlane, frame: MapFrame):
-    """The classes of labels in the cells of a plane, and the cells."""
+def sketch(plane: StoredPlane, name: str, frame: MapFrame) -> Layer:
+    """The cells of a plane alone, which are there at once, while its boundaries are being put together."""
+    classes, cells = label_cells(plane, frame)
+    return Layer(name, _title(plane), "", frame.x, frame.y, classes=classes, cells=cells, shades=_unknown(plane, frame))
+
+
+def _title(plane: StoredPlane) -> str:
+    return f"n/I: number of {'dynamically stable' if plane.dynamic else 'stable'} motions, and their impact states"
+
+
+def label_cells(plane: StoredPlane, frame: MapFrame, shares: Mapping[int, float] | None = None):
+    """The classes of labels in the cells of a plane, with their shares of it where those are given, and the cells."""
     codes, place = np.unique(plane.domain, return_inverse=True)
-    known, shares = [int(code) for code in codes if code], shares_of_labels(plane)
+    known = [int(code) for code in codes if code]
     classes = tuple(_class(plane, code, shares) for code in known)
     number = {code: i for i, code in enumerate(known)}
     table = np.array([number.get(int(code), -1) for code in codes])
     return classes, plane_cells(plane, table[place.reshape(plane.domain.shape)], frame)
 
 
-def _class(plane: StoredPlane, code: int, shares: dict[int, float], polygons=()) -> AreaClass:
+def _class(plane: StoredPlane, code: int, shares: Mapping[int, float] | None, polygons=()) -> AreaClass:
     label = plane.labels[code]
-    share = share_text(shares.get(code, 0.0))
+    share = "" if shares is None else share_text(shares.get(code, 0.0))
     return AreaClass(label_text(label), hex_colour(label_colour(label)), share, polygons)
 
 

@@ -36,7 +36,8 @@ def make_server(page: Callable[[], object], port: int = 0, title: str = "bevelma
     port = _free_port(port)
     # Other sites that this browser shows are other origins; names that lead to this machine are other hosts.
     hosts = [f"{ADDRESS}:{port}", f"localhost:{port}"]
-    for name in ("bokeh", "tornado.access", "tornado.general", "panel"):
+    # That a page was closed while something was sent to it is nothing to tell.
+    for name in ("asyncio", "bokeh", "tornado.access", "tornado.general", "panel"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     return pn.io.server.get_server(
         lambda: _for_this_machine(page, hosts),

@@ -3,77 +3,94 @@
 from collections.abc import Sequence
 
 import numpy as np
-from bokeh.models import ColumnDataSource, HoverTool, Legend, LegendItem, LinearColorMapper, PointDrawTool
-from bokeh.plotting import figure
+from bokeh.models import HoverTool, LinearColorMapper, PointDrawTool
 
 from pipeline.analysis.attractors.places import Place
 from pipeline.analysis.attractors.wording import attractor_name
 from pipeline.analysis.motion.motions import Motion
+from pipeline.explorer.legend import Entry, area_entry
+from pipeline.explorer.plain_figure import empty, name_axes, numbers, plain_figure, set_range, source_of
 from pipeline.figures.basins import basin_colours
 from pipeline.figures.palette import hex_colour
 
-__all__ = ["state_plane"]
+__all__ = ["fill_states", "state_plane"]
 
-_HEIGHT = 300
+#: Poincaré points of an attractor that are marked.
+_POINTS = 400
 
 
-def state_plane(attractors: Sequence[Motion], place: Place | None, start: tuple[float, float]):
-    """A figure, and the source of the one state in it that can be dragged.
+def state_plane(**options):
+    """An empty figure; `fill_states` gives it data.
+
+    Returns
+    -------
+    bokeh.plotting.figure
+        Named "state-plane", with renderers "basins", "attractors" and "start", the one state that can be dragged.
+    """
+    found = plain_figure(name="state-plane", **options)
+    name_axes(found, "λ at τ = 0", "λ' at τ = 0")
+    basins = empty("image", "x", "y", "dw", "dh")
+    mapper = LinearColorMapper(palette=["#ffffff"])
+    found.image("image", "x", "y", "dw", "dh", source=basins, color_mapper=mapper, level="image", name="basins")
+    style = dict(size=6, fill_color="white", line_color="black", marker="diamond")
+    found.scatter("x", "y", source=empty("x", "y"), name="attractors", **style)
+    style = dict(size=13, fill_color="#d7301f", line_color="white", line_width=1.5)
+    start = found.scatter("x", "y", source=empty("x", "y"), name="start", **style)
+    drag = PointDrawTool(renderers=[start], add=False, num_objects=1, description="drag the initial state")
+    found.add_tools(drag, HoverTool(renderers=[start], tooltips="initial state: drag it"))
+    found.toolbar.active_drag = drag
+    return found
+
+
+def fill_states(found, attractors: Sequence[Motion], place: Place | None) -> list[Entry]:
+    """Show states in a figure of `state_plane`.
 
     Parameters
     ----------
+    found : bokeh.plotting.figure
     attractors : sequence of Motion
         Whose states at tau = 0 mod 2 pi / Omega are marked.
     place : Place or None
         With a slice of the basins.
-    start : (lambda, lambda')
 
     Returns
     -------
-    bokeh.plotting.figure, bokeh.models.ColumnDataSource
+    list of Entry
+        The legend of the basins.
     """
-    drawn = figure(
-        height=_HEIGHT,
-        sizing_mode="stretch_width",
-        tools="pan,wheel_zoom,reset",
-        active_scroll="wheel_zoom",
-        x_axis_label="λ at τ = 0",
-        y_axis_label="λ' at τ = 0",
-        toolbar_location="above",
-        name="state-plane",
-    )
-    drawn.toolbar.logo = None
-    if place is not None:
-        _draw_basins(drawn, place)
-    for one in attractors:
-        points = one.curves.points[:400]
-        drawn.scatter(points[:, 0], points[:, 1], size=6, fill_color="white", line_color="black", marker="diamond")
-    source = ColumnDataSource({"x": [start[0]], "y": [start[1]]})
-    handle = drawn.scatter("x", "y", source=source, size=13, fill_color="#d7301f", line_color="white", line_width=1.5)
-    drag = PointDrawTool(renderers=[handle], add=False, num_objects=1, description="drag the initial state")
-    drawn.add_tools(drag, HoverTool(renderers=[handle], tooltips="initial state: drag it"))
-    drawn.toolbar.active_drag = drag
-    return drawn, source
+    points = np.concatenate([np.empty((0, 2)), *(one.curves.points[:_POINTS] for one in attractors)])
+    source_of(found, "attractors").data = {"x": numbers(points[:, 0]), "y": numbers(points[:, 1])}
+    if place is None:
+        source_of(found, "basins").data = {name: [] for name in ("image", "x", "y", "dw", "dh")}
+        _fit(found, points if len(points) else np.zeros((1, 2)))
+        return []
+    return _fill_basins(found, place)
 
 
-def _draw_basins(drawn, place: Place) -> None:
+def _fill_basins(found, place: Place) -> list[Entry]:
     kinds, impacts = place.row.kind[0], place.row.impact[0]
-    filled = np.flatnonzero(kinds).tolist()
     colours = [hex_colour(colour) for colour in basin_colours(kinds)]
-    mapper = LinearColorMapper(palette=["#ffffff", *colours], low=-1.5, high=len(colours) - 0.5)
+    (basins,) = (one for one in found.renderers if one.name == "basins")
+    basins.glyph.color_mapper.update(palette=["#ffffff", *colours], low=-1.5, high=len(colours) - 0.5)
     x, y = (_ends(values) for values in (place.displacement, place.speed))
-    drawn.image(
-        [place.slots.astype(float)], x=x[0], y=y[0], dw=x[1] - x[0], dh=y[1] - y[0], color_mapper=mapper, level="image"
-    )
-    shares = [float(np.mean(place.slots == slot)) for slot in filled]
-    items = []
-    for slot, share in zip(filled, shares, strict=True):
-        words = f"{attractor_name(int(kinds[slot]), int(impacts[slot]))}: {100.0 * share:.1f} % of the slice"
-        square = drawn.scatter([], [], marker="square", fill_color=colours[slot], line_color="#555555")
-        items.append(LegendItem(label=words, renderers=[square]))
-    drawn.add_layout(Legend(items=items), "below")
-    drawn.x_range.start, drawn.x_range.end = x
-    drawn.y_range.start, drawn.y_range.end = y
+    columns = {"x": [x[0]], "y": [y[0]], "dw": [x[1] - x[0]], "dh": [y[1] - y[0]]}
+    basins.data_source.data = {"image": [place.slots.astype(np.int8)], **columns}
+    set_range(found.x_range, *x)
+    set_range(found.y_range, *y)
+    entries = []
+    for slot in np.flatnonzero(kinds).tolist():
+        share = 100.0 * float(np.mean(place.slots == slot))
+        words = f"{attractor_name(int(kinds[slot]), int(impacts[slot]))}: {share:.1f} % of the slice"
+        entries.append(area_entry(words, colours[slot]))
+    return entries
+
+
+def _fit(found, points: np.ndarray) -> None:
+    """Ranges about some points, with room to drag one of them."""
+    for axis, values in ((found.x_range, points[:, 0]), (found.y_range, points[:, 1])):
+        low, high = float(values.min()), float(values.max())
+        room = 0.5 * (high - low) or max(0.5 * abs(high), 0.5)
+        set_range(axis, low - room, high + room)
 
 
 def _ends(values: np.ndarray) -> tuple[float, float]:

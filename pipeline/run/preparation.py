@@ -169,9 +169,11 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         return _run_with_result(stages, job, workforce, reporter)
     from pipeline.store.repair import remove_left_overs
 
+    wait = job.settings.config.store.wait
     with contextlib.ExitStack() as held:
         try:
-            waited = held.enter_context(holding(job.store_path, job.settings.config.store.wait, reporter.line))
+            with workforce.aside() if wait else contextlib.nullcontext():
+                waited = held.enter_context(holding(job.store_path, wait, reporter.line))
         except Unreachable as error:
             raise StoreError(str(error)) from None
         remove_left_overs(job.store_path)
@@ -215,4 +217,7 @@ def _run(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Repo
         status = max(status, stage.run(job, workforce, reporter))
         for later in stages[number:]:
             later.begin(job, workforce)
+            if later.writes:
+                break
+        stage.finish(job, reporter)
     return status

@@ -63,7 +63,7 @@ class Outcome:
         points, failed = sum(r.points for r in self.receipts), sum(len(r.failures) for r in self.receipts)
         return (
             f"batch: {sum(receipt.rows for receipt in self.receipts)} rows ({rows}) in "
-            f"{sum(receipt.seconds for receipt in self.receipts):.2f} s{f' on {self.worker}' if self.worker else ''}, "
+            f"{sum(receipt.seconds for receipt in self.receipts):.2f} s on {self.worker or 'this machine'}, "
             f"{points} points, {failed} failed{', the next one raised' if self.trouble else ''}"
         )
 

@@ -53,8 +53,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
-    warm_up_for(job, reporter)
     everybody, workforce = workforce, _enough(job, blocks, workforce)
+    warm_up_for(job, reporter, workforce)
     alone = workforce is not everybody
     if alone:
         _expect_figures(job, everybody)
@@ -84,7 +84,7 @@ def _expect_figures(job: Job, workforce: Workforce) -> None:
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:
     """This process and helpers where workers would take longer to start, unless a cluster is asked for."""
-    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks)
+    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks) * workforce.planes
     return workforce.alone() if is_small(job.settings, cells) else workforce
 
 

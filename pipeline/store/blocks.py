@@ -18,7 +18,7 @@ from pipeline.store.arrays import arrays_of, row_layouts
 from pipeline.store.block_states import is_stored, read_states, write_states
 from pipeline.store.chunk_files import encoded, read_chunk
 from pipeline.store.documents import document
-from pipeline.store.files import files_at
+from pipeline.store.files import Files, files_at
 from pipeline.store.names import METADATA
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
@@ -132,12 +132,9 @@ def write_block(path: Place, plan: Plan, block: Block, rows: list[RowValues]) ->
         If another one stands in its place.
     """
     files = files_at(path)
-    told = document(files, METADATA)
-    if told is None and not files.has(METADATA):
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
-    if told is None or told.get("attributes", {}).get("configuration_hash") != plan.digest:
-        # A task of a run that is no more, on a scheduler that goes on.
-        raise StoreError(f"{path} is no longer the store that these rows are of")
+    told = _attributes(files)
+    if told.get("configuration_hash") != plan.digest:
+        raise _other(files)
     place, contents = plan.place(block), {}
     for name, layout in row_layouts(plan).items():
         if name != "status":
@@ -146,7 +143,36 @@ def write_block(path: Place, plan: Plan, block: Block, rows: list[RowValues]) ->
     # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
     write_states(files, plan, block, PENDING)
     files.write(contents)
-    write_states(files, plan, block, np.array([row["status"] for row in rows]))
+    try:
+        _refuse_other(files, told)
+        write_states(files, plan, block, np.array([row["status"] for row in rows]))
+        _refuse_other(files, told)
+    except StoreError:
+        # What was written into another store counts as not stored.
+        write_states(files, plan, block, PENDING)
+        raise
+
+
+def _attributes(files: Files) -> dict:
+    """What a store says of itself, when it was made included."""
+    told = document(files, METADATA)
+    if told is None and not files.has(METADATA):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(files.place))
+    return (told or {}).get("attributes", {})
+
+
+def _refuse_other(files: Files, told: dict) -> None:
+    """Raise unless the store is still the one that said this.
+
+    A task may outlive its run, on a scheduler that goes on or where its client has lost the store to another one. In
+    the same store, whoever writes a block writes the same.
+    """
+    if _attributes(files) != told:
+        raise _other(files)
+
+
+def _other(files: Files) -> StoreError:
+    return StoreError(f"{files.place} is no longer the store that these rows are of")
 
 
 def _chunks(plan: Plan, blocks: Sequence[Block], names: Iterable[str]) -> Iterator[str]:

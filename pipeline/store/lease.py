@@ -38,7 +38,7 @@ from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from typing import Any
 
-from pipeline.errors import StoreError
+from pipeline.errors import LeaseLost, StoreError
 
 __all__ = ["Lease", "Record", "check_held", "leased"]
 
@@ -152,7 +152,7 @@ class Lease:
 
         Raises
         ------
-        StoreError
+        LeaseLost
             If another one has it.
         obstore.exceptions.BaseError
             If that cannot be known.
@@ -206,7 +206,7 @@ class Lease:
                 return
             self.is_held, self._sure = False, float("-inf")
             self.other, _ = self._read() or (_UNKNOWN, None)
-        raise StoreError(
+        raise LeaseLost(
             f"{self.label} was taken over by {self.other}, because this run gave no sign of life for "
             f"{self._mine.seconds:g} s: it writes nothing more"
         )
@@ -271,8 +271,7 @@ def leased(
     Raises
     ------
     StoreError
-        If another process holds it and `wait` is false: host, process and since when. Or if another has taken it over
-        meanwhile.
+        If another process holds it and `wait` is false: host, process and since when.
     obstore.exceptions.BaseError
         If the object store does not do as asked.
     """
@@ -309,7 +308,7 @@ def check_held(label: str) -> None:
 
     Raises
     ------
-    StoreError
+    LeaseLost
         If another has it.
     obstore.exceptions.BaseError
         If that cannot be known.
@@ -326,7 +325,7 @@ def _keep(lease: Lease, over: threading.Event, say: Callable[[str], None]) -> No
     while not over.wait(lease.seconds * _RENEW):
         try:
             lease.renew()
-        except StoreError as error:
+        except LeaseLost as error:
             say(f"store: {error}")
             return
         except obstore.exceptions.BaseError:

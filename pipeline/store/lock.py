@@ -13,8 +13,8 @@ import time
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
+from pipeline.config.places import ObjectPlace, Place
 from pipeline.errors import StoreError
 
 __all__ = ["holding", "let_go", "lock_path"]
@@ -29,12 +29,12 @@ def lock_path(path: Path) -> Path:
     return path.with_name(f".{path.name}.lock")
 
 
-def holding(path: Any, wait: bool, say: Callable[[str], None]) -> contextlib.AbstractContextManager[bool]:
+def holding(path: Place, wait: bool, say: Callable[[str], None]) -> contextlib.AbstractContextManager[bool]:
     """Hold the store at `path` for writing, while in the block.
 
     Parameters
     ----------
-    path : Path or ObjectPlace
+    path : Place
     wait : bool
         Whether to wait for another run to end.
     say : callable
@@ -54,7 +54,7 @@ def holding(path: Any, wait: bool, say: Callable[[str], None]) -> contextlib.Abs
 
 
 @contextlib.contextmanager
-def _leasing(place: Any, wait: bool, say: Callable[[str], None]) -> Iterator[bool]:
+def _leasing(place: ObjectPlace, wait: bool, say: Callable[[str], None]) -> Iterator[bool]:
     # What they stand on takes a while to load.
     from pipeline.store.lease import leased
     from pipeline.store.objects import explained, of_bucket

@@ -217,21 +217,27 @@ class ObjectFiles:
 
     def _put(self, item: tuple[str, bytes]) -> None:
         name, content = item
-        check_held(str(self.place))
         # In one request, so that it is there whole or not at all.
-        asked(self.place, lambda: obstore.put(self._bucket, self._key(name), content, use_multipart=False))
+        self._change(lambda: obstore.put(self._bucket, self._key(name), content, use_multipart=False))
 
     def _copy(self, name: str, target: "ObjectFiles") -> None:
-        check_held(str(target.place))
-        asked(self.place, lambda: obstore.copy(self._bucket, self._key(name), target._key(name)))
+        target._change(lambda: obstore.copy(self._bucket, self._key(name), target._key(name)))
 
     def _delete(self, names: Iterable[str]) -> None:
         """Remove objects, metadata of the whole first: without it, the others are not there."""
         parts = [[name for name in names if (name == METADATA) is first] for first in (True, False)]
         for keys in ([self._key(name) for name in part] for part in parts if part):
-            check_held(str(self.place))
             with contextlib.suppress(FileNotFoundError):
-                asked(self.place, lambda keys=keys: obstore.delete(self._bucket, keys))
+                self._change(lambda keys=keys: obstore.delete(self._bucket, keys))
+
+    def _change(self, request: Callable[[], Any]) -> None:
+        """Make a request that changes something: not after another run has taken the store over."""
+
+        def checked():
+            check_held(str(self.place))
+            request()
+
+        asked(self.place, checked)
 
     def _remove_all(self, known: re.Pattern) -> None:
         names = [name for name, _ in self._listed()]

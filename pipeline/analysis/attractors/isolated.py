@@ -24,7 +24,7 @@ from pipeline.run.job import Job, say_failures
 from pipeline.run.kernels import kernels_for_isolated, ready_for_isolated
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.sheets import csv_text, write_files
-from pipeline.run.warmup import warm_up
+from pipeline.run.warmup import warm_up_where
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
@@ -135,8 +135,7 @@ def run_isolated(job: Job, workforce: Workforce, reporter: Reporter, found: "xar
     stored = read_isolated(path)
     done = stored is not None and stored.attrs["made_from"] == origin
     if not done:
-        if job.settings.config.cluster.kind != "scheduler":
-            warm_up(kernels_for_isolated(kind_of(plan).name), reporter)
+        warm_up_where(workforce, kernels_for_isolated(kind_of(plan).name), reporter)
         results = _compute(plan, found, order, workforce, reporter)
         groups.write_group(path, GROUP, _dataset(plan, found, results, order).assign_attrs(made_from=origin))
         stored = read_isolated(path)

@@ -162,7 +162,7 @@ def run_places(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     found = read_places(path)
     done = found is not None and found.attrs["made_from"] == origin
     if not done:
-        warm_up_for(job, reporter)
+        warm_up_for(job, reporter, workforce)
         places, reasons = {}, {}
         with RowProgress(reporter, len(options.points), what="attractors", unit="places") as bar:
             tasks = [(path, plan, *map(float, point), options) for point in dict.fromkeys(map(tuple, options.points))]

@@ -167,7 +167,7 @@ def _run(function: Callable, tasks: dict[Block, tuple], workforce: Workforce) ->
     waiting, losses = deque(tasks), dict.fromkeys(tasks, 0)
 
     def take() -> Task | None:
-        return Task(tasks[waiting.popleft()]) if waiting else None
+        return Task(tasks[waiting.popleft()], left=len(waiting)) if waiting else None
 
     for task, result in workforce.serve(function, take):
         block = task.arguments[1]

@@ -37,7 +37,7 @@ def _run_plane(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     spec = Spec(path, grid, options, _map_digest(job), limit)
     group = spec.group
     if not (done := group.is_finished):
-        warm_up_for(job, reporter)
+        warm_up_for(job, reporter, workforce)
         where = workforce.start()
         open_log(job, reporter)
         group.begin()

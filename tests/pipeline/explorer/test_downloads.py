@@ -91,7 +91,7 @@ def test_a_run_ends_with_the_server_and_says_why_it_failed(tmp_path):
     [
         ("", {"b": 0.5}, "command"),
         ("python -m pipeline plane=omega_fe", {}, "no fixed parameter"),
-        ("python -m pipeline plane=omega_fe gear=miter", {"b": 0.5}, "physical"),
+        ("python -m pipeline plane=omega_fe gear=miter", {"beta": 0.5}, "beta"),
     ],
 )
 def test_a_plane_that_cannot_be_computed_is_refused(content, command, fixed, named):

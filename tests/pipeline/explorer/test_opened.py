@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 
 from pipeline.errors import StoreError
-from pipeline.explorer.later import Later
 from pipeline.explorer.legend import legend
 from pipeline.explorer.opened import Opened
 from pipeline.run.rows import sweep_block
 from tests.pipeline.planes import small_plan, small_store
+
+pytest.importorskip("panel", reason="the extra explore is not installed")
+
+from bokeh.document import Document
+
+from pipeline.explorer.later import Later
 
 PLAN = small_plan("plane=omega_fe", columns=20, rows=3)
 
@@ -39,16 +44,17 @@ def test_a_store_that_is_gone_or_a_volume_is_refused(tmp_path):
 
 
 def test_of_each_kind_of_work_only_the_last_is_shown():
-    class Document:
-        """Turns of a page, taken when the test says so."""
+    class Page(Document):
+        """Its turns are taken when the test says so."""
 
         def __init__(self):
+            super().__init__()
             self.turns = []
 
         def add_next_tick_callback(self, turn):
             self.turns.append(turn)
 
-    document, shown, failed = Document(), [], []
+    document, shown, failed = Page(), [], []
     later = Later(document)
     for number in range(3):
         later.ask("row", lambda number=number: number, shown.append, failed.append)

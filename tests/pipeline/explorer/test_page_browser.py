@@ -9,7 +9,6 @@ from pipeline.plane.row_curves import stored_row
 from pipeline.plane.stored import read_stored
 from solver import domain_label
 from solver.regions.labelling import static_code
-from tests.pipeline.explorer.browser import chromium
 from tests.pipeline.explorer.planes import integrated_store
 
 pytest.importorskip("bokeh", reason="the extra explore is not installed")
@@ -33,15 +32,10 @@ def file(plane, tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture(params=SIZES)
+@pytest.fixture(scope="module", params=SIZES)
 def page(request, browser, file):
-    """The page, drawn; what the browser complained of and what it asked for are looked at in the end."""
+    """The page, drawn, as the tests before have left it; what the browser complained of and what it asked for are
+    looked at in the end."""
     touch = request.param == "telephone"
     context = browser.new_context(viewport=SIZES[request.param], has_touch=touch)
     opened, complaints, requests = context.new_page(), [], []
@@ -115,7 +109,9 @@ def test_curves_are_those_of_the_row_next_to_a_click(page, plane):
     assert row == int(np.argmin(np.abs(np.array(values) - 0.35)))
     drawn = f"{CURVES}.renderers.find(one => one.visible && one.name === 'branches')"
     assert page.evaluate(f"{drawn}.tags") == [row]
-    points = page.evaluate(f"Array.from({drawn}.data_source.data.xs, line => Array.from(line)).flat().length")
+    points = page.evaluate(
+        f"Array.from({drawn}.data_source.data.xs, line => Array.from(line)).flat().filter(Number.isFinite).length"
+    )
     number = int(np.argmin(np.abs(plane.rows - values[row])))
     assert points == sum(piece.stop - piece.start for piece in stored_row(plane, number).pieces)
     assert page.evaluate(f"{MAP}.center.find(one => one.name === 'row').location") == values[row]

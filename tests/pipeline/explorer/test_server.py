@@ -8,6 +8,7 @@ import shutil
 import socket
 import time
 import urllib.request
+from concurrent.futures import ThreadPoolExecutor
 
 import psutil
 import pytest
@@ -16,18 +17,10 @@ from tornado.websocket import websocket_connect
 
 from pipeline.__main__ import main
 from pipeline.explorer import stage
-from tests.pipeline.explorer.serving import SIZES, served_plane, serving
+from tests.pipeline.explorer.serving import SIZES, served_plane
 
 #: Seconds until a page shows what it was asked for.
 _PATIENCE = 60
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("served")
-    served_plane(folder)
-    with serving(folder) as found:
-        yield found
 
 
 def texts(url: str) -> str:
@@ -37,7 +30,7 @@ def texts(url: str) -> str:
 
 def told_by(url: str, page: str) -> str:
     """The same of a page that was given out."""
-    content, found = asyncio.run(pulled(url, page)), []
+    content, found = done(pulled(url, page)), []
 
     def gather(part) -> None:
         for name, value in part.items() if isinstance(part, dict) else enumerate(part):
@@ -48,6 +41,12 @@ def told_by(url: str, page: str) -> str:
 
     gather(json.loads(content))
     return "\n".join(found)
+
+
+def done(talk):
+    """What comes of talking with the server; in a thread, as a browser of other tests has a loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, talk).result()
 
 
 async def pulled(url: str, page: str) -> str:
@@ -104,7 +103,7 @@ def connected(served, origin: str) -> bool:
             return False
         return "ACK" in said
 
-    return asyncio.run(connect())
+    return done(connect())
 
 
 @pytest.mark.costly
