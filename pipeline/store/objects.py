@@ -11,6 +11,9 @@ from datetime import timedelta
 from functools import lru_cache
 from typing import Any
 
+import obstore
+from obstore.store import MemoryStore, from_url
+
 from pipeline.config.places import ObjectPlace, place_of
 from pipeline.errors import ConfigurationError, Unreachable
 
@@ -43,7 +46,7 @@ def object_store(url: str, options: Mapping) -> Any:
     Raises
     ------
     ConfigurationError
-        If obstore is not installed, or does not know an option.
+        If obstore does not know an option.
     """
     place = place_of("store.root", url, options)
     return _opened(place)
@@ -56,14 +59,6 @@ def of_bucket(place: ObjectPlace) -> Any:
 
 @lru_cache(maxsize=32)
 def _opened(place: ObjectPlace) -> Any:
-    try:
-        import obstore
-        from obstore.store import MemoryStore, from_url
-    except ImportError:
-        raise ConfigurationError(
-            f"store.root = {str(place)!r} is not allowed: an object store needs obstore, which pip install "
-            "'bevelmap[objects]' installs"
-        ) from None
     if place.scheme == "memory":
         return _MEMORY.setdefault(place.bucket, MemoryStore())
     options = place.storage_options

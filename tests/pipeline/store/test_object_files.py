@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import math
 import pickle
+import sys
 
 import numpy as np
 import obstore
@@ -12,7 +13,7 @@ import xarray as xr
 
 from pipeline import store
 from pipeline.config.places import ObjectPlace, place_of
-from pipeline.errors import StoreError
+from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan.row_blocks import RowBlocks
 from pipeline.run.rows import sweep_block
 from pipeline.store import groups
@@ -379,3 +380,10 @@ def test_options_that_no_object_store_has(options, name):
     with pytest.raises(Exception, match=name) as refused:
         files_at(ObjectPlace("s3://bucket/a", place_of("x", "s3://bucket/a", options).options)).exists()
     assert "abracadabra" not in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "obstore", None)
+    monkeypatch.delitem(sys.modules, "pipeline.store.object_files")
+    with pytest.raises(ConfigurationError, match=r"bevelmap\[objects\]"):
+        files_at(new_root())
