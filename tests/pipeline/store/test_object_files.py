@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import math
 import pickle
+import subprocess
 import sys
 
 import numpy as np
@@ -387,3 +388,11 @@ def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
     monkeypatch.delitem(sys.modules, "pipeline.store.object_files")
     with pytest.raises(ConfigurationError, match=r"bevelmap\[objects\]"):
         files_at(new_root())
+
+
+def test_a_folder_loads_nothing_that_object_stores_need(folder, tmp_path):
+    words = [f"store.root={folder.parent}", f"output.root={tmp_path}", "stages=[list,check]", "store.name=plane"]
+    code = f"import sys; from pipeline.__main__ import main; assert main({words!r}) == 0; "
+    code += "print([name for name in sys.modules if name.startswith('obstore') or 'object_files' in name])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout.splitlines()[-1] == "[]"
