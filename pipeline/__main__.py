@@ -1,11 +1,12 @@
 """`python -m pipeline`: the command line. Imports are inside the functions because every worker imports this module."""
 
+import atexit
+import contextlib
+import os
 import signal
 import sys
 
 __all__ = ["main"]
-
-_KEPT = "; what is stored is kept, and the same command goes on from there"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -23,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _status(arguments: list[str], reporter) -> int:
     """The exit status; whatever ends the run is one line."""
-    from pipeline.errors import ConfigurationError
+    from pipeline.errors import KEPT, ConfigurationError
 
     try:
         return _run(arguments, reporter)
@@ -31,7 +32,7 @@ def _status(arguments: list[str], reporter) -> int:
         reporter.error(str(error))
         return error.status
     except OSError as error:
-        reporter.error(f"{error}{_KEPT}")
+        reporter.error(f"{error}{KEPT}")
         return 1
     except KeyboardInterrupt as error:
         # As a shell has it: 128 and the number of the signal.
@@ -41,7 +42,9 @@ def _status(arguments: list[str], reporter) -> int:
 
 
 def _interrupted(number: int) -> str:
-    return f"interrupted{f' by {signal.Signals(number).name}' if number != signal.SIGINT else ''}{_KEPT}"
+    from pipeline.errors import KEPT
+
+    return f"interrupted{f' by {signal.Signals(number).name}' if number != signal.SIGINT else ''}{KEPT}"
 
 
 def _end_abruptly(number: int, reporter) -> None:
@@ -52,6 +55,8 @@ def _end_abruptly(number: int, reporter) -> None:
 
     for worker in multiprocessing.active_children():
         worker.kill()
+    if (jobs := sys.modules.get("pipeline.run.slurm_jobs")) is not None:
+        jobs.give_back()
     let_go()
     reporter.error(_interrupted(number))
 
@@ -96,11 +101,15 @@ def _answer(asked) -> str | None:
 
 def _run_overrides(asked, reporter) -> int:
     from pipeline.config.compose import compose, expand
+    from pipeline.config.secrets import hidden, without_secrets
     from pipeline.errors import ConfigurationError, shown
 
-    combinations = expand(asked.overrides, asked.config_dir)
+    try:
+        combinations = expand(asked.overrides, asked.config_dir)
+    except ConfigurationError as error:
+        raise ConfigurationError(hidden(str(error), asked.overrides)) from None
     if len(combinations) > 1 and not asked.multirun:
-        raise ConfigurationError(f"{shown(' '.join(asked.overrides))}: several values need -m")
+        raise ConfigurationError(f"{shown(' '.join(map(without_secrets, asked.overrides)))}: several values need -m")
     all_settings = [compose(combination, asked.config_dir) for combination in combinations]
     if asked.show or asked.info:
         from pipeline.cli.information import configuration, information
@@ -146,6 +155,7 @@ def _run_each(all_settings, reporter, helpers) -> int:
     asked = {stage for settings in all_settings for stage in settings.config.stages}
     if any(entry.reads_arrays for entry in STAGES if entry.name in asked):
         load_zarr()
+    from pipeline.run.attempt import attempt
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce
 
@@ -159,44 +169,36 @@ def _run_each(all_settings, reporter, helpers) -> int:
     if not jobs:
         return status
     with Workforce(jobs[0].settings.config.cluster, reporter.line, helpers) as workforce:
-        for job in jobs:
-            status = max(status, _attempt(run_plane_stages, job, workforce, reporter))
+        if len(all_settings) == 1:
+            status = attempt(run_plane_stages, jobs[0], workforce, reporter)
+        else:
+            from pipeline.multirun.running import run_planes
+
+            status = max(status, run_planes(all_settings, jobs, workforce, reporter))
         # Tables need several planes: once, after all of them.
-        status = max(status, _attempt(run_shared_stages, jobs[-1], workforce, reporter))
+        status = max(status, attempt(run_shared_stages, jobs[-1], workforce, reporter, beside=True))
     if len(jobs) < len(all_settings):
         done = ", ".join(job.settings.store_name for job in jobs)
         reporter.line(f"note: {len(jobs)} of {len(all_settings)} planes were run: {done}; the others were refused")
     return status
 
 
-def _attempt(run, job, workforce, reporter) -> int:
-    """Exit status of some stages; whatever ends them is one line, so that the next plane has its turn."""
-    from pipeline.errors import ConfigurationError
+def _leave(statuses: list[int]) -> None:
+    """End the process with the status of `main`, the last thing that is done at exit.
 
-    try:
-        return run(job, workforce, reporter)
-    except ConfigurationError as error:
-        reporter.error(str(error))
-        return error.status
-    except Exception as error:  # where a store is damaged, anything may come of it; what is no damage goes on up
-        reporter.error(_explained(job, error))
-        return 1
-
-
-def _explained(job, error: Exception) -> str:
-    """What to say of an error: damage of a store, if there is any, or what the system said; others are ours."""
-    from pipeline import store
-    from pipeline.run.libraries import load_zarr
-
-    load_zarr()
-    # Stages that need several planes read all stores of the folder.
-    for path in [job.store_path, *sorted(set(job.store_path.parent.glob("*.zarr")) - {job.store_path})]:
-        if path.exists() and (found := store.damage_error(path)) is not None:
-            return str(found)
-    if isinstance(error, OSError):
-        return f"{error}{_KEPT}"
-    raise error
+    Python would first take apart every module and everything in them, which takes a quarter of a second.
+    """
+    if statuses:
+        # They may be closed, or nobody may read them.
+        for stream in filter(None, (sys.stdout, sys.stderr)):
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(statuses[0])
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    _STATUSES: list[int] = []
+    # What is registered first is called last.
+    atexit.register(_leave, _STATUSES)
+    _STATUSES.append(main())
+    sys.exit(_STATUSES[0])

@@ -1,12 +1,13 @@
 """What Python offers: a plane computed, and a stored plane opened."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import xarray as xr
 
 from pipeline.config.compose import compose
-from pipeline.errors import ComputationError, StoreError
+from pipeline.config.places import Place
+from pipeline.errors import ComputationError, ConfigurationError, StoreError
 from pipeline.opened_plane import OpenPlane
 from pipeline.plane.stored import read_stored
 from pipeline.run.libraries import check_zarr
@@ -14,6 +15,7 @@ from pipeline.run.preparation import prepare, run_plane_stages
 from pipeline.run.progress import SilentReporter
 from pipeline.run.workforce import Workforce
 from pipeline.store import store_path
+from pipeline.store.files import files_at
 from solver import ParameterError
 from solver.model.checks import instance_of, instances_of
 
@@ -77,30 +79,41 @@ def compute(
     return open_plane(job.store_path)
 
 
-def open_plane(name: Path | str, root: Path | str = "outputs/store") -> OpenPlane:
+def open_plane(
+    name: Place | str, root: Place | str = "outputs/store", storage_options: Mapping | None = None
+) -> OpenPlane:
     """Open a stored plane.
 
     Parameters
     ----------
     name : str or Path
-        Name of the store, such as "omega_fe", or a path to it.
+        Name of the store, such as "omega_fe", or a path to it, or its URL.
     root : str or Path
-        Folder of the stores, for names.
+        Folder of the stores, or its URL, for names.
+    storage_options : mapping, optional
+        For a URL: as `store.storage_options`.
 
     Raises
     ------
     StoreError
         If there is no such store, it is a volume, or this program cannot read it.
     ConfigurationError
-        If zarr is set up in such a way that it would wait for ever.
+        If zarr is set up in such a way that it would wait for ever, no store can be at such a URL, or a folder is given
+        storage options.
+    Unreachable
+        If an object store does not answer, or refuses.
     solver.ParameterError
-        If the name or the root is no path.
+        If the name or the root is no path and no URL.
     """
     check_zarr()
-    path, folder = store_path("name", name), store_path("root", root)
+    if storage_options is not None and not isinstance(storage_options, Mapping):
+        raise ParameterError("storage_options", type(storage_options), "a mapping")
+    path, folder = (store_path(key, value, storage_options) for key, value in (("name", name), ("root", root)))
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = folder / f"{name}.zarr"
+    if storage_options and isinstance(path, Path):
+        raise ConfigurationError(f"storage_options are not allowed: {path} is a folder")
     stored = read_stored(path)
     if stored.plan.parameter2 is not None:
         raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which can be opened")
-    return OpenPlane(stored, xr.open_datatree(path, engine="zarr"))
+    return OpenPlane(stored, xr.open_datatree(files_at(path).zarr(), engine="zarr"))

@@ -2,7 +2,20 @@
 
 import re
 
-__all__ = ["ComputationError", "ConfigurationError", "DamagedError", "StoreError", "WorkerLost", "shown"]
+__all__ = [
+    "KEPT",
+    "ComputationError",
+    "ConfigurationError",
+    "DamagedError",
+    "LeaseLost",
+    "StoreError",
+    "Unreachable",
+    "WorkerLost",
+    "shown",
+]
+
+#: What is said of a run that ends early.
+KEPT = "; what is stored is kept, and the same command goes on from there"
 
 
 _LONG_WORD = re.compile(r"(\S{120})\S{200,}")
@@ -43,6 +56,16 @@ class DamagedError(StoreError):
 
     status = 1
     what = ""
+
+
+class Unreachable(OSError):
+    """An object store does not answer, or refuses; the message names the place and the way on."""
+
+
+class LeaseLost(StoreError):
+    """Another run writes into a store now; the message names both."""
+
+    status = 1
 
 
 class ComputationError(RuntimeError):

@@ -8,7 +8,6 @@ import html
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from pipeline.analysis.margins.distances import Margin
@@ -20,10 +19,12 @@ from pipeline.plan.scales import scales_of
 from pipeline.plane.datasets import dataset_of_branches, dataset_of_motions
 from pipeline.plane.labels import TRAITS
 from pipeline.plane.motions import MOTION, is_enumerated, proven_label, solved_motions
+from pipeline.plane.places import cell_of, nearest, place_of, value_of
 from pipeline.plane.row_curves import solved_curves, stored_row
 from pipeline.plane.stored import StoredPlane
+from pipeline.plane.summary import summary_of
 from solver import ParameterError, Scales, domain_label
-from solver.model.checks import finite_number, instance_of
+from solver.model.checks import instance_of
 from solver.regions.regions import Occurrence
 
 __all__ = ["OpenPlane"]
@@ -104,20 +105,7 @@ class OpenPlane:
 
     def describe(self) -> str:
         """What the plane is, and what is stored of it: a few lines."""
-        solver = self.plan.solver
-        order = "first order" if solver["balance"] == "describing_function" else f"{solver['order']} harmonics"
-        complete = int(np.sum(self.stored.complete))
-        shown = [self.label_of(int(code)) for code in np.unique(self.stored.domain) if code]
-        axes = [f"{axis.name} from {axis.low:g} to {axis.high:g} ({axis.num} values)" for axis in self.plan.axes]
-        lines = {
-            "plane": " over ".join(axes),
-            "solved at": order,
-            "rows": f"{complete} of {self.plan.parameter.num} complete",
-            "labels": ", ".join(shown) or "none",
-            "groups": ", ".join(sorted(self.tree.children)),
-            "store": str(self.path),
-        }
-        return "\n".join([repr(self), *(f"  {name:9} {text}" for name, text in lines.items())])
+        return "\n".join([repr(self), *summary_of(self.stored, self.tree.children)])
 
     @property
     def plot(self) -> Plots:
@@ -189,7 +177,7 @@ class OpenPlane:
         solver.ParameterError
             If the place is not given by the names of both axes, or lies outside of the plane.
         """
-        return self.labels[int(self.stored.domain[self._cell(place)])]
+        return self.labels[int(self.stored.domain[cell_of(self.plan, place)])]
 
     def label_at(self, **place: float) -> str:
         """The label at a point, every solution there enumerated with proof.
@@ -208,7 +196,7 @@ class OpenPlane:
                 f"{self.path} is of order {self.plan.solver['order']}, of which solutions cannot be enumerated: "
                 "label_near reads the stored one"
             )
-        return proven_label(self.plan, *self._place(place))
+        return proven_label(self.plan, *place_of(self.plan, place))
 
     def mask(self, what: str) -> xr.DataArray:
         """Where a label ("2/0-1") or a trait ("jump", "contact loss", "double-sided impact") occurs.
@@ -254,7 +242,7 @@ class OpenPlane:
             If the value is not given by the name of the row parameter, or lies outside of the plane, or physical
             values are asked for of a dimensionless gear.
         """
-        row = _nearest(self.plan.parameter, self._value(self.plan.parameter, value))
+        row = nearest(self.plan.parameter, value_of(self.plan.parameter, value))
         if not self.stored.complete[row]:
             raise StoreError(f"row {row} of {self.path} is not complete: stages=[sweep] computes it")
         return dataset_of_branches(stored_row(self.stored, row), self._scales(physical))
@@ -269,7 +257,7 @@ class OpenPlane:
         solver.ParameterError
             As `curve_near`.
         """
-        p = self._value(self.plan.parameter, value)
+        p = value_of(self.plan.parameter, value)
         return dataset_of_branches(solved_curves(self.plan, p), self._scales(physical))
 
     def motions_near(self, *, physical: bool = False, **place: float) -> xr.Dataset:
@@ -280,7 +268,7 @@ class OpenPlane:
         solver.ParameterError
             As `motions_at`.
         """
-        row, column = self._cell(place)
+        row, column = cell_of(self.plan, place)
         cell = {self.plan.parameter.name: row, self.plan.sweep.name: column}
         here = {name: self.tree[name].isel(cell).values for name in (*MOTION, *(one.name for one in READ))}
         there = here["stable"] >= 0
@@ -316,7 +304,7 @@ class OpenPlane:
         solver.ParameterError
             As `label_near`, or if physical values are asked for of a dimensionless gear.
         """
-        x, p = self._place(place)
+        x, p = place_of(self.plan, place)
         places = {self.plan.sweep.name: x, self.plan.parameter.name: p}
         return dataset_of_motions(self.plan, solved_motions(self.plan, x, p), places, self._scales(physical))
 
@@ -338,7 +326,7 @@ class OpenPlane:
         """
         from pipeline.analysis.margins.nearest import nearest_margins
 
-        x, p = self._place(place)
+        x, p = place_of(self.plan, place)
         if self.stored.boundaries is None:
             raise StoreError(f"{self.path} has no boundaries: run stages=[boundaries] first")
         return nearest_margins(self.stored, x, p)
@@ -360,7 +348,7 @@ class OpenPlane:
         solver.ParameterError
             As `label_near`.
         """
-        queries, (x, p) = _queries(), self._place(place)
+        queries, (x, p) = _queries(), place_of(self.plan, place)
         return queries.attractors_near(queries.attractors_of(self.path), self.plan, x, p)
 
     def isolated_branches(self, **value: float) -> xr.Dataset:
@@ -382,7 +370,7 @@ class OpenPlane:
         """
         from pipeline.analysis.attractors.isolated import isolated_near, read_isolated
 
-        p, found = self._value(self.plan.parameter, value), read_isolated(self.path)
+        p, found = value_of(self.plan.parameter, value), read_isolated(self.path)
         if found is None:
             raise StoreError(
                 f"{self.path} has no isolated branches: run stages=[attractors] attractors.branches=5 first"
@@ -421,37 +409,9 @@ class OpenPlane:
             raise ParameterError("physical", physical, "false: the gear of this plane is dimensionless")
         return scales
 
-    def _cell(self, place: dict) -> tuple[int, int]:
-        """Row and column of the nearest cell."""
-        x, p = self._place(place)
-        return _nearest(self.plan.parameter, p), _nearest(self.plan.sweep, x)
-
-    def _place(self, place: dict) -> tuple[float, float]:
-        """Column value and row value of a place given by names."""
-        axes = (self.plan.sweep, self.plan.parameter)
-        self._check_names(place, {axis.name for axis in axes})
-        return tuple(_within(axis, place[axis.name]) for axis in axes)
-
-    def _value(self, axis, value: dict) -> float:
-        self._check_names(value, {axis.name})
-        return _within(axis, value[axis.name])
-
-    @staticmethod
-    def _check_names(given: dict, names: set[str]) -> None:
-        if set(given) != names:
-            raise ParameterError("place", given, f"given by {' and '.join(sorted(names))}, each with a value")
-
 
 def _queries():
     """Questions to attractors, which need the kernels of integration: a map alone is opened without."""
     from pipeline.analysis.attractors import queries
 
     return queries
-
-
-def _nearest(axis, value: float) -> int:
-    return int(np.argmin(np.abs(axis.values - value)))
-
-
-def _within(axis, value) -> float:
-    return finite_number(axis.name, value, at_least=axis.low, at_most=axis.high)

@@ -36,7 +36,7 @@ def configuration(settings, package: str | None = None) -> str:
         return settings.yaml()
     from omegaconf import OmegaConf
 
-    whole = OmegaConf.structured(settings.config)
+    whole = OmegaConf.structured(settings.shown)
     try:
         part = OmegaConf.select(whole, package, throw_on_missing=False)
     except Exception:  # a path that OmegaConf cannot read is a section that is not there

@@ -62,9 +62,11 @@ def _number(value: float) -> str:
     return f"2^{(value + 1).bit_length() - 1} - 1" if exact and value & (value + 1) == 0 else f"{value:g}"
 
 
-def allowed(low: float = -math.inf, high: float = math.inf, above: bool = False, names: tuple[str, ...] = ()):
+def allowed(
+    low: float = -math.inf, high: float = math.inf, above: bool = False, names: tuple[str, ...] = (), default=MISSING
+):
     """A key of the schema with what its value may be; of a list, what each of its entries may be."""
-    return field(default=MISSING, metadata={_ALLOWED: Allowed(low, high, above, names)})
+    return field(default=default, metadata={_ALLOWED: Allowed(low, high, above, names)})
 
 
 def sentence_of(section: type, name: str) -> str:

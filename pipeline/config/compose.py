@@ -8,7 +8,7 @@ import pickle
 import re
 import typing
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from omegaconf import DictConfig, OmegaConf
@@ -18,7 +18,9 @@ from pipeline.config.allowed import check_all
 from pipeline.config.default_name import default_name, is_name
 from pipeline.config.files import check_files
 from pipeline.config.folders import local_folder
+from pipeline.config.places import Place, place_of
 from pipeline.config.schema import Configuration
+from pipeline.config.secrets import hidden, hidden_values
 from pipeline.config.typed import GROUPS, SYSTEMS, conf_folder, expand, key_of
 from pipeline.errors import ConfigurationError, shown
 
@@ -46,7 +48,7 @@ class Settings:
     """
 
     config: Configuration
-    overrides: tuple[str, ...]
+    overrides: tuple[str, ...] = dataclasses.field(repr=False)
     choices: dict[str, str]
     default_name: str
     config_dir: str | None = None
@@ -58,9 +60,14 @@ class Settings:
         return self.default_name if name is None else name
 
     @property
-    def store_path(self) -> Path:
+    def store_root(self) -> Place:
+        """Where stores are."""
+        return place_of("store.root", self.config.store.root, self.config.store.storage_options)
+
+    @property
+    def store_path(self) -> Place:
         """Where the store is."""
-        return Path(self.config.store.root) / f"{self.store_name}.zarr"
+        return self.store_root / f"{self.store_name}.zarr"
 
     @property
     def output_root(self) -> Path:
@@ -94,10 +101,16 @@ class Settings:
             [f"plane={plane}", *(override for override in kept if key_of(override) not in replaced)], self.config_dir
         )
 
+    @property
+    def shown(self) -> Configuration:
+        """The configuration as it may be shown and stored: without the values of storage options."""
+        store = self.config.store
+        return replace(self.config, store=replace(store, storage_options=hidden_values(store.storage_options)))
+
     def yaml(self) -> str:
         """The resolved configuration."""
         # Values are typed already: as plain data they are written without being checked once more.
-        return OmegaConf.to_yaml(OmegaConf.create(dataclasses.asdict(self.config)))
+        return OmegaConf.to_yaml(OmegaConf.create(dataclasses.asdict(self.shown)))
 
 
 def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings:
@@ -119,6 +132,13 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
     ConfigurationError
         One line that names the key.
     """
+    try:
+        return _composed_settings(overrides, config_dir)
+    except ConfigurationError as error:
+        raise ConfigurationError(hidden(str(error), overrides)) from None
+
+
+def _composed_settings(overrides: Sequence[str], config_dir: str | None) -> Settings:
     if config_dir is not None:
         folder = Path(config_dir)
         if not folder.is_dir():
@@ -133,7 +153,7 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
         if getattr(config, name) is None:
             raise ConfigurationError(f"{name} has no value")
     config.output.root = local_folder("output.root", config.output.root)
-    config.store.root = local_folder("store.root", config.store.root)
+    config.store.root = str(place_of("store.root", config.store.root, config.store.storage_options))
     check_all(config)
     if config.debug.row is not None:
         # Looking at one row is then all that is done.
@@ -207,6 +227,8 @@ def _files_chosen(
     plain = OmegaConf.masked_copy(composed, [key for key in composed if key != "hydra"])
     # No value may be given to a key that is not there, unless + says so.
     OmegaConf.set_struct(plain, True)
+    # But the options of an object store, whose names are not known here.
+    OmegaConf.set_struct(plain.store.storage_options, False)
     typed = None
     with contextlib.suppress(OmegaConfBaseException, ValueError, TypeError):
         typed = pickle.dumps(OmegaConf.merge(OmegaConf.structured(Configuration), plain))
@@ -270,6 +292,8 @@ def _one_line(error: Exception) -> str:
                 of = key.split(".")[1]
                 example = of if of in SYSTEMS else "miter" if of in ("physical", "thermal") else "published"
                 return f"{key} is not allowed here: this gear has no such key; gear={example} has it"
+            if key.startswith("cluster.") and key in _keys():
+                return f"{key} is not allowed here: it is a setting of jobs; cluster=slurm has it"
             close = difflib.get_close_matches(key, _keys(), n=1)
             return f"{key} is not a key of the configuration{f': did you mean {close[0]}?' if close else ''}"
         if " is not Optional" in said:

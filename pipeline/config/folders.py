@@ -1,14 +1,12 @@
 """Folders as users type them."""
 
 import re
-from pathlib import Path
 
+from pipeline.config.places import is_url, place_of
 from pipeline.errors import ConfigurationError
 
 __all__ = ["local_folder", "quoted_home"]
 
-#: A letter alone may be a drive.
-_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[:/]")
 #: A value that begins with ~, which Hydra's grammar has only between quotes.
 _HOME = re.compile(r"([\w.+]+=)(~[^'\",\[\](){}]*)")
 
@@ -36,20 +34,15 @@ def local_folder(key: str, text: str) -> str:
 
     Examples
     --------
-    >>> local_folder("store.root", "results/store")
-    'results/store'
-    >>> local_folder("store.root", "s3://bucket/store")  # doctest: +ELLIPSIS
+    >>> local_folder("output.root", "results")
+    'results'
+    >>> local_folder("output.root", "s3://bucket/results")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    pipeline.errors.ConfigurationError: store.root = 's3://bucket/store' is not allowed: it must be a folder of ...
+    pipeline.errors.ConfigurationError: output.root = 's3://bucket/results' is not allowed: it must be a folder of ...
     """
-    if _URL.match(text):
-        said = "it must be a folder of this machine; stores elsewhere are not supported"
-    elif not text or "\0" in text:
-        said = "it must be the path of a folder"
-    else:
-        try:
-            return str(Path(text).expanduser())
-        except RuntimeError:
-            said = "there is no such user"
-    raise ConfigurationError(f"{key} = {text!r} is not allowed: {said}")
+    if is_url(text):
+        raise ConfigurationError(
+            f"{key} = {text!r} is not allowed: it must be a folder of this machine; store.root alone may be a URL"
+        )
+    return str(place_of(key, text))

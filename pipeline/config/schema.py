@@ -1,7 +1,7 @@
 """Types of every configuration key, and what values may be where that is a range or a word; values live in conf/."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from omegaconf import MISSING
@@ -269,7 +269,7 @@ class Security:
 class Cluster:
     """Where tasks run."""
 
-    kind: str = allowed(names=("local", "none", "scheduler"))
+    kind: str = allowed(names=("local", "none", "scheduler", "slurm"))
     workers: int = allowed(0, 1024)
     memory: str = MISSING
     row_seconds: float = allowed(0.0, 1e6, above=True)
@@ -278,6 +278,16 @@ class Cluster:
     scheduler_file: str | None = MISSING
     timeout: float = allowed(0.0, 3600.0, above=True)
     security: Security = MISSING
+    # Of jobs: their file alone has them.
+    queue: str | None = None
+    account: str | None = None
+    cores: int | None = allowed(1, 1024, default=None)
+    walltime: str | None = None
+    minimum_jobs: int | None = allowed(0, 10_000, default=None)
+    maximum_jobs: int | None = allowed(1, 10_000, default=None)
+    directives: list[str] | None = None
+    host: str | None = None
+    folder: str | None = None
 
 
 @dataclass
@@ -300,6 +310,8 @@ class Store:
     """The store of a plane, and how much a row may hold."""
 
     root: str = MISSING
+    #: Of an object store: secrets may be among them, which no text has.
+    storage_options: dict[str, Any] = field(default=MISSING, repr=False)
     name: str | None = MISSING
     overwrite: bool = MISSING
     wait: bool = MISSING

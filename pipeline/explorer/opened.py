@@ -14,6 +14,8 @@ from pipeline.explorer.layers import layer, layer_names, layer_sketch
 from pipeline.explorer.view_state import Allowed, allowed_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane
+from pipeline.store.files import files_at
+from pipeline.store.names import METADATA
 
 __all__ = ["Content", "Opened", "said"]
 
@@ -91,7 +93,8 @@ class Opened:
     def _state(self) -> tuple:
         """Changes when somebody writes into the store."""
         try:
-            documents = [(file.name, file.stat().st_mtime_ns) for file in sorted(self.path.glob("**/zarr.json"))]
+            versions = files_at(self.path).versions()
+            documents = sorted(item for item in versions.items() if item[0].rpartition("/")[2] == METADATA)
             return (*documents, np.asarray(store.statuses(self.path)).tobytes())
         except Exception as error:
             raise StoreError(said(error, self.path)) from None
@@ -99,7 +102,7 @@ class Opened:
 
 def said(error: Exception, path: Path) -> str:
     """What a page says of an error: damage of the store, or that it is gone, if that is what it is."""
-    if not path.exists():
+    if not store.exists(path):
         return f"{path} is gone: the command that made it makes it again"
     if isinstance(error, ConfigurationError):
         return str(error)

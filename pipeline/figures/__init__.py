@@ -5,11 +5,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from pipeline import store
 from pipeline.config.quantities import AMPLITUDE
 from pipeline.figures.options import check_options
 from pipeline.plane.stored import read_stored
 
-__all__ = ["NAMES", "OF_ROWS", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra"]
+__all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra", "names_of"]
 
 #: Figures of a plane, those that take longest first.
 NAMES = (
@@ -23,9 +24,6 @@ NAMES = (
     "basins",
     "backbone",
 )
-
-#: Those that need the rows of the plane and nothing that later stages add.
-OF_ROWS = ("curves", "multipliers", "backbone")
 
 
 def draw(
@@ -89,18 +87,34 @@ def draw(
     ConfigurationError
         If the options are not allowed for this plane, or there is no store of ours.
     """
-    plane = read_stored(store_path, stability == "dynamic", units == "physical")
-    check_options(plane.plan, curves, formats, dpi, window, stability, units, multipliers, quantity, of)
-    folder.mkdir(parents=True, exist_ok=True)
-    with _without_collector():
-        if plane.plan.parameter2 is not None:
-            return _draw_layers(plane, folder, formats, dpi)
-        return _draw(plane, folder, curves, formats, dpi, window, multipliers, quantity, of, only)
+    options = {"curves": curves, "formats": formats, "dpi": dpi, "window": window, "stability": stability}
+    options |= {"units": units, "multipliers": multipliers, "quantity": quantity, "of": of}
+    drawn = draw_named(store_path, folder, options, NAMES if only is None else only)
+    return [path for paths in drawn.values() for path in paths]
 
 
 def draw_named(store_path: Path, folder: Path, options: dict, names: Sequence[str]) -> dict[str, list[Path]]:
-    """`draw` some figures, as a task of a worker: name -> its paths, none if the plane has none of this name."""
-    return {name: draw(store_path, folder, **options, only=[name]) for name in names}
+    """`draw` some figures, as a task of a worker: name -> its paths, without those that the plane does not have."""
+    formats, dpi = options["formats"], options["dpi"]
+    plane = read_stored(store_path, options["stability"] == "dynamic", options["units"] == "physical")
+    check_options(plane.plan, **options)
+    folder.mkdir(parents=True, exist_ok=True)
+    with _without_collector():
+        if plane.plan.parameter2 is not None:
+            return {"layers": _draw_layers(plane, folder, formats, dpi)}
+        asked = {name: options[name] for name in ("curves", "window", "multipliers", "quantity", "of")}
+        return _draw(plane, folder, formats, dpi, names, **asked)
+
+
+def names_of(store_path: Path, options: dict) -> list[str]:
+    """Figures that a plane may have with the options of `draw`, those that take longest first."""
+    kept = {"map-quantity": options["quantity"], "map-window": options["window"], "multipliers": options["multipliers"]}
+    lacking = {name for name, value in kept.items() if value is None}
+    if not (store_path / "attractors").exists():
+        lacking |= {"attractors", "verification"}
+    if not (store_path / "places").exists():
+        lacking.add("basins")
+    return [name for name in NAMES if name not in lacking]
 
 
 def draw_design(
@@ -182,7 +196,7 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(plane, folder, curves, formats, dpi, window, multipliers, quantity, of, only) -> list[Path]:
+def _draw(plane, folder, formats, dpi, names, curves, window, multipliers, quantity, of) -> dict[str, list[Path]]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from pipeline.figures.backbone import draw_backbone, has_backbone
     from pipeline.figures.curves import draw_curves
@@ -205,17 +219,17 @@ def _draw(plane, folder, curves, formats, dpi, window, multipliers, quantity, of
         from pipeline.figures.multipliers import draw_multipliers
 
         drawers["multipliers"] = lambda: draw_multipliers(plane, multipliers)
-    if any((plane.path / group).exists() for group in ("attractors", "places")):
+    if any(store.exists(plane.path / group) for group in ("attractors", "places")):
         # What it needs of the solver are many kernels, and most planes have none.
         drawers |= _of_attractors(plane)
     if has_backbone(plane):
         drawers["backbone"] = lambda: draw_backbone(plane)
-    paths = []
     with own_style():
-        for name, drawn in drawers.items():
-            if only is None or name in only:
-                paths += write_figure(drawn(), plane, folder, files.get(name, name), formats, dpi)
-    return paths
+        return {
+            name: write_figure(drawn(), plane, folder, files.get(name, name), formats, dpi)
+            for name, drawn in drawers.items()
+            if name in names
+        }
 
 
 def _of_attractors(plane) -> dict:

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
+from pipeline import store
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.plane.stored import StoredPlane
 from solver import ImpactState
@@ -75,7 +76,7 @@ def isolated_curves_at(plane: StoredPlane, value: float, names: tuple[str, ...])
     names : tuple of str
         Quantities.
     """
-    if not (plane.path / "isolated").exists():
+    if not store.exists(plane.path / "isolated"):
         return None
     # It takes a while to load, and most planes have none.
     from pipeline.analysis.attractors.isolated import isolated_near, read_isolated

@@ -1,6 +1,5 @@
 """The stage figures: pictures of the stored plane; nothing is solved again."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 
@@ -32,18 +31,21 @@ def _folder(job: Job) -> Path:
     return job.settings.output_root / "figures" / job.settings.store_name
 
 
-def _task(job: Job, names: Sequence[str]) -> tuple:
-    """Arguments of `pipeline.figures.draw_named` for figures that one process draws."""
-    return job.store_path, _folder(job), _options(job), tuple(names)
+def _tasks(job: Job) -> list[tuple]:
+    """Arguments of `pipeline.figures.draw_named`, one figure each, what takes longest first."""
+    from pipeline import figures
+
+    options = _options(job)
+    names = figures.names_of(job.store_path, options)
+    return [(job.store_path, _folder(job), options, (name,)) for name in names]
 
 
 def _begin(job: Job, workforce: Workforce) -> None:
-    """Draw what needs rows alone while boundaries are traced."""
+    """Draw while the stages before this one are finished."""
     from pipeline import figures
 
     if job.plan.parameter2 is None:
-        # One task, so that tracing keeps a core to itself.
-        workforce.begin_beside(figures.draw_named, [_task(job, figures.OF_ROWS)])
+        workforce.begin_beside(figures.draw_named, _tasks(job))
 
 
 def _draw(job: Job, workforce: Workforce) -> list[Path]:
@@ -52,13 +54,12 @@ def _draw(job: Job, workforce: Workforce) -> list[Path]:
 
     if not workforce.has_local_workers or job.plan.parameter2 is not None:
         return figures.draw(job.store_path, _folder(job), **_options(job))
-    alone = [[name] for name in figures.NAMES if name not in figures.OF_ROWS]
-    tasks, drawn = [_task(job, names) for names in (*alone, figures.OF_ROWS)], {}
-    for _, result in workforce.run_beside(figures.draw_named, tasks):
+    drawn = {}
+    for _, result in workforce.run_beside(figures.draw_named, _tasks(job)):
         if isinstance(result, Exception):
             raise result
         drawn |= result
-    return [path for name in figures.NAMES for path in drawn[name]]
+    return [path for name in figures.NAMES for path in drawn.get(name, [])]
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:

@@ -1,11 +1,11 @@
 """Which layer of a volume a configuration asks for, and the configuration of its plane."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from pipeline.config.compose import Settings
+from pipeline.config.places import Place
 from pipeline.errors import ConfigurationError
 from pipeline.plan.plan import Plan
 
@@ -16,7 +16,7 @@ __all__ = ["Layer", "layer_of", "of_layer"]
 class Layer:
     """Where a layer is: the store of its volume, and its number there."""
 
-    volume: Path
+    volume: Place
     index: int
 
 

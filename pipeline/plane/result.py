@@ -1,19 +1,57 @@
 """What a map tells, in one sentence."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pipeline.plane.labels import contact_lost, double_sided, jumping
 from pipeline.plane.stored import StoredPlane
 from solver import domain_label
 
-__all__ = ["result_line"]
+__all__ = ["MapSummary", "map_summary", "result_line"]
 
-#: What happens, and whether it does under a label.
-_SAID = (
-    ("several motions in {}", jumping),
-    ("teeth part in {}", contact_lost),
-    ("back flanks struck in {}", double_sided),
+#: What happens: as `MapSummary` names it, in words, and whether it does under a label.
+_HAPPENS = (
+    ("several_motions", "several motions in {}", jumping),
+    ("teeth_part", "teeth part in {}", contact_lost),
+    ("back_flanks_struck", "back flanks struck in {}", double_sided),
 )
+
+
+@dataclass(frozen=True)
+class MapSummary:
+    """A map in numbers; shares are of its computed cells.
+
+    Parameters
+    ----------
+    domains : int
+        Number of labels.
+    several_motions, teeth_part, back_flanks_struck : float
+        Share of the cells in which several stable motions coexist, a stable motion parts the teeth, one strikes both
+        flanks.
+    whole : bool
+        Whether all cells are computed.
+    """
+
+    domains: int
+    several_motions: float
+    teeth_part: float
+    back_flanks_struck: float
+    whole: bool
+
+
+def map_summary(plane: StoredPlane) -> MapSummary | None:
+    """What the map of a stored plane or volume tells; None where nothing has been computed."""
+    codes, cells = np.unique(plane.domain, return_counts=True)
+    computed = codes != 0
+    if not np.any(computed):
+        return None
+    labels, shares = [domain_label(int(code)) for code in codes[computed]], cells[computed] / cells[computed].sum()
+    found = {
+        name: float(sum((share for label, share in zip(labels, shares, strict=True) if happens(label)), 0.0))
+        for name, _, happens in _HAPPENS
+    }
+    return MapSummary(domains=len(labels), whole=bool(np.all(computed)), **found)
 
 
 def result_line(plane: StoredPlane) -> str:
@@ -29,20 +67,15 @@ def result_line(plane: StoredPlane) -> str:
     str
         Empty where nothing has been computed.
     """
-    codes, cells = np.unique(plane.domain, return_counts=True)
-    computed = codes != 0
-    if not np.any(computed):
+    summary = map_summary(plane)
+    if summary is None:
         return ""
-    labels, shares = [domain_label(int(code)) for code in codes[computed]], cells[computed] / cells[computed].sum()
-    whole = "volume" if plane.domain.ndim == 3 else "plane"
-    whole = f"the {whole}" if np.all(computed) else f"what is computed of the {whole}"
-    words = []
-    for text, happens in _SAID:
-        share = sum((share for label, share in zip(labels, shares, strict=True) if happens(label)), 0.0)
-        words.append(text.format(_percent(float(share))))
+    whole = "plane" if plane.plan.parameter2 is None else "volume"
+    whole = f"the {whole}" if summary.whole else f"what is computed of the {whole}"
+    words = [text.format(_percent(getattr(summary, name))) for name, text, _ in _HAPPENS]
     # Of what the others are shares of, the first one speaks for all.
     words[0] += f" of {whole}"
-    return f"{len(labels)} domain{'s' * (len(labels) != 1)}; {', '.join(words)}"
+    return f"{summary.domains} domain{'s' * (summary.domains != 1)}; {', '.join(words)}"
 
 
 def _percent(share: float) -> str:

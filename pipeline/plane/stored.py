@@ -15,6 +15,7 @@ from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
 from pipeline.plane.resonances import contact_modes
 from pipeline.plane.segments import Piece, pieces_of_row
 from pipeline.store import COMPLETE, read_plan
+from pipeline.store.files import files_at
 from solver import Scales, domain_code
 from solver.model.packing import dead_zone_ends
 from solver.regions.labelling import stability_code
@@ -264,7 +265,7 @@ class StoredPlane:
 
     @cached_property
     def _root(self) -> zarr.Group:
-        return zarr.open_group(self.path, mode="r")
+        return zarr.open_group(files_at(self.path).zarr(), mode="r")
 
     @cached_property
     def _kept(self) -> np.ndarray:

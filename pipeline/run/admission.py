@@ -6,14 +6,16 @@ that joins later, or was started again from other sources, is found out before i
 
 import importlib
 import pickle
+import socket
 import sys
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from pipeline.run.environment import differences, digest_of, facts
 from pipeline.run.libraries import load_zarr
 
-__all__ = ["Admission", "Unequal", "call_if_equal", "introduce", "worker_address"]
+__all__ = ["Admission", "Ready", "Unequal", "call_if_equal", "get_ready", "introduce", "worker_address"]
 
 #: Workers that are named one by one.
 _MOST_NAMED = 3
@@ -35,6 +37,35 @@ def call_if_equal(expected: str, payload: bytes):
     load_zarr()
     function, arguments = pickle.loads(payload)
     return function(*arguments)
+
+
+@dataclass(frozen=True)
+class Ready:
+    """What a worker answers that is ready for tasks.
+
+    Parameters
+    ----------
+    host : str
+        Its machine.
+    compiled : int
+        Kernels that it compiled itself.
+    seconds : float
+        That it took to have all of them.
+    """
+
+    host: str
+    compiled: int
+    seconds: float
+
+
+def get_ready(names: tuple[str, ...]) -> Ready:
+    """On a worker: have kernels; workers of one machine share what is to be compiled, each kernel once."""
+    from solver.kernels.store import kernel_store
+    from solver.kernels.warm import kernels_of, warm
+
+    begin, before = time.perf_counter(), kernel_store().made
+    warm(kernels_of(names))
+    return Ready(socket.gethostname(), kernel_store().made - before, time.perf_counter() - begin)
 
 
 def introduce(load: bool) -> dict[str, str]:
@@ -83,8 +114,8 @@ class Admission:
             self._refuse(
                 worker, f"bevelmap cannot be used there ({type(answer).__name__}: {' '.join(str(answer).split())})"
             )
-        elif reason := differences(answer, self.own):
-            self._refuse(worker, reason)
+        elif digest_of(answer) != self.digest:
+            self._refuse(worker, differences(answer, self.own))
         else:
             self.equal.add(worker)
 

@@ -8,8 +8,12 @@ from pathlib import Path
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError
 from pipeline.run.libraries import load_dask
+from pipeline.run.slurm_settings import JobSettings, job_settings
 
-__all__ = ["address_of", "check_cluster", "check_start", "security_of", "setting_of"]
+__all__ = ["REMOTE", "address_of", "check_cluster", "check_start", "jobs_of", "security_of", "setting_of", "unreached"]
+
+#: Kinds whose workers are on other machines: they need not see what this process compiles.
+REMOTE = ("scheduler", "slurm")
 
 #: Transport, host (a name, an IPv4 or an IPv6 address) and port.
 _ADDRESS = re.compile(r"(tcp|tls)://(\[[0-9A-Fa-f:.%\w]+\]|[\w.-]+):(\d{1,5})")
@@ -30,6 +34,13 @@ def check_cluster(config: Cluster) -> None:
         raise ConfigurationError("cluster.dashboard = True is not allowed here: it needs the package bokeh")
     if config.kind == "scheduler":
         security_of(config, address_of(config))
+    if config.kind == "slurm":
+        jobs_of(config)
+
+
+def jobs_of(config: Cluster) -> JobSettings:
+    """The settings of jobs, checked."""
+    return job_settings(config, _LEAST_MEMORY)
 
 
 def check_start(config: Cluster) -> None:
@@ -142,6 +153,40 @@ def security_of(config: Cluster, address: str):
             f"they must be certificates and a key that belong together ({' '.join(str(error).split())})"
         ) from None
     return security
+
+
+def unreached(config: Cluster, address: str, security, error: Exception) -> ConfigurationError:
+    """What is said where no scheduler answered: which file does not fit, or which transport the other one may be.
+
+    Parameters
+    ----------
+    config : Cluster
+    address : str
+    security : distributed.Security
+        With which it was tried.
+    error : Exception
+        What came of it.
+    """
+    said = " ".join(str(error).split()) or type(error).__name__
+    if address.startswith("tls://"):
+        if re.search(r"certificate.(does not match|verify.failed)", said, re.IGNORECASE):
+            return ConfigurationError(
+                f"cluster.security.ca_file = {security.tls_ca_file!r} is not allowed: it must be the authority that "
+                f"signed the certificate of the scheduler at {address}"
+            )
+        if re.search(r"alert|unknown.ca|certificate.required", said, re.IGNORECASE):
+            return ConfigurationError(
+                f"cluster.security.cert = {security.tls_client_cert!r} is not allowed: it must be signed by the "
+                f"authority that the scheduler at {address} goes by, which did not accept it"
+            )
+    # What hangs up at the first word speaks otherwise.
+    other = "tcp" if address.startswith("tls://") else "tls"
+    hangs_up = re.search(r"reset|closed|not idle|wrong.version", said, re.IGNORECASE)
+    advice = f"; it may be one at {other}://{address.partition('://')[2]}" if hangs_up else ""
+    return ConfigurationError(
+        f"{setting_of(config)} is not allowed: it must be that of a dask scheduler, and none answered there within "
+        f"{config.timeout:g} s ({said}){advice}"
+    )
 
 
 def _check_file(name: str, value: str) -> None:

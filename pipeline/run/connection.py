@@ -71,6 +71,11 @@ class Connection:
         """Threads of the workers that are there, by address."""
         return self._ask(self._client.scheduler.ncores, workers=None)
 
+    def versions(self, packages: tuple[str, ...]) -> tuple[dict[str, str | None], str]:
+        """Versions of packages of the scheduler, None where it has none, and of its Python."""
+        found = self._ask(self._client.scheduler.versions, packages=list(packages))
+        return found["packages"], found["host"]["python"]
+
     def dashboard(self) -> str | None:
         """Where the scheduler shows what it does, None if nowhere."""
         port = self._ask(self._client.scheduler.identity)["services"].get("dashboard")

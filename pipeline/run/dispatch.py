@@ -6,8 +6,8 @@ so that the third one of the same row gives up on that row alone and the rest of
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import Outcome, Receipt, sweep_blocks
@@ -21,7 +21,7 @@ _WORK = 1.0
 
 
 def dispatch(
-    path: Path,
+    path: Place,
     plan: Plan,
     blocks: Sequence[Block],
     workforce: Workforce,
@@ -31,7 +31,7 @@ def dispatch(
 
     Parameters
     ----------
-    path : Path
+    path : Place
         A store whose template is written.
     plan : Plan
     blocks : sequence of Block
@@ -56,7 +56,7 @@ def dispatch(
         chosen, avoid = batches.take()
         if not chosen:
             return None
-        return Task((str(path), plan, tuple(chosen), limit), avoid)
+        return Task((path, plan, tuple(chosen), limit), avoid, left=batches.left)
 
     for task, result in workforce.serve(sweep_blocks, take):
         given = list(task.arguments[2])
@@ -96,6 +96,11 @@ class Batches:
         most = -(-len(self._fresh) // (2 * max(self._workforce.size, 1)))
         size = max(1, min(int(_WORK / max(per_block, 1e-6)), most))
         return [self._fresh.popleft() for _ in range(min(size, len(self._fresh)))], None
+
+    @property
+    def left(self) -> int:
+        """Blocks that have not been given out."""
+        return len(self._fresh) + len(self._retry)
 
     def learn(self, receipt: Receipt) -> None:
         """How long a block took."""

@@ -8,6 +8,8 @@ import contextlib
 from collections.abc import Iterator, Sequence
 
 from pipeline.config.compose import Settings
+from pipeline.errors import ConfigurationError, Unreachable
+from pipeline.store.files import files_at
 
 __all__ = ["DRAWING", "ROWS", "early_helpers", "is_small"]
 
@@ -39,5 +41,10 @@ def _is_new_and_drawn(settings: Settings) -> bool:
     plane, stages = settings.config.plane, settings.config.stages
     if not {"sweep", "figures"} <= set(stages) or plane.parameter2 is not None or plane.layer is not None:
         return False
-    is_new = settings.config.store.overwrite or not settings.store_path.exists()
-    return is_new and is_small(settings, plane.sweep.num * plane.parameter.num)
+    if not is_small(settings, plane.sweep.num * plane.parameter.num):
+        return False
+    try:
+        return settings.config.store.overwrite or not files_at(settings.store_path).exists()
+    except (ConfigurationError, Unreachable):
+        # That is said where everything is checked.
+        return False

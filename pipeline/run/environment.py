@@ -16,12 +16,18 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-__all__ = ["ARITHMETIC", "differences", "digest_of", "facts"]
+__all__ = ["ARITHMETIC", "differences", "differences_of_scheduler", "digest_of", "facts", "packages_of_scheduler"]
 
 _PACKAGES = ("pipeline", "solver")
 _LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
 #: Name of the fact that a digest of computed numbers is.
 ARITHMETIC = "arithmetic"
+#: Name of the fact that says nothing of its own: sources may differ within a version, and be the same uninstalled.
+_VERSION = "bevelmap"
+#: What a scheduler needs in the same version as its client to understand it.
+_OF_SCHEDULER = ("dask", "distributed")
+#: What it need not have; but where it has another version, it is not the scheduler that was meant.
+_OF_WORKERS = (_VERSION, "numpy")
 _CHANGED = "changed since it was loaded"
 #: Differences that are named one by one.
 _MOST_NAMED = 4
@@ -110,6 +116,7 @@ def _constant_facts() -> dict[str, str]:
         **{library: _version(library) for library in _LIBRARIES},
         "system": f"{platform.system()} {platform.machine()}",
         ARITHMETIC: _arithmetic(),
+        _VERSION: _version(_VERSION),
     }
 
 
@@ -128,7 +135,8 @@ def facts() -> dict[str, str]:
 
 def digest_of(found: Mapping[str, str]) -> str:
     """Some facts as one word, for comparison."""
-    return hashlib.blake2b(repr(sorted(found.items())).encode(), digest_size=16).hexdigest()
+    compared = sorted((name, value) for name, value in found.items() if name != _VERSION)
+    return hashlib.blake2b(repr(compared).encode(), digest_size=16).hexdigest()
 
 
 def differences(there: Mapping[str, str], here: Mapping[str, str]) -> str:
@@ -140,7 +148,7 @@ def differences(there: Mapping[str, str], here: Mapping[str, str]) -> str:
     'numpy is 2.0.0 there and 2.1.0 here, solver/row.py differs'
     """
     words = []
-    for name in sorted(there.keys() | here.keys()):
+    for name in sorted(there.keys() | here.keys(), key=lambda name: (name != _VERSION, name)):
         other, own = there.get(name), here.get(name)
         if other == own:
             continue
@@ -156,3 +164,27 @@ def differences(there: Mapping[str, str], here: Mapping[str, str]) -> str:
             words.append(f"{name} differs")
     more = len(words) - _MOST_NAMED
     return ", ".join(words[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def differences_of_scheduler(versions: Mapping[str, str | None], python: str) -> str:
+    """In which versions a scheduler differs from this process, in words; empty where it does not.
+
+    Parameters
+    ----------
+    versions : mapping
+        Of its packages, None where it has none; `packages_of_scheduler` are asked for.
+    python : str
+        Its own, such as 3.12.4.final.0.
+    """
+    here = {name: _version(name) for name in packages_of_scheduler()}
+    there = {name: versions.get(name) or "not there" for name in here}
+    for name in _OF_WORKERS:
+        if "not there" in (there[name], here[name]):
+            del there[name], here[name]
+    there["python"], here["python"] = ".".join(python.split(".")[:2]), _constant_facts()["python"]
+    return differences(there, here)
+
+
+def packages_of_scheduler() -> tuple[str, ...]:
+    """Packages whose versions a scheduler is asked for."""
+    return (*_OF_SCHEDULER, *_OF_WORKERS)

@@ -4,12 +4,13 @@ import itertools
 import shlex
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from pathlib import Path
 
 import numpy as np
 
 from pipeline import store
 from pipeline.config.compose import Settings
+from pipeline.config.places import Place
+from pipeline.config.secrets import without_secrets
 from pipeline.config.typed import key_of
 from pipeline.errors import StoreError
 from pipeline.plan.layers import Layer
@@ -28,7 +29,7 @@ class Job:
     layer: Layer | None = None
 
     @property
-    def store_path(self) -> Path:
+    def store_path(self) -> Place:
         """Where the plane's store is, or will be."""
         return self.settings.store_path.resolve()
 
@@ -58,10 +59,10 @@ def command(settings: Settings, *changes: str) -> str:
         typed = [f"plane={settings.choices['plane']}", *typed]
     own = [f"--config-dir={settings.config_dir}"] if settings.config_dir else []
     changed = [change for change in changes if not change.endswith("=")]
-    return " ".join(["python -m pipeline", *map(shlex.quote, [*own, *typed, *changed])])
+    return " ".join(["python -m pipeline", *map(shlex.quote, [*own, *map(without_secrets, typed), *changed])])
 
 
-def other_numbers(settings: Settings, path: Path, changes: str) -> StoreError:
+def other_numbers(settings: Settings, path: Place, changes: str) -> StoreError:
     """What is said where a store was made with other numbers than are asked for: the difference and the ways on."""
     if settings.overridden("store.name") and settings.config.plane.layer is None:
         beside = command(settings, "store.name=")
@@ -83,7 +84,9 @@ def open_log(job: Job, reporter: Reporter) -> None:
     folder = next(runs / name for name in names if not (runs / name).exists())
     folder.mkdir(parents=True)
     (folder / "config.yaml").write_text(job.settings.yaml(), encoding="utf-8")
-    (folder / "overrides.txt").write_text("".join(f"{line}\n" for line in job.settings.overrides), encoding="utf-8")
+    (folder / "overrides.txt").write_text(
+        "".join(f"{without_secrets(line)}\n" for line in job.settings.overrides), encoding="utf-8"
+    )
     reporter.log = folder / "run.log"
     reporter.line(f"run: configuration and log in {folder.resolve()}")
 

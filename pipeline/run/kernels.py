@@ -33,14 +33,14 @@ _ROWS = {
     "galerkin": (
         "solver.enumeration.certificates.enumerate_points",
         "solver.enumeration.coefficients.enclose_gear",
-        "solver.harmonic.galerkin.residual_and_jacobian",
+        "solver.harmonic.galerkin_rows.residual_and_jacobian",
         "solver.stability.bifurcations._bifurcations",
         "solver.continuation.arclength.trace",
         "solver.stability.assessment._assess",
         "solver.continuation.on_curve._crossings",
         "solver.harmonic.quantities.fill_quantities",
         "solver.harmonic.galerkin._linear_degree",
-        "solver.harmonic.galerkin.test_functions",
+        "solver.harmonic.galerkin_rows.test_functions",
         "solver.harmonic.galerkin._extremes",
         "solver.harmonic.contact_extrema.contacts",
         "solver.continuation.correctors._newton",
@@ -51,7 +51,7 @@ _ROWS = {
 _ATTRACTORS = (
     "solver.timedomain.cell_search.seek",
     "solver.timedomain.cell_search.recall",
-    "solver.timedomain.quantities.gauge_at",
+    "solver.timedomain.gauge.gauge_at",
     "solver.timedomain.row_systems",
 )
 
@@ -62,7 +62,7 @@ _ISOLATED = (*_ROWS["galerkin"], "solver.timedomain.poincare._measure")
 _RUNS = (
     "solver.timedomain.cell_search.seek",
     "solver.timedomain.cell_search.pursue",
-    "solver.timedomain.quantities.gauge_at",
+    "solver.timedomain.gauge.gauge_at",
     "solver.timedomain.row_systems",
 )
 
@@ -76,7 +76,7 @@ _MOTION = (
     "solver.timedomain.poincare._measure",
     "solver.timedomain.shooting",
     "solver.harmonic.quantities",
-    "solver.flow.zone_flows._tabulated",
+    "solver.flow.tabulation._tabulated",
 )
 
 #: By stage and balance, those that take longest first.
@@ -84,10 +84,8 @@ NEEDED = {
     "sweep": _ROWS,
     "boundaries": {
         "describing_function": (
-            "solver.boundaries.first_order._bifurcation_balance",
-            "solver.boundaries.first_order._fold_balance",
-            "solver.boundaries.first_order._grazing_balance",
-            "solver.boundaries.first_order._test_functions",
+            "solver.boundaries.first_order.gear_rows",
+            "solver.boundaries.first_order.gear_tests",
             "solver.boundaries.incidence._distances",
         ),
         "galerkin": ("solver.boundaries.harmonic_rows.harmonic_rows", "solver.boundaries.incidence._distances"),
@@ -104,7 +102,7 @@ NEEDED = {
         "galerkin": (*_ROWS["galerkin"], *_MOTION),
     },
     "diagram": {balance: (*_RUNS, *rows) for balance, rows in _ROWS.items()},
-    "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.zone_flows._tabulated")),
+    "spectrum": dict.fromkeys(_ROWS, (*_RUNS, "solver.timedomain.trajectory", "solver.flow.tabulation._tabulated")),
     "debug": _ROWS,
 }
 #: Whatever is asked of a place: its row, its motions, and boundaries of margins.
@@ -124,10 +122,8 @@ _OF_SYSTEMS = {
         "solver.harmonic.describing_function.system_residual_and_jacobian"
     ),
     "solver.harmonic.describing_function.test_functions": "solver.harmonic.describing_function.system_test_functions",
-    "solver.boundaries.first_order._bifurcation_balance": "solver.boundaries.first_order._system_bifurcation_balance",
-    "solver.boundaries.first_order._fold_balance": "solver.boundaries.first_order._system_fold_balance",
-    "solver.boundaries.first_order._grazing_balance": "solver.boundaries.first_order._system_grazing_balance",
-    "solver.boundaries.first_order._test_functions": "solver.boundaries.first_order._system_test_functions",
+    "solver.boundaries.first_order.gear_rows": "solver.boundaries.first_order.system_rows",
+    "solver.boundaries.first_order.gear_tests": "solver.boundaries.first_order.system_tests",
 }
 
 

@@ -1,7 +1,5 @@
 """The stage list: which stores there are, and in what state."""
 
-from pathlib import Path
-
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
@@ -13,7 +11,7 @@ __all__ = ["STAGE"]
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline.store.listing import columns, listing
 
-    root = Path(job.settings.config.store.root).resolve()
+    root = job.settings.store_root.resolve()
     found = listing(root)
     if not found.entries:
         reporter.line(f"list: no stores in {root}")

@@ -19,12 +19,12 @@ from pipeline.run.libraries import with_own_dask
 from pipeline.run.processes import deaf_to_interrupts, main_module_hidden
 from pipeline.run.scratch import scratch_folder
 
-__all__ = ["local_cluster"]
+__all__ = ["LOOPBACK", "ONE_THREAD", "QuietScheduler", "local_cluster"]
 
-_LOOPBACK = "127.0.0.1"
+LOOPBACK = "127.0.0.1"
 
 #: One thread each for the libraries that would otherwise start one per core in every worker.
-_ONE_THREAD = {
+ONE_THREAD = {
     f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS", "NUMBA", "NUMEXPR", "VECLIB_MAXIMUM")
 }
 
@@ -36,8 +36,8 @@ class _WithoutHttp:
         """No HTTP server, so no port of one."""
 
 
-class _QuietScheduler(_WithoutHttp, Scheduler):
-    pass
+class QuietScheduler(_WithoutHttp, Scheduler):
+    """A scheduler without a page."""
 
 
 class _QuietWorker(_WithoutHttp, Worker):
@@ -81,8 +81,8 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
 
 def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecCluster:
     security = Security.temporary()
-    common = {"host": _LOOPBACK, "protocol": "tls://", "security": security}
-    pages = {"dashboard": True, "dashboard_address": f"{_LOOPBACK}:0"} if dashboard else {"dashboard": False}
+    common = {"host": LOOPBACK, "protocol": "tls://", "security": security}
+    pages = {"dashboard": True, "dashboard_address": f"{LOOPBACK}:0"} if dashboard else {"dashboard": False}
     worker = {
         "cls": _HastyNanny,
         "options": {
@@ -94,9 +94,9 @@ def _started(workers: int, memory: str, dashboard: bool, folder: str) -> SpecClu
             "silence_logs": logging.CRITICAL,
         },
     }
-    scheduler = {"cls": Scheduler if dashboard else _QuietScheduler, "options": {**common, **pages}}
+    scheduler = {"cls": Scheduler if dashboard else QuietScheduler, "options": {**common, **pages}}
     settings = {
-        "distributed.nanny.pre-spawn-environ": _ONE_THREAD,
+        "distributed.nanny.pre-spawn-environ": ONE_THREAD,
         # Whoever gave a task decides whether it is done again after its worker was lost.
         "distributed.scheduler.allowed-failures": 0,
     }

@@ -10,32 +10,26 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.run.environment import facts
 from pipeline.store.durable import write_whole
+from pipeline.store.files import files_at
 
 __all__ = ["made_from", "still_made", "write_record"]
 
 
-def made_from(store_path: Path, *options) -> str:
+def made_from(store_path: Place, *options) -> str:
     """Digest of everything that files made from a store depend on.
 
     Parameters
     ----------
-    store_path : Path
+    store_path : Place
     *options
         With a `repr` that says all, such as dataclasses of numbers and texts.
     """
     libraries = [importlib.metadata.version(name) for name in ("matplotlib", "zarr", "xarray")]
-    known = repr((sorted(facts().items()), libraries, options, sorted(_states(store_path))))
+    known = repr((sorted(facts().items()), libraries, options, sorted(files_at(store_path).versions().items())))
     return hashlib.blake2b(known.encode(), digest_size=16).hexdigest()
-
-
-def _states(folder: Path):
-    """Name, size and time of every file."""
-    for file in folder.rglob("*"):
-        if not file.is_dir():
-            found = file.stat()
-            yield file.relative_to(folder).as_posix(), found.st_size, found.st_mtime_ns
 
 
 def still_made(record: Path, origin: str) -> list[Path] | None:

@@ -4,14 +4,14 @@ What not every stage needs is imported where it is: zarr and most of the solver 
 """
 
 import contextlib
-import os
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 from pipeline import store
 from pipeline.config.compose import Settings
-from pipeline.errors import ConfigurationError, StoreError
+from pipeline.config.places import Place
+from pipeline.errors import ConfigurationError, StoreError, Unreachable
 from pipeline.plan.differences import by_key, differences, of_typed
 from pipeline.plan.layers import layer_of, of_layer
 from pipeline.plan.plan import Plan
@@ -22,6 +22,7 @@ from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
 from pipeline.stages import STAGES
+from pipeline.store.files import files_at
 from pipeline.store.lock import holding
 
 __all__ = ["prepare", "run_plane_stages", "run_shared_stages", "stored_plan"]
@@ -40,6 +41,14 @@ def prepare(settings: Settings) -> Job:
     ConfigurationError
         One line.
     """
+    try:
+        return _prepared(settings)
+    except Unreachable as error:
+        # Nothing is begun yet.
+        raise StoreError(str(error)) from None
+
+
+def _prepared(settings: Settings) -> Job:
     config = settings.config
     known = [entry.name for entry in STAGES]
     for name in config.stages:
@@ -53,19 +62,24 @@ def prepare(settings: Settings) -> Job:
     if not all(stage.only_reads(job) for stage in asked):
         _check_folder("output.root", Path(config.output.root))
     if _write_into_store(asked, job):
-        _check_folder("store.root", Path(config.store.root))
+        _check_folder("store.root", settings.store_root)
     if any(stage.on_workers for stage in asked):
         check_cluster(config.cluster)
+    if config.cluster.kind != "none" and not files_at(settings.store_root).is_shared():
+        raise ConfigurationError(
+            f"store.root = {str(settings.store_root)!r} is not allowed with cluster.kind = {config.cluster.kind!r}: "
+            "no other process sees it; cluster=none computes in this one"
+        )
     layered = config.plane.layer is not None
     reads = any(stage.needs_plan or layered for stage in plane_stages)
-    if job.asks("sweep") or (job.asks("debug") and not job.store_path.exists()):
+    if job.asks("sweep") or (job.asks("debug") and not store.exists(job.store_path)):
         # A row can be looked at before there is a store.
         job = Job(settings, plan(settings))
         if job.asks("sweep") and not layered and not config.store.overwrite:
             _refuse_other(settings, job.store_path, job.plan)
     elif reads:
         job = Job(settings, stored_plan(settings))
-    elif plane_stages and job.store_path.exists():
+    elif plane_stages and store.exists(job.store_path):
         # What is damaged is for the stage to say.
         found = None
         with contextlib.suppress(StoreError):
@@ -89,19 +103,19 @@ def stored_plan(settings: Settings) -> Plan:
         If there is no such store, or it was made with other numbers; the message has the ways on.
     """
     path = settings.store_path.resolve()
-    if not path.exists():
+    if not store.exists(path):
         raise StoreError(f"there is no store at {path}: {command(settings)} makes it")
     found = store.read_plan(path)
     _check_typed(settings, path, found)
     return found
 
 
-def _check_typed(settings: Settings, path: Path, found: Plan) -> None:
+def _check_typed(settings: Settings, path: Place, found: Plan) -> None:
     if changes := of_typed(settings, found):
         raise other_numbers(settings, path, changes)
 
 
-def _refuse_other(settings: Settings, path: Path, wanted: Plan) -> None:
+def _refuse_other(settings: Settings, path: Place, wanted: Plan) -> None:
     """Raise unless there is no store, or the one of exactly this plan."""
     try:
         store.check(path, wanted)
@@ -139,37 +153,29 @@ def _write_into_store(stages: Iterable[Stage], job: Job) -> bool:
     return any(stage.writes and not stage.only_reads(job) for stage in stages)
 
 
-def _existing(folder: Path) -> Path:
-    """The folder, or what is there of the folders that it is in."""
-    place = folder.resolve()
-    while not place.exists() and place != place.parent:
-        place = place.parent
-    return place
-
-
-def _is_writable(folder: Path) -> bool:
-    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
-
-
-def _check_folder(key: str, folder: Path) -> None:
+def _check_folder(key: str, folder: Place) -> None:
     """Raise unless the folder exists and can be written, or can be made."""
-    if not _is_writable(place := _existing(folder)):
-        raise ConfigurationError(
-            f"{key} = {str(folder)!r} is not allowed: it must be a folder that can be written ({place})"
-        )
+    if allowed := files_at(folder).refusal():
+        raise ConfigurationError(f"{key} = {str(folder)!r} is not allowed: {allowed}")
 
 
 def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Run what concerns this plane alone, in the order of the stages; the worst exit status."""
     stages = _asked(job, several_planes=False)
-    makes = _write_into_store(stages, job) or (job.layer is not None and not job.store_path.exists())
+    makes = _write_into_store(stages, job) or (job.layer is not None and not store.exists(job.store_path))
     # Nobody writes where nobody can.
-    alone = any(stage.writes for stage in stages) and _is_writable(_existing(job.store_path.parent))
+    alone = any(stage.writes for stage in stages) and files_at(job.store_path).known_writable()
     if not (makes or alone):
         return _run_with_result(stages, job, workforce, reporter)
     from pipeline.store.repair import remove_left_overs
 
-    with holding(job.store_path, job.settings.config.store.wait, reporter.line) as waited:
+    wait = job.settings.config.store.wait
+    with contextlib.ExitStack() as held:
+        try:
+            with workforce.aside() if wait else contextlib.nullcontext():
+                waited = held.enter_context(holding(job.store_path, wait, reporter.line))
+        except Unreachable as error:
+            raise StoreError(str(error)) from None
         remove_left_overs(job.store_path)
         # What was checked before a wait may have become another store.
         job = prepare(job.settings) if waited else job
@@ -192,7 +198,7 @@ def _run_with_result(stages: Iterable[Stage], job: Job, workforce: Workforce, re
 def _take_out_layer(job: Job, reporter: Reporter) -> None:
     """Take the layer out of its volume, where there is one and that has not been done."""
     anew = job.settings.config.store.overwrite and job.asks("sweep")
-    if job.layer is None or job.store_path.exists() or not job.layer.volume.exists() or anew:
+    if job.layer is None or anew or store.exists(job.store_path) or not store.exists(job.layer.volume):
         return
     from pipeline.store.extraction import extract_layer
 
@@ -211,4 +217,7 @@ def _run(stages: Iterable[Stage], job: Job, workforce: Workforce, reporter: Repo
         status = max(status, stage.run(job, workforce, reporter))
         for later in stages[number:]:
             later.begin(job, workforce)
+            if later.writes:
+                break
+        stage.finish(job, reporter)
     return status

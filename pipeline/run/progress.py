@@ -25,6 +25,8 @@ class Reporter:
     def __init__(self, stream=None):
         self.stream = stream or sys.stdout
         self.log: Path | None = None
+        #: Where a bar is drawn at present: lines go above it.
+        self.drawn_on = None
 
     @property
     def on_terminal(self) -> bool:
@@ -42,8 +44,15 @@ class Reporter:
     def line(self, text: str) -> None:
         """One line for the reader, with its time in the log."""
         text = shown(text, _LONGEST)
-        print(text, file=self.stream, flush=True)
+        if self.drawn_on is None:
+            print(text, file=self.stream, flush=True)
+        else:
+            self.drawn_on.print(text, markup=False, highlight=False, soft_wrap=True)
         self._write(text)
+
+    def count_in(self, what: str, total: int) -> "RowProgress | None":
+        """The bar in which so many rows of a stage are counted, where it has none of its own."""
+        return None
 
     def note(self, text: str) -> None:
         """One line for the log alone."""
@@ -118,15 +127,18 @@ class RowProgress:
         self.what, self.unit = what, unit
         self.done = self.failed = 0
         self._begin = self._said = time.monotonic()
-        self._bar = self._task = None
+        self._bar = self._task = self._counted_in = None
+        self._before = ""
 
     def __enter__(self):
-        console = None if self.reporter is None else self.reporter.console()
+        if self.reporter is not None and self.unit == "rows":
+            self._counted_in = self.reporter.count_in(self.what, self.total)
+        console = None if self.reporter is None or self._counted_in is not None else self.reporter.console()
         if console is not None:
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             self._bar = Progress(
-                TextColumn(self.what),
+                TextColumn("{task.description}"),
                 BarColumn(),
                 TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {self.unit}"),
                 TextColumn("{task.fields[rate]}"),
@@ -136,14 +148,25 @@ class RowProgress:
             )
             self._task = self._bar.add_task(self.what, total=self.total, rate="", failed=0)
             self._bar.start()
+            self.reporter.drawn_on = console
         return self
 
     def __exit__(self, *_):
         if self._bar is not None:
             self._bar.stop()
+            self.reporter.drawn_on = None
+
+    def retell(self, what: str, total: int) -> None:
+        """Say from now on what is done, and how many rows there are."""
+        self.what, self.total, self._before = what, total, f"{what}, "
+        if self._bar is not None:
+            self._bar.update(self._task, description=what, total=total)
 
     def advance(self, rows: int, failed: int) -> None:
         """Count `rows` more as done, `failed` of them failed."""
+        if self._counted_in is not None:
+            self._counted_in.advance(rows, failed)
+            return
         self.done, self.failed = self.done + rows, self.failed + failed
         now = time.monotonic()
         elapsed = max(now - self._begin, 1e-9)
@@ -155,7 +178,7 @@ class RowProgress:
             self._said = now
             failed = f", {self.failed} failed" if self.failed else ""
             self.reporter.line(
-                f"  {self.done}/{self.total} {self.unit}, {_rate(rate, self.unit)}, "
+                f"  {self._before}{self.done}/{self.total} {self.unit}, {_rate(rate, self.unit)}, "
                 f"{(self.total - self.done) / rate:.0f} s left{failed}"
             )
 

@@ -1,11 +1,11 @@
 """Stored rows against the same rows computed anew: whether numbers are right, not only whether bytes are as written."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from pipeline import store
+from pipeline.config.places import Place
 from pipeline.plan.numerics import balance_of, continuation_of, seeds_of
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import stored_row
@@ -28,12 +28,12 @@ class Difference:
         return f"{self.array} ({self.entries} entries, by up to {self.most:.3g})"
 
 
-def drawn_rows(path: Path, plan: Plan, count: int, seed: int) -> list[int]:
+def drawn_rows(path: Place, plan: Plan, count: int, seed: int) -> list[int]:
     """Complete rows of a store, drawn at random without repetition: the same ones for the same seed.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     plan : Plan
         Of the store.
     count : int
@@ -55,7 +55,7 @@ def compare_row(path: str, plan: Plan, row: int) -> list[Difference]:
     RowError
         If the row cannot be computed here.
     """
-    stored = store.read_rows(Path(path), plan, Block(row, row + 1))
+    stored = store.read_rows(path, plan, Block(row, row + 1))
     settings = plan.solver
     found = stored_row(*plan.row(row), balance_of(settings), continuation_of(settings), seeds_of(settings))
     computed = store.row_values(plan, found)

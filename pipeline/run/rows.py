@@ -4,10 +4,10 @@ This is what runs on workers. A row that fails is recorded with its reason and t
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
 
 from pipeline import store
+from pipeline.config.places import Place
 from pipeline.errors import DamagedError
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Block, Plan
@@ -63,7 +63,7 @@ class Outcome:
         points, failed = sum(r.points for r in self.receipts), sum(len(r.failures) for r in self.receipts)
         return (
             f"batch: {sum(receipt.rows for receipt in self.receipts)} rows ({rows}) in "
-            f"{sum(receipt.seconds for receipt in self.receipts):.2f} s{f' on {self.worker}' if self.worker else ''}, "
+            f"{sum(receipt.seconds for receipt in self.receipts):.2f} s on {self.worker or 'this machine'}, "
             f"{points} points, {failed} failed{', the next one raised' if self.trouble else ''}"
         )
 
@@ -85,14 +85,14 @@ def stored_row(plan: Plan, value: float, balance: Balance, continuation: Continu
     return row
 
 
-def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None) -> Receipt:
+def sweep_block(path: Place | str, plan: Plan, block: Block, limit: float | None = None) -> Receipt:
     """Compute one block of rows and write it; a row that fails for good is stored as failed, with the reason.
 
     Up-to-date rows are kept, if everything that is stored of the block can be verified.
 
     Parameters
     ----------
-    path : str
+    path : Place or str
         The store, its template already written.
     plan : Plan
     block : Block
@@ -114,10 +114,10 @@ def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None)
     seeds = seeds_of(plan.solver)
     rows: list[Row | str | None] = []
     try:
-        kept, lost = store.kept_rows(Path(path), plan, block), ""
+        kept, lost = store.kept_rows(path, plan, block), ""
     except DamagedError as error:
         kept, lost = {}, error.what
-    with Tries(Path(path), block.start, limit) as tries:
+    with Tries(path, block.start, limit) as tries:
         for index in range(block.start, block.stop):
             if index in kept:
                 rows.append(None)
@@ -139,14 +139,14 @@ def sweep_block(path: str, plan: Plan, block: Block, limit: float | None = None)
                     raise RowTrouble(f"row {index}: {type(error).__name__}: {error}") from error
                 rows.append(verdict)
         values = [kept[block.start + i] if row is None else store.row_values(plan, row) for i, row in enumerate(rows)]
-        store.write_block(Path(path), plan, block, values)
+        store.write_block(path, plan, block, values)
         tries.forget()
     failures = tuple((block.start + i, row) for i, row in enumerate(rows) if isinstance(row, str))
     points = sum(len(curve.points) for row in rows if isinstance(row, Row) for curve in row.curves)
     return Receipt(block, failures, points, perf_counter() - begin, lost)
 
 
-def sweep_blocks(path: str, plan: Plan, blocks: tuple[Block, ...], limit: float | None) -> Outcome:
+def sweep_blocks(path: Place, plan: Plan, blocks: tuple[Block, ...], limit: float | None) -> Outcome:
     """Several blocks one after the other, as far as their rows can be computed; see `sweep_block`."""
     receipts = []
     for block in blocks:

@@ -22,6 +22,10 @@ def _waits(job: Job, workforce: Workforce) -> None:
     """Nothing to begin with."""
 
 
+def _leaves_nothing(job: Job, reporter: Reporter) -> None:
+    """Nothing to finish."""
+
+
 @dataclass(frozen=True)
 class Stage:
     """One thing to do.
@@ -47,8 +51,9 @@ class Stage:
     tells_map : bool
         Whether it is about the map, so that a run ends with what that tells.
     begin : callable
-        begin(job, workforce), called after every stage before this one, has helpers begin with what needs the plane's
-        rows and nothing else.
+        begin(job, workforce) has helpers begin with it, when no stage before it will write into the store any more.
+    finish : callable
+        finish(job, reporter) does what no other stage waits for, when those that come next have begun.
     """
 
     name: str
@@ -61,3 +66,4 @@ class Stage:
     of_volumes: bool = False
     tells_map: bool = False
     begin: Callable[[Job, Workforce], None] = _waits
+    finish: Callable[[Job, Reporter], None] = _leaves_nothing

@@ -1,6 +1,6 @@
 """The stage sweep: rows of the plane that are not in the store yet."""
 
-import shutil
+import math
 from collections.abc import Sequence
 from time import perf_counter
 
@@ -16,8 +16,8 @@ from pipeline.run.stage import Stage
 from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
+from pipeline.store.files import files_at
 from pipeline.store.names import STORE_FILE
-from pipeline.store.removal import remove_known
 from pipeline.store.repair import remove_left_overs
 from pipeline.store.tries import forget_tries
 
@@ -33,10 +33,8 @@ def _check_store(job: Job) -> None:
         store.refuse_foreign(path)
     else:
         store.check(path, job.plan)
-    place = path
-    while not place.exists():
-        place = place.parent
-    free = shutil.disk_usage(place).free
+    # An object store has no room that one could ask for.
+    free, place = files_at(path).room() or (math.inf, None)
     if job.plan.bytes > free:
         raise ConfigurationError(
             f"{' x '.join(f'plane.{role}.num' for role, _ in zip(ROLES, job.plan.axes, strict=False))} = "
@@ -55,8 +53,8 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     if not blocks:
         reporter.line(f"sweep: all {job.plan.rows} rows are in {path} already, nothing to do")
         return 0
-    warm_up_for(job, reporter)
     everybody, workforce = workforce, _enough(job, blocks, workforce)
+    warm_up_for(job, reporter, workforce)
     alone = workforce is not everybody
     if alone:
         _expect_figures(job, everybody)
@@ -66,7 +64,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         # They belong to the rows as they were.
         groups.remove_added(path)
     else:
-        remove_known(path, STORE_FILE)
+        files_at(path).clear(STORE_FILE)
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
@@ -86,7 +84,7 @@ def _expect_figures(job: Job, workforce: Workforce) -> None:
 
 def _enough(job: Job, blocks: Sequence[Block], workforce: Workforce) -> Workforce:
     """This process and helpers where workers would take longer to start, unless a cluster is asked for."""
-    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks)
+    cells = job.plan.sweep.num * sum(block.stop - block.start for block in blocks) * workforce.planes
     return workforce.alone() if is_small(job.settings, cells) else workforce
 
 

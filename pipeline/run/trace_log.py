@@ -65,7 +65,7 @@ def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
         The row's number.
     """
     stored = "there is no store yet"
-    if path.exists():
+    if store.exists(path):
         words = {store.PENDING: "pending", store.COMPLETE: "complete", store.FAILED: "failed"}
         stored = f"{words[int(store.statuses(path).ravel()[index])]} in the store"
         stored += "".join(f": {text}" for row, text in store.failures(path) if row == index)

@@ -4,11 +4,16 @@ import os
 import subprocess
 import sys
 
+from pipeline.run.cluster_settings import REMOTE
 from pipeline.run.job import Job
 from pipeline.run.kernels import NEEDED, kernels_for
 from pipeline.run.progress import Reporter, RowProgress
+from pipeline.run.workforce import Workforce
 
-__all__ = ["warm_up", "warm_up_for", "warm_up_everything"]
+__all__ = ["warm_up", "warm_up_everything", "warm_up_for", "warm_up_where"]
+
+#: Stages that give tasks to workers.
+_ON_WORKERS = ("sweep", "attractors")
 
 _HELPER = """
 import sys
@@ -17,14 +22,30 @@ warm(kernels_of(sys.argv[1:]))
 """
 
 
-def warm_up_for(job: Job, reporter: Reporter) -> None:
+def warm_up_for(job: Job, reporter: Reporter, workforce: Workforce | None = None) -> None:
     """`warm_up` what the stages of a job need; the first one that computes calls it.
 
-    Workers of a running scheduler have a cache of their own, which this process cannot fill.
+    Parameters
+    ----------
+    job : Job
+    reporter : Reporter
+    workforce : Workforce, optional
+        Where a stage computes, unless it does so here.
     """
-    config = job.settings.config
-    if config.cluster.kind != "scheduler":
-        warm_up(kernels_for(config.stages, job.plan.solver["balance"], job.plan.kind), reporter)
+    solver, stages = job.plan.solver, job.settings.config.stages
+    if job.settings.config.cluster.kind in REMOTE:
+        # Either side has its own; a stage that would keep other planes waiting is done by a worker.
+        there = {*_ON_WORKERS, "boundaries"} if workforce is not None and workforce.planes > 1 else _ON_WORKERS
+        stages = [stage for stage in stages if (stage in there) == (workforce is not None)]
+    warm_up_where(workforce, kernels_for(stages, solver["balance"], job.plan.kind), reporter)
+
+
+def warm_up_where(workforce: Workforce | None, names: list[str], reporter: Reporter) -> None:
+    """Have kernels here, unless tasks run on other machines: those may have a cache of their own, and see to it."""
+    if workforce is not None and workforce.config.kind in REMOTE:
+        workforce.needs(names)
+    else:
+        warm_up(names, reporter)
 
 
 def warm_up_everything(reporter: Reporter) -> None:

@@ -1,44 +1,29 @@
-"""Where tasks run: in this process, on worker processes of this machine, or on a running dask scheduler.
+"""Where tasks run: in this process, on worker processes of this machine, in jobs, or on a running dask scheduler.
 
 Tasks are independent and write their own results; only small receipts come back, in any order.
 """
 
 import contextlib
 import logging
-import pickle
-import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from queue import SimpleQueue
 
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError, WorkerLost
-from pipeline.run.admission import Admission, Unequal, call_if_equal, introduce
-from pipeline.run.cluster_settings import address_of, check_start, security_of, setting_of
+from pipeline.run.cluster_settings import address_of, check_start, security_of, setting_of, unreached
+from pipeline.run.environment import differences_of_scheduler, packages_of_scheduler
 from pipeline.run.libraries import unusable
+from pipeline.run.workers import Task, Workers
 
 __all__ = ["Task", "Workforce"]
 
-#: Tasks under way per thread: one is computed, one waits.
-_AHEAD = 2
 #: A task is done again after this many losses of its worker.
 _MOST_LOST = 2
-#: Seconds between two counts of the workers.
-_COUNT_EVERY = 1.0
-#: Seconds before a worker that gives tasks back gets another one.
-_PAUSE = 0.1
 #: Seconds in which the workers of this machine load the solver, unless it is compiled; they are used in any case.
 _START_WITHIN = 60.0
-
-
-@dataclass(frozen=True)
-class Task:
-    """Arguments of one call, and the address of a worker that should not get it."""
-
-    arguments: tuple
-    avoid: str | None = None
 
 
 class Workforce:
@@ -64,16 +49,23 @@ class Workforce:
     def __init__(self, config: Cluster, say: Callable[[str], None] = lambda text: None, helpers=None):
         self.config = config
         self._say, self._helpers = say, helpers
-        self._connection = self._admission = None
+        self._connection = self._workers = self._jobs = None
+        self._kernels: tuple[str, ...] = ()
         self._open = contextlib.ExitStack()
-        self._seen: tuple[float, dict[str, int]] = -_COUNT_EVERY, {}
+
+    #: Planes that share it: what one of them does alone, others wait for.
+    planes = 1
+
+    def aside(self) -> contextlib.AbstractContextManager:
+        """To wait within for something else than tasks, which keeps no other plane waiting."""
+        return contextlib.nullcontext()
 
     def __enter__(self):
         return self
 
     def __exit__(self, *error):
         # An interrupt ends workers at once.
-        self._connection = self._helpers = None
+        self._connection = self._helpers = self._jobs = self._workers = None
         return self._open.__exit__(*error)
 
     def start(self) -> str:
@@ -82,7 +74,8 @@ class Workforce:
         Raises
         ------
         ConfigurationError
-            If a scheduler does not answer in time, or none of its workers computes as this process does.
+            If a scheduler does not answer in time, none of its workers computes as this process does, or no job is
+            taken.
         """
         if self.config.kind == "none":
             return "tasks run in this process" + (" and beside it" if self._helpers is not None else "")
@@ -90,17 +83,21 @@ class Workforce:
         if self._connection is None:
             check_start(self.config)
             _silence()
-            self._connection = self._start_local() if local else self._reach_scheduler()
+            start = {"local": self._start_local, "slurm": self._submit_jobs, "scheduler": self._reach_scheduler}
+            self._connection = start[self.config.kind]()
             self._open.callback(self._connection.close)
-            self._admission = Admission(self._say)
-            self._ask(_START_WITHIN if local else self.config.timeout, local)
-            if self._nobody():
-                raise ConfigurationError(f"{setting_of(self.config)} is not allowed: {self._admission.nobody()}")
+            self._workers = Workers(self._connection, self._say, self._jobs)
+            self._workers.meet(_START_WITHIN if local else self.config.timeout, local)
+            if nobody := self._workers.nobody():
+                raise ConfigurationError(f"{setting_of(self.config)} is not allowed: {nobody}")
+        self._workers.needs(self._kernels)
         address = self._connection.dashboard() if self.config.dashboard else None
         dashboard = f", dashboard {address}" if address else ""
         if local:
             return f"tasks run on {self.config.workers} worker processes{dashboard}"
-        if not self._workers(now=True):
+        if self._jobs is not None:
+            return f"{self._jobs.sentence}{dashboard}"
+        if not self._workers.present(now=True):
             return f"waiting for workers: the scheduler at {self._connection.address} has none yet{dashboard}"
         return f"tasks run on the scheduler at {self._connection.address}, {self.size} threads at present{dashboard}"
 
@@ -112,22 +109,34 @@ class Workforce:
         cluster = self._open.enter_context(started)
         return Connection(cluster, cluster.security, self.config.timeout)
 
+    def _submit_jobs(self):
+        from pipeline.run.connection import Connection
+        from pipeline.run.slurm_cluster import slurm_cluster
+
+        with contextlib.ExitStack() as started:
+            jobs = started.enter_context(slurm_cluster(self.config, self._say))
+            jobs.begin()
+            connection = Connection(jobs.cluster, jobs.cluster.security, self.config.timeout)
+            self._open.push(started.pop_all())
+        self._jobs = jobs
+        return connection
+
     def _reach_scheduler(self):
         from pipeline.run.connection import Connection
 
         address = address_of(self.config)
         security = security_of(self.config, address)
         try:
-            return Connection(address, security, self.config.timeout)
+            connection = Connection(address, security, self.config.timeout)
         except (KeyError, TypeError, AttributeError) as error:
             # Times and transports that dask was told of, and cannot read.
             raise unusable("dask", error) from None
         except (OSError, ValueError) as error:
-            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise ConfigurationError(
-                f"{setting_of(self.config)} is not allowed: it must be that of a dask scheduler, "
-                f"and none answered there within {self.config.timeout:g} s ({reason})"
-            ) from None
+            raise unreached(self.config, address, security, error) from None
+        if differs := differences_of_scheduler(*connection.versions(packages_of_scheduler())):
+            connection.close()
+            raise ConfigurationError(f"{setting_of(self.config)} is not allowed: of that scheduler, {differs}")
+        return connection
 
     def run(self, function: Callable, tasks: Iterable[tuple]) -> Iterator[tuple[tuple, object]]:
         """Call `function(*task)` for every task; yields (task, result), or (task, exception) where it raised.
@@ -142,10 +151,15 @@ class Workforce:
             Small, picklable arguments; taken as workers become free.
         """
         source, again, lost = iter(tasks), deque(), Counter()
+        left = len(tasks) if isinstance(tasks, Sized) else None
 
         def take() -> Task | None:
-            arguments = again.popleft() if again else next(source, None)
-            return None if arguments is None else Task(arguments)
+            nonlocal left
+            fresh = not again
+            arguments = next(source, None) if fresh else again.popleft()
+            if fresh and left:
+                left -= 1
+            return None if arguments is None else Task(arguments, left=left)
 
         for task, result in self.serve(function, take):
             if isinstance(result, WorkerLost) and lost[id(task.arguments)] < _MOST_LOST:
@@ -174,30 +188,7 @@ class Workforce:
             yield from self._serve_here(function, take)
             return
         self.start()
-        connection, running, finished, again = self._connection, {}, SimpleQueue(), deque()
-
-        def next_task() -> Task | None:
-            return again.popleft() if again else take()
-
-        try:
-            while True:
-                # A few at a time: until workers have enough to do.
-                while len(running) < _AHEAD * max(self.size, 1) and (task := next_task()) is not None:
-                    payload = pickle.dumps((function, task.arguments))
-                    digest, places = self._admission.digest, self._places(task)
-                    running[connection.submit(finished, call_if_equal, digest, payload, **places)] = task
-                if not running:
-                    return
-                # However long tasks take, the scheduler must answer, and a worker that joins gets its own.
-                if (done := connection.next(finished, _COUNT_EVERY)) is None:
-                    continue
-                task, result = running.pop(done[0]), done[1]
-                if self._is_refusal(result):
-                    again.append(task)
-                else:
-                    yield task, result
-        finally:
-            connection.cancel(running)
+        yield from self._workers.serve(function, take)
 
     def _serve_here(self, function: Callable, take: Callable[[], Task | None]) -> Iterator[tuple[Task, object]]:
         """`serve` in this process, and on helpers where there are any and they have loaded."""
@@ -226,63 +217,9 @@ class Workforce:
             return None
         return self._helpers.submit(function, task.arguments)
 
-    def _places(self, task: Task) -> dict:
-        """Where a task may run, as `Client.submit` takes it: anywhere, unless there are workers to be avoided."""
-        if task.avoid is None and not self._admission.refused:
-            return {}
-        others = [worker for worker in self._admission.allowed(self._workers()) if worker != task.avoid]
-        # If those have all gone when the task's turn comes, any worker may have it: a refused one gives it back.
-        return {"workers": others, "allow_other_workers": True} if others else {}
-
-    def _is_refusal(self, result) -> bool:
-        """Whether a worker that must not compute has given a task back.
-
-        Raises
-        ------
-        OSError
-            If there is no other worker.
-        """
-        admission = self._admission
-        if isinstance(result, Unequal):
-            if result.worker in admission.refused:
-                # It gets tasks because the others are away: not too many of them.
-                time.sleep(_PAUSE)
-            admission.learn(result.worker, result.facts)
-        elif isinstance(result, WorkerLost) or not isinstance(result, Exception) or not self._ask(self.config.timeout):
-            return False
-        if self._nobody():
-            raise OSError(admission.nobody())
-        return True
-
-    def _ask(self, seconds: float, load: bool = False) -> bool:
-        """Ask the workers that have not been asked yet for their facts; whether any of them is refused.
-
-        Parameters
-        ----------
-        seconds : float
-            To wait for their answers: one that is busy gives its own with its first task.
-        load : bool
-            Whether they should load the solver before they answer.
-        """
-        connection, admission, answers = self._connection, self._admission, SimpleQueue()
-        asked = {
-            connection.submit(answers, introduce, load, workers=[worker], allow_other_workers=False): worker
-            for worker in admission.unknown(self._workers(now=True))
-        }
-        before, deadline = len(admission.refused), time.monotonic() + seconds
-        while asked and (left := deadline - time.monotonic()) > 0.0:
-            self._workers()  # the scheduler must answer
-            if (done := connection.next(answers, min(left, _COUNT_EVERY))) is not None:
-                worker, answer = asked.pop(done[0]), done[1]
-                if not isinstance(answer, WorkerLost):
-                    admission.learn(worker, answer)
-        connection.cancel(asked)
-        return len(admission.refused) > before
-
-    def _nobody(self) -> bool:
-        """Whether there are workers, and none of them may compute."""
-        workers = self._workers(now=True)
-        return bool(workers) and not self._admission.allowed(workers)
+    def needs(self, kernels: Iterable[str]) -> None:
+        """Which kernels the next tasks need: workers elsewhere are given none before they have them."""
+        self._kernels = tuple(dict.fromkeys([*self._kernels, *kernels]))
 
     def expect(self, modules: Sequence[str]) -> None:
         """Have processes of this machine load modules that `run_beside` will need, while this one goes on.
@@ -295,7 +232,7 @@ class Workforce:
 
         if self._connection is not None:
             submit, answers = self._connection.submit, SimpleQueue()
-            places = [{"workers": [worker], "allow_other_workers": False} for worker in self._workers(now=True)]
+            places = [{"workers": [worker], "allow_other_workers": False} for worker in self._workers.present(now=True)]
             # Kept, since dask drops what nobody waits for.
             self._loading = [submit(answers, load, tuple(modules), **place) for place in places]
             return
@@ -325,17 +262,10 @@ class Workforce:
         """Number of threads that run tasks; workers of a foreign scheduler may come and go."""
         if self.config.kind == "none":
             return 1 if self._helpers is None else 1 + self._helpers.count
-        workers = self._workers()
-        return sum(workers[worker] for worker in self._admission.allowed(workers))
-
-    def _workers(self, now: bool = False) -> dict[str, int]:
-        """Threads of the workers by address, as they are now or were a moment ago."""
-        if now or time.monotonic() - self._seen[0] > _COUNT_EVERY:
-            self._seen = time.monotonic(), self._connection.workers()
-        return self._seen[1]
+        return self._workers.size
 
     def close(self) -> None:
-        """Stop the workers that this object started; a foreign scheduler goes on."""
+        """Stop the workers that this object started, and give its jobs back; a foreign scheduler goes on."""
         self.__exit__(None, None, None)
 
 

@@ -10,7 +10,7 @@ import importlib
 _HOMES = {
     "attributes": ("axis_attributes", "flags", "label_flags"),
     "blocks": ("RowValues", "kept_rows", "pending_blocks", "read_rows", "row_values", "write_block"),
-    "identity": ("check", "read_layout", "read_plan", "refuse_foreign", "store_path"),
+    "identity": ("check", "exists", "read_layout", "read_plan", "refuse_foreign", "store_path"),
     "inspection": ("damage_error", "find_damage"),
     "outcomes": ("failures", "notes", "proven_cells", "statuses"),
     "states": ("COMPLETE", "FAILED", "PENDING"),

@@ -5,10 +5,11 @@ A block is written from what was computed or from what was read here: nothing th
 
 import errno
 import os
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from pipeline.config.places import Place
 from pipeline.config.quantities import READ
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Block, Plan
@@ -17,7 +18,7 @@ from pipeline.store.arrays import arrays_of, row_layouts
 from pipeline.store.block_states import is_stored, read_states, write_states
 from pipeline.store.chunk_files import encoded, read_chunk
 from pipeline.store.documents import document
-from pipeline.store.durable import write_all
+from pipeline.store.files import Files, files_at
 from pipeline.store.names import METADATA
 from pipeline.store.states import COMPLETE, FAILED, PENDING
 from solver import Row
@@ -44,14 +45,14 @@ def row_values(plan: Plan, row: Row | str | None) -> RowValues:
     return values
 
 
-def read_rows(path: Path, plan: Plan, rows: Block, names: tuple[str, ...] | None = None) -> dict[str, np.ndarray]:
+def read_rows(path: Place, plan: Plan, rows: Block, names: tuple[str, ...] | None = None) -> dict[str, np.ndarray]:
     """Stored values of some rows of one layer; fill values where a block is not stored.
 
     Parameters
     ----------
-    path : Path
-    plan : Plan
+    path : Place
         Of the store.
+    plan : Plan
     rows : Block
         Any rows of one layer, not only those of a block.
     names : tuple of str, optional
@@ -69,21 +70,22 @@ def read_rows(path: Path, plan: Plan, rows: Block, names: tuple[str, ...] | None
     """
     layouts = row_layouts(plan)
     empty = row_values(plan, None)
-    parts = {name: [] for name in names or layouts}
-    for block in plan.blocks_of(rows):
+    blocks, parts = plan.blocks_of(rows), {name: [] for name in names or layouts}
+    files = files_at(path).at_hand(_chunks(plan, blocks, ("status", *parts)))
+    for block in blocks:
         within = slice(max(rows.start, block.start) - block.start, min(rows.stop, block.stop) - block.start)
-        stored = is_stored(path, plan, block)
+        stored = is_stored(files, plan, block)
         for name, found in parts.items():
             if stored:
                 (file,) = layouts[name].files(*plan.place(block))
                 # A chunk holds rows of one layer.
-                found.append(read_chunk(path, file, layouts[name]).reshape(-1, *empty[name].shape)[within])
+                found.append(read_chunk(files, file, layouts[name]).reshape(-1, *empty[name].shape)[within])
             else:
                 found.append(np.stack([empty[name]] * (within.stop - within.start)))
     return {name: np.concatenate(found) for name, found in parts.items()}
 
 
-def kept_rows(path: Path, plan: Plan, block: Block) -> dict[int, RowValues]:
+def kept_rows(path: Place, plan: Plan, block: Block) -> dict[int, RowValues]:
     """Complete rows of a block and what is stored of them.
 
     Raises
@@ -91,14 +93,14 @@ def kept_rows(path: Path, plan: Plan, block: Block) -> dict[int, RowValues]:
     DamagedError
         If anything that is stored of the block is missing or damaged.
     """
-    if not is_stored(path, plan, block):
+    if not is_stored(files_at(path), plan, block):
         return {}
     complete = np.flatnonzero(read_rows(path, plan, block, ("status",))["status"] == COMPLETE)
     stored = read_rows(path, plan, block) if complete.size else {}
     return {block.start + int(i): {name: values[i, ...] for name, values in stored.items()} for i in complete}
 
 
-def pending_blocks(path: Path, plan: Plan, done: tuple[int, ...] = (COMPLETE,)) -> list[Block]:
+def pending_blocks(path: Place, plan: Plan, done: tuple[int, ...] = (COMPLETE,)) -> list[Block]:
     """Blocks with a row whose state is not `done`; each is computed again as a whole, as far as its rows are not kept.
 
     Raises
@@ -106,15 +108,16 @@ def pending_blocks(path: Path, plan: Plan, done: tuple[int, ...] = (COMPLETE,)) 
     DamagedError
         If a chunk of `status` is damaged.
     """
-    return [block for block in plan.blocks if not np.all(np.isin(read_states(path, plan, block), done))]
+    files = files_at(path).at_hand(_chunks(plan, plan.blocks, ("status",)))
+    return [block for block in plan.blocks if not np.all(np.isin(read_states(files, plan, block), done))]
 
 
-def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> None:
+def write_block(path: Place, plan: Plan, block: Block, rows: list[RowValues]) -> None:
     """Write one block, the only writer of its chunks; they are on the disk before `status` says so, and then it is.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         A store whose template matches the plan.
     plan : Plan
     block : Block
@@ -128,21 +131,54 @@ def write_block(path: Path, plan: Plan, block: Block, rows: list[RowValues]) -> 
     StoreError
         If another one stands in its place.
     """
-    if not (path / METADATA).exists():
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
-    told = document(path / METADATA)
-    if told is None or told.get("attributes", {}).get("configuration_hash") != plan.digest:
-        # A task of a run that is no more, on a scheduler that goes on.
-        raise StoreError(f"{path} is no longer the store that these rows are of")
+    files = files_at(path)
+    told = _attributes(files)
+    if told.get("configuration_hash") != plan.digest:
+        raise _other(files)
     place, contents = plan.place(block), {}
     for name, layout in row_layouts(plan).items():
         if name != "status":
             (file,) = layout.files(*place)
-            contents[path / file] = encoded(np.stack([row[name] for row in rows]).ravel(), layout)
+            contents[file] = encoded(np.stack([row[name] for row in rows]).ravel(), layout)
     # A block is not complete until it is whole; and where other chunks are, one of `status` is, unless it was lost.
-    write_states(path, plan, block, PENDING)
-    write_all(contents)
-    write_states(path, plan, block, np.array([row["status"] for row in rows]))
+    write_states(files, plan, block, PENDING)
+    files.write(contents)
+    try:
+        _refuse_other(files, told)
+        write_states(files, plan, block, np.array([row["status"] for row in rows]))
+        _refuse_other(files, told)
+    except StoreError:
+        # What was written into another store counts as not stored.
+        write_states(files, plan, block, PENDING)
+        raise
+
+
+def _attributes(files: Files) -> dict:
+    """What a store says of itself, when it was made included."""
+    told = document(files, METADATA)
+    if told is None and not files.has(METADATA):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(files.place))
+    return (told or {}).get("attributes", {})
+
+
+def _refuse_other(files: Files, told: dict) -> None:
+    """Raise unless the store is still the one that said this.
+
+    A task may outlive its run, on a scheduler that goes on or where its client has lost the store to another one. In
+    the same store, whoever writes a block writes the same.
+    """
+    if _attributes(files) != told:
+        raise _other(files)
+
+
+def _other(files: Files) -> StoreError:
+    return StoreError(f"{files.place} is no longer the store that these rows are of")
+
+
+def _chunks(plan: Plan, blocks: Sequence[Block], names: Iterable[str]) -> Iterator[str]:
+    """Names of the chunks of blocks."""
+    layouts = row_layouts(plan)
+    return (file for name in names for block in blocks for file in layouts[name].files(*plan.place(block)))
 
 
 def _fill_raster(values: RowValues, row: Row) -> None:

@@ -3,9 +3,9 @@
 A chunk is the little-endian bytes of its entries, compressed by zstd, with a checksum in the last four bytes.
 """
 
+import contextlib
 import math
-import os
-from pathlib import Path
+from collections.abc import Iterator
 
 import google_crc32c
 import numpy as np
@@ -14,11 +14,12 @@ from numcodecs.zstd import Zstd
 
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.damage import damaged
+from pipeline.store.files import Files
 
-__all__ = ["ChunkError", "claim_of", "decoded", "encoded", "fault_of", "read_chunk"]
+__all__ = ["HEADER", "ChunkError", "claim_of", "decoded", "encoded", "fault_of", "read_chunk"]
 
 #: Bytes at the start of a file that tell how many it stands for.
-_HEADER = 18
+HEADER = 18
 _MAGIC = b"\x28\xb5\x2f\xfd"
 _CHECKSUM = 4
 
@@ -27,15 +28,15 @@ class ChunkError(Exception):
     """What is wrong with a chunk, as said of its file: "is empty"."""
 
 
-def read_chunk(path: Path, file: str, array: ArrayLayout) -> np.ndarray:
+def read_chunk(files: Files, file: str, array: ArrayLayout) -> np.ndarray:
     """The entries of one chunk, those beyond the end of the array included.
 
     Parameters
     ----------
-    path : Path
-        The store.
+    files : Files
+        Of the store.
     file : str
-        Name of the chunk in it, one of `array.files()`.
+        Name of the chunk, one of `array.files()`.
     array : ArrayLayout
 
     Returns
@@ -49,15 +50,15 @@ def read_chunk(path: Path, file: str, array: ArrayLayout) -> np.ndarray:
         If the file is missing, or is not a whole chunk of this array.
     """
     try:
-        return decoded(_content(path / file, array), array)
+        return decoded(_content(files, file, array), array)
     except ChunkError as error:
-        raise damaged(path, f"{file} {error}") from None
+        raise damaged(files.place, f"{file} {error}") from None
 
 
-def fault_of(file: Path, array: ArrayLayout) -> str | None:
+def fault_of(files: Files, file: str, array: ArrayLayout) -> str | None:
     """What is wrong with a chunk file; None if nothing is."""
     try:
-        decoded(_content(file, array), array)
+        decoded(_content(files, file, array), array)
     except ChunkError as error:
         return str(error)
     return None
@@ -75,7 +76,7 @@ def decoded(content: bytes, array: ArrayLayout) -> np.ndarray:
     frame, checksum = content[:-_CHECKSUM], content[-_CHECKSUM:]
     if google_crc32c.value(frame) != int.from_bytes(checksum, "little"):
         raise ChunkError("does not agree with its checksum")
-    if (fault := _claim_fault(frame[:_HEADER], array)) is not None:
+    if (fault := _claim_fault(frame[:HEADER], array)) is not None:
         raise ChunkError(fault)
     try:
         entries = Zstd().decode(frame)
@@ -124,7 +125,7 @@ def _claim_fault(header: bytes, array: ArrayLayout) -> str | None:
     )
 
 
-def claim_of(file: Path, array: ArrayLayout) -> int:
+def claim_of(files: Files, file: str, array: ArrayLayout) -> int:
     """Bytes that a chunk file stands for, compared with what its array may have, without decompressing it.
 
     Raises
@@ -134,14 +135,9 @@ def claim_of(file: Path, array: ArrayLayout) -> int:
     """
     if array.kind == "string":
         # How many texts there are is told behind the compression; these chunks are small.
-        decoded(_content(file, array), array)
-    try:
-        with file.open("rb", buffering=0) as stream:
-            header, size = stream.read(_HEADER), os.fstat(stream.fileno()).st_size
-    except (FileNotFoundError, NotADirectoryError):
-        raise ChunkError("is missing") from None
-    except IsADirectoryError:
-        raise ChunkError("is a folder") from None
+        decoded(_content(files, file, array), array)
+    with _explained():
+        header, size = files.head(file, HEADER)
     if not header:
         raise ChunkError("is empty")
     if size > _longest_file(array):
@@ -169,11 +165,19 @@ def _frame_size(header: bytes) -> int | None:
     return int.from_bytes(field, "little") + (256 if width == 2 else 0) if field and len(field) == width else None
 
 
-def _content(file: Path, array: ArrayLayout) -> bytes:
+def _content(files: Files, file: str, array: ArrayLayout) -> bytes:
+    longest = _longest_file(array)
+    with _explained():
+        content = files.read(file, longest)
+    if len(content) > longest:
+        raise ChunkError("is longer than a chunk can be")
+    return content
+
+
+@contextlib.contextmanager
+def _explained() -> Iterator[None]:
     try:
-        if file.stat().st_size > _longest_file(array):
-            raise ChunkError("is longer than a chunk can be")
-        return file.read_bytes()
+        yield
     except (FileNotFoundError, NotADirectoryError):
         raise ChunkError("is missing") from None
     except IsADirectoryError:

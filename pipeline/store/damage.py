@@ -1,8 +1,8 @@
 """What is wrong with one file of a store, and the error that says so."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import DamagedError
 from pipeline.plan.plan import Block
 
@@ -37,8 +37,8 @@ class Damage:
         return f"{self.file} {self.fault}{whose}"
 
 
-def damaged(path: Path, what: str) -> DamagedError:
+def damaged(place: Place, what: str) -> DamagedError:
     """The error for a store of which `what` is damaged."""
-    error = DamagedError(f"{path} is damaged: {what}; stages=[check] lists and check.repair=true mends it")
+    error = DamagedError(f"{place} is damaged: {what}; stages=[check] lists and check.repair=true mends it")
     error.what = what
     return error

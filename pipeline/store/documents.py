@@ -1,8 +1,9 @@
 """Metadata of a store as plain data, read without zarr: it may be damaged, and it may come from someone else."""
 
 import json
-from pathlib import Path
 
+from pipeline.errors import Unreachable
+from pipeline.store.files import Files
 from pipeline.store.names import METADATA
 
 __all__ = ["document", "document_of", "listed_in", "read_json"]
@@ -11,20 +12,21 @@ __all__ = ["document", "document_of", "listed_in", "read_json"]
 _MOST_BYTES = 2**21
 
 
-def read_json(file: Path) -> dict | None:
-    """A metadata file; None if it cannot be read or is larger than any of this program."""
+def read_json(files: Files, name: str) -> dict | None:
+    """A metadata file; None if it is missing, cannot be read or is larger than any of this program."""
     try:
-        if file.stat().st_size > _MOST_BYTES:
-            return None
-        read = json.loads(file.read_text(encoding="utf-8"))
+        content = files.read(name, _MOST_BYTES)
+        read = json.loads(content.decode()) if len(content) <= _MOST_BYTES else None
+    except Unreachable:
+        raise
     except (OSError, ValueError, RecursionError):
         return None
     return read if isinstance(read, dict) else None
 
 
-def document(file: Path) -> dict | None:
+def document(files: Files, name: str) -> dict | None:
     """A metadata file without what is gathered from others; None if it cannot be read."""
-    return _alone(read_json(file))
+    return _alone(read_json(files, name))
 
 
 def document_of(content: bytes) -> dict:
@@ -32,12 +34,12 @@ def document_of(content: bytes) -> dict:
     return _alone(json.loads(content))
 
 
-def listed_in(path: Path) -> dict[str, dict | None]:
+def listed_in(files: Files) -> dict[str, dict | None]:
     """The metadata that the root of a store gathers, which is what zarr goes by; empty if it cannot be read.
 
     None stands for what is no metadata. The names are as they are in the file: nothing may be opened by them.
     """
-    gathered = (read_json(path / METADATA) or {}).get("consolidated_metadata")
+    gathered = (read_json(files, METADATA) or {}).get("consolidated_metadata")
     known = isinstance(gathered, dict) and (gathered.get("kind"), gathered.get("must_understand")) == ("inline", False)
     listed = gathered.get("metadata") if known else None
     return {name: _alone(told) for name, told in listed.items()} if isinstance(listed, dict) else {}

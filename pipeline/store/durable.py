@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-__all__ = ["move_whole", "settle", "write_all", "write_whole"]
+__all__ = ["settle", "write_all", "write_whole"]
 
 #: Files that the disk is asked for at once: it writes them together, in about the time of a few.
 _TOGETHER = 16
@@ -25,12 +25,6 @@ def settle(files: Collection[Path]) -> None:
         return
     with ThreadPoolExecutor(max(1, min(_TOGETHER, len(files)))) as pool:
         list(pool.map(_settle, files))
-
-
-def move_whole(draft: Path, folder: Path) -> None:
-    """Give a folder its name when everything in it is on the disk."""
-    settle([file for file in draft.rglob("*") if file.is_file()])
-    draft.rename(folder)
 
 
 def write_whole(file: Path, content: bytes) -> None:

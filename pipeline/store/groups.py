@@ -6,26 +6,26 @@ a run killed at any moment leaves either the group or nothing. A sweep that comp
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import zarr
+from zarr.storage import MemoryStore
 
+from pipeline.config.places import Place
 from pipeline.store.array_layout import MOST_TEXT
 from pipeline.store.codecs import COMPRESSORS, every_chunk
 from pipeline.store.documents import listed_in
-from pipeline.store.durable import move_whole
+from pipeline.store.files import Files, files_at
 from pipeline.store.identity import read_layout
-from pipeline.store.names import ADDED, GROUP_FILE, IN_BLOCKS
-from pipeline.store.removal import refuse_unknown, remove_known
+from pipeline.store.names import ADDED, GROUP_FILE, IN_BLOCKS, METADATA, refuse_unknown
 from pipeline.store.template import consolidate
 
 if TYPE_CHECKING:
     # It takes a third of a second to load, which who only reads need not wait for.
     import xarray
 
-__all__ = ["Arrays", "Variable", "open_group", "remove_added", "remove_group", "take_away", "unfinished", "write_group"]
+__all__ = ["Arrays", "Variable", "open_group", "remove_added", "remove_group", "unfinished", "unlist", "write_group"]
 
 #: Arrays of two and more dimensions are cut into chunks of at most this many entries along each.
 _CHUNK = 1024
@@ -63,12 +63,12 @@ class Arrays:
         return {dim for variable in self.variables.values() for dim in variable.dims}
 
 
-def write_group(path: Path, name: str, dataset: "Arrays | xarray.Dataset") -> None:
+def write_group(path: Place, name: str, dataset: "Arrays | xarray.Dataset") -> None:
     """Put a group into the store at `path`, in place of what was there.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     name : str
     dataset : Arrays or xarray.Dataset
         Texts are objects. Its coordinates are named in the attribute `coordinates` of the group, as CF has it.
@@ -81,11 +81,18 @@ def write_group(path: Path, name: str, dataset: "Arrays | xarray.Dataset") -> No
     if name not in ADDED:
         raise ValueError(f"{name!r} is no group that stages add: one of {', '.join(ADDED)}")
     read_layout(path)
-    draft = _beside(path, name, "draft")
-    remove_known(draft, GROUP_FILE)
+    contents = _contents(dataset)
+    remove_group(path, name)
+    files_at(path).appear(contents, name)
+    consolidate(path)
+
+
+def _contents(dataset: "Arrays | xarray.Dataset") -> dict[str, bytes]:
+    """What the files of a group hold: name in it -> content."""
+    files = {}
     places = [str(key) for key in dataset.coords if key not in dataset.dims]
     named = {"coordinates": " ".join(places)} if places else {}
-    group = zarr.create_group(draft, zarr_format=3, attributes={**named, **dataset.attrs})
+    group = zarr.create_group(MemoryStore(files), zarr_format=3, attributes={**named, **dataset.attrs})
     for key, variable in dataset.variables.items():
         data = variable.values
         if data.dtype == object:
@@ -101,54 +108,49 @@ def write_group(path: Path, name: str, dataset: "Arrays | xarray.Dataset") -> No
                 compressors=COMPRESSORS,
                 attributes=variable.attrs,
             )[...] = data
-    remove_group(path, name)
-    move_whole(draft, path / name)
-    consolidate(path)
+    return {name: content.to_bytes() for name, content in files.items()}
 
 
-def remove_group(path: Path, name: str) -> None:
-    """Take a group away, if there is one or the metadata still lists one that a killed run has taken away."""
-    if take_away(path, name) or name in listed_in(path):
-        consolidate(path)
+def remove_group(path: Place, name: str) -> None:
+    """Take a group away, if there is one or the metadata still lists one that is gone.
 
-
-def take_away(path: Path, name: str) -> bool:
-    """Take the files of a group away, all at once, and leave it listed, which counts as none; whether it was there.
+    The store does not list it any more before anything of it is removed.
 
     Raises
     ------
     StoreError
         If it holds anything that is no file of a group; then nothing is removed.
     """
-    old = _beside(path, name, "old")
-    remove_known(old, GROUP_FILE)
-    if not (path / name).exists():
-        return False
-    refuse_unknown(path / name, GROUP_FILE)
-    (path / name).rename(old)
-    remove_known(old, GROUP_FILE)
-    return True
+    files = files_at(path)
+    unlist(files, [name])
+    files.vanish(name)
 
 
-def remove_added(path: Path) -> None:
+def unlist(files: Files, names: Collection[str]) -> None:
+    """Have the store list these groups no longer, which are removed next; raises as `remove_group`."""
+    for name in names:
+        inside = (file.removeprefix(f"{name}/") for file in files.sizes() if file.startswith(f"{name}/"))
+        refuse_unknown(f"{files.place}/{name}", inside, GROUP_FILE)
+    if {*names} & listed_in(files).keys():
+        consolidate(files.place, names)
+
+
+def remove_added(path: Place) -> None:
     """Take away every group that stages have added, finished or not."""
     for name in ADDED:
         remove_group(path, name)
     for name in IN_BLOCKS:
-        remove_known(unfinished(path, name), GROUP_FILE)
+        unfinished(path, name).clear(GROUP_FILE)
 
 
-def open_group(path: Path, name: str) -> zarr.Group | None:
+def open_group(path: Place, name: str) -> zarr.Group | None:
     """A group for reading; None if there is none."""
     # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
-    root = zarr.open_group(path, mode="r")
-    return root[name] if name in root and (path / name).exists() else None
+    files = files_at(path)
+    root = zarr.open_group(files.zarr(), mode="r")
+    return root[name] if name in root and files.has(f"{name}/{METADATA}") else None
 
 
-def unfinished(path: Path, name: str) -> Path:
+def unfinished(path: Place, name: str) -> Files:
     """Where a group is that is written block by block (`pipeline.store.row_groups`), until it is whole."""
-    return _beside(path, name, "unfinished")
-
-
-def _beside(path: Path, name: str, what: str) -> Path:
-    return path.with_name(f".{path.name}.{name}.{what}")
+    return files_at(path).beside(f"{name}.unfinished")

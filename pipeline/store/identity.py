@@ -1,37 +1,56 @@
 """Whose store it is: the plan it was made for, and whether that is the plan at hand."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
+from pipeline.config.places import ObjectPlace, Place, is_url, place_of
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.documents import read_json
+from pipeline.store.files import Files, files_at
 from pipeline.store.layout import Layout, validate_layout
-from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of
-from pipeline.store.removal import refuse_unknown
+from pipeline.store.names import METADATA, ROWS, STORE_FILE, refuse_unknown
 from pipeline.store.seal import sealed
 from pipeline.store.validation import validate_plan
 from solver import ParameterError
 
-__all__ = ["check", "plan_from", "read_layout", "read_plan", "refuse_foreign", "root_attributes", "store_path"]
+__all__ = [
+    "check",
+    "exists",
+    "plan_from",
+    "read_layout",
+    "read_plan",
+    "refuse_foreign",
+    "root_attributes",
+    "store_path",
+]
 
 
-def store_path(name: str, value: str | Path) -> Path:
-    """A path as a caller gives it.
+def store_path(name: str, value: str | Place, storage_options: Mapping | None = None) -> Place:
+    """A path or URL as a caller gives it.
 
     Parameters
     ----------
     name : str
         The parameter as the caller knows it.
-    value : str or Path
+    value : str, Path or ObjectPlace
+    storage_options : mapping, optional
+        As `store.storage_options`, for a URL.
 
     Raises
     ------
     solver.ParameterError
-        If it is neither, or no path.
+        If it is none of these, or no path.
+    ConfigurationError
+        If it is a URL that no store can have.
     StoreError
         If the system refuses to look there.
     """
+    if isinstance(value, ObjectPlace):
+        return value
+    if isinstance(value, str) and is_url(value):
+        return place_of(name, value, storage_options)
     if isinstance(value, str | Path) and str(value) and "\0" not in str(value):
         path = Path(value)
         try:
@@ -39,10 +58,15 @@ def store_path(name: str, value: str | Path) -> Path:
         except OSError as error:
             raise StoreError(f"{name} = {str(value)[:200]!r} cannot be read: {error.strerror}") from None
         return path
-    raise ParameterError(name, value, "a path, as text or a pathlib.Path")
+    raise ParameterError(name, value, "a path or a URL, as text or a pathlib.Path")
 
 
-def root_attributes(path: Path) -> dict:
+def exists(path: Place) -> bool:
+    """Whether anything is at a place."""
+    return files_at(path).exists()
+
+
+def root_attributes(files: Files) -> dict:
     """What the root of a store says of itself; from its second place, in `branches`, where the first is damaged.
 
     Raises
@@ -50,10 +74,11 @@ def root_attributes(path: Path) -> dict:
     StoreError
         If there is no store, or neither place can be read.
     """
-    if not path.exists():
+    path = files.place
+    if not files.exists():
         raise StoreError(f"there is no store at {path}")
-    first, second = path / METADATA, path / ROWS / METADATA
-    copies = [copy for copy in (_copy(first, "attributes"), _copy(second, "attributes", "plane")) if copy is not None]
+    places = (METADATA, ("attributes",)), (f"{ROWS}/{METADATA}", ("attributes", "plane"))
+    copies = [copy for name, keys in places if (copy := _copy(files, name, *keys)) is not None]
     for attributes in copies:
         if attributes == sealed(attributes):
             return attributes
@@ -61,7 +86,7 @@ def root_attributes(path: Path) -> dict:
         # What another version seals, and how, is not known here.
         if attributes["bevelmap_schema"] != SCHEMA_VERSION:
             return attributes
-    if not copies and _left_over(path):
+    if not copies and _left_over(files):
         raise StoreError(f"there is no store at {path}")
     raise StoreError(
         f"{path} is not allowed: it is something else than a store of this program, or damaged beyond mending: "
@@ -69,10 +94,10 @@ def root_attributes(path: Path) -> dict:
     )
 
 
-def _copy(file: Path, *keys: str) -> dict | None:
+def _copy(files: Files, name: str, *keys: str) -> dict | None:
     """What a metadata file says of the whole store, if it can be read."""
     try:
-        attributes = read_json(file)
+        attributes = read_json(files, name)
         for key in keys:
             attributes = attributes[key]
         # A hash or a number too many is no store of ours.
@@ -82,14 +107,18 @@ def _copy(file: Path, *keys: str) -> dict | None:
         return None
 
 
-def _left_over(path: Path) -> bool:
+def _left_over(files: Files) -> bool:
     """Whether only chunks are there: a task wrote them that ran on while the store was taken away."""
-    if not path.is_dir() or (path / METADATA).exists():
+    if files.has(METADATA):
         return False
-    return all(STORE_FILE.fullmatch(name) and not name.endswith(METADATA) for name in files_of(path))
+    try:
+        names = files.sizes()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return all(STORE_FILE.fullmatch(name) and not name.endswith(METADATA) for name in names)
 
 
-def plan_from(attributes: dict, path: Path) -> Plan:
+def plan_from(attributes: dict, path: Place) -> Plan:
     """The plan that the attributes of a store describe.
 
     Raises
@@ -128,7 +157,7 @@ def _short(error: Exception) -> str:
     return said if len(said) <= 200 else f"{said[:200]}…"
 
 
-def read_layout(path: Path, going_on: bool = False) -> Layout:
+def read_layout(path: Place, going_on: bool = False) -> Layout:
     """A store looked over, as `validate_layout` does; whatever is done with one begins with this.
 
     Raises
@@ -139,12 +168,12 @@ def read_layout(path: Path, going_on: bool = False) -> Layout:
     solver.ParameterError
         If the path is none.
     """
-    path = store_path("path", path)
-    attributes = root_attributes(path)
-    return validate_layout(path, plan_from(attributes, path), attributes, going_on)
+    files = files_at(store_path("path", path))
+    attributes = root_attributes(files)
+    return validate_layout(files, plan_from(attributes, files.place), attributes, going_on)
 
 
-def read_plan(path: Path) -> Plan:
+def read_plan(path: Place) -> Plan:
     """The plan of an existing store whose rows are to be read.
 
     Raises
@@ -157,7 +186,7 @@ def read_plan(path: Path) -> Plan:
     return layout.plan
 
 
-def check(path: Path, plan: Plan) -> bool:
+def check(path: Place, plan: Plan) -> bool:
     """Whether a store for exactly this plan exists, which a sweep can go on with.
 
     Raises
@@ -165,7 +194,8 @@ def check(path: Path, plan: Plan) -> bool:
     StoreError
         If something else is there, with the difference and the ways on.
     """
-    if not path.exists() or _left_over(path):
+    files = files_at(path)
+    if not files.exists() or _left_over(files):
         return False
     stored = read_layout(path, going_on=True).plan.numbers
     if stored == plan.numbers:
@@ -178,11 +208,12 @@ def check(path: Path, plan: Plan) -> bool:
     )
 
 
-def refuse_foreign(path: Path) -> None:
+def refuse_foreign(path: Place) -> None:
     """Raise unless the path is free or holds a store of ours alone, so that overwriting never deletes anything else."""
-    if path.exists() and not _left_over(path):
-        root_attributes(path)
-        refuse_unknown(path, STORE_FILE)
+    files = files_at(path)
+    if files.exists() and not _left_over(files):
+        root_attributes(files)
+        refuse_unknown(files.place, files.sizes(), STORE_FILE)
 
 
 def _flatten(value, prefix="") -> dict[str, object]:

@@ -7,8 +7,8 @@ added group must be there and agree with its checksum.
 import functools
 import json
 from collections.abc import Iterator
-from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import DamagedError, StoreError
 from pipeline.plan.plan import Plan, plan_of
 from pipeline.store.array_layout import ArrayLayout
@@ -17,6 +17,7 @@ from pipeline.store.block_states import is_stored
 from pipeline.store.chunk_files import fault_of, read_chunk
 from pipeline.store.damage import Damage, damaged
 from pipeline.store.documents import document, document_of
+from pipeline.store.files import Files, files_at
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import Layout, group_faults, listing_faults
 from pipeline.store.names import METADATA, ROWS
@@ -25,7 +26,11 @@ from pipeline.store.template import template_files
 __all__ = ["damage_error", "find_damage", "template_of"]
 
 
-def find_damage(path: Path) -> list[Damage]:
+#: Chunks of a group that are looked at with one delay.
+_TOGETHER = 64
+
+
+def find_damage(path: Place) -> list[Damage]:
     """Everything that is damaged in a store, one entry per file; nothing is written.
 
     Raises
@@ -34,18 +39,19 @@ def find_damage(path: Path) -> list[Damage]:
         If there is no store, neither of the two places that say what it holds can be read, or there are links or
         foreign arrays in it.
     """
-    plan, template = template_of(path)
-    layout = Layout.of(path, plan)
+    files = files_at(path)
+    plan, template = template_of(files)
+    layout = Layout.of(files, plan)
     found = [*listing_faults(layout), *_metadata(layout, template), *_axes(layout), *_rows(layout)]
     for group in layout.groups:
         found += _group(layout, group)
     return list({damage.file: damage for damage in reversed(found)}.values())[::-1]
 
 
-def template_of(path: Path) -> tuple[Plan, dict[str, bytes]]:
+def template_of(files: Files) -> tuple[Plan, dict[str, bytes]]:
     """The plan of a store, and what its files would hold if it had no row."""
-    attributes = root_attributes(path)
-    return plan_from(attributes, path), _template(json.dumps(attributes))
+    attributes = root_attributes(files)
+    return plan_from(attributes, files.place), _template(json.dumps(attributes))
 
 
 @functools.lru_cache(maxsize=4)
@@ -57,10 +63,10 @@ def _template(attributes: str) -> dict[str, bytes]:
 
 def _metadata(layout: Layout, template: dict[str, bytes]) -> Iterator[Damage]:
     """Metadata of the plane that is missing or says something else, the root's list of it included."""
-    root = document(layout.path / METADATA)
+    root = document(layout.store, METADATA)
     for name in ("", ROWS, *layouts_of(layout.plan)):
         file = f"{name}/{METADATA}".lstrip("/")
-        there, wanted = document(layout.path / file), document_of(template[file])
+        there, wanted = document(layout.store, file), document_of(template[file])
         if there is None:
             yield Damage(file, "cannot be read" if file in layout.files else "is missing")
         elif there != wanted:
@@ -74,24 +80,25 @@ def _axes(layout: Layout) -> Iterator[Damage]:
     arrays = layouts_of(layout.plan)
     for name, axis in axes_in_store(layout.plan).items():
         (file,) = arrays[name].files()
-        if (fault := fault_of(layout.path / file, arrays[name])) is not None:
+        if (fault := fault_of(layout.store, file, arrays[name])) is not None:
             yield Damage(file, fault)
-        elif read_chunk(layout.path, file, arrays[name]).tobytes() != axis.values.tobytes():
+        elif read_chunk(layout.store, file, arrays[name]).tobytes() != axis.values.tobytes():
             yield Damage(file, "does not hold the values that it should")
 
 
 def _rows(layout: Layout) -> Iterator[Damage]:
     """Chunks of rows: of a block that is stored all must be there; those that are there must be sound."""
-    path, plan, arrays = layout.path, layout.plan, row_layouts(layout.plan)
+    plan, arrays = layout.plan, row_layouts(layout.plan)
     for block in layout.touched_blocks:
         files = {array.name: next(array.files(*plan.place(block))) for array in arrays.values()}
+        store = layout.store.at_hand(files.values())
         # It is written first and last: where it is damaged, or gone and others are there, the block may be stored.
         try:
-            pending = (path / files["status"]).exists() and not is_stored(path, plan, block)
+            pending = store.has(files["status"]) and not is_stored(store, plan, block)
         except DamagedError:
             pending = False
         for name, file in files.items():
-            fault = fault_of(path / file, arrays[name])
+            fault = fault_of(store, file, arrays[name])
             if fault is not None and not (pending and fault == "is missing"):
                 yield Damage(file, fault, block)
 
@@ -102,13 +109,16 @@ def _group(layout: Layout, group: str) -> Iterator[Damage]:
         yield from found
         return
     for name in sorted({file.partition("/c/")[0] for file in layout.files if file.startswith(f"{group}/")}):
-        array = ArrayLayout.of_document(name, document(layout.path / name / METADATA))
-        for file in array.files() if array is not None else ():
-            if (fault := fault_of(layout.path / file, array)) is not None:
-                yield Damage(file, fault, group=group)
+        array = ArrayLayout.of_document(name, document(layout.store, f"{name}/{METADATA}"))
+        chunks = list(array.files()) if array is not None else []
+        for start in range(0, len(chunks), _TOGETHER):
+            store = layout.store.at_hand(chunks[start : start + _TOGETHER])
+            for file in chunks[start : start + _TOGETHER]:
+                if (fault := fault_of(store, file, array)) is not None:
+                    yield Damage(file, fault, group=group)
 
 
-def damage_error(path: Path) -> StoreError | None:
+def damage_error(path: Place) -> StoreError | None:
     """What to say of an error that came up over a store: the first damaged file and the way on; None if all is well."""
     try:
         found = find_damage(path)

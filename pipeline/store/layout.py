@@ -4,22 +4,24 @@ Every reader goes through `validate_layout`. Names, metadata and sizes of files 
 array can be anywhere else, or claim a size, a type or a codec that this program does not write; zarr would believe it.
 """
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
+from pipeline.config.places import Place
 from pipeline.errors import DamagedError, StoreError
 from pipeline.plan.plan import Block, Plan
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.arrays import layouts_of, row_layouts
 from pipeline.store.block_states import read_states
-from pipeline.store.chunk_files import ChunkError, claim_of
+from pipeline.store.chunk_files import HEADER, ChunkError, claim_of
 from pipeline.store.damage import Damage, damaged
 from pipeline.store.documents import document, listed_in
-from pipeline.store.names import ADDED, METADATA, ROWS, files_of, is_name
+from pipeline.store.files import Files
+from pipeline.store.names import ADDED, METADATA, ROWS, is_name
 from pipeline.store.states import PENDING
 
 __all__ = ["Layout", "group_faults", "listing_faults", "validate_layout"]
@@ -34,7 +36,8 @@ class Layout:
 
     Parameters
     ----------
-    path : Path
+    store : Files
+        What is read next of it is at hand.
     plan : Plan
     files : dict
         Name -> size in bytes.
@@ -42,13 +45,13 @@ class Layout:
         What the root gathers: name -> metadata, None where that is none.
     """
 
-    path: Path
+    store: Files
     plan: Plan
     files: dict[str, int]
     listed: dict[str, dict | None]
 
     @classmethod
-    def of(cls, path: Path, plan: Plan) -> "Layout":
+    def of(cls, store: Files, plan: Plan) -> "Layout":
         """Look into a store.
 
         Raises
@@ -56,21 +59,28 @@ class Layout:
         StoreError
             If there are links in it, or metadata of arrays or groups that no stage of this program adds.
         """
-        files = files_of(path)
+        files = store.sizes()
         own = {ROWS, *layouts_of(plan)}
         for name in sorted(files):
             place, _, file = name.rpartition("/")
             if file.startswith(".z") or (file == METADATA and place and place not in own and not _is_added(place)):
                 raise StoreError(
-                    f"{path} is not allowed: {name[:200]!r} is no part of a store of this program; move it away"
+                    f"{store.place} is not allowed: {name[:200]!r} is no part of a store of this program; move it away"
                 )
-        return cls(path, plan, files, listed_in(path))
+        store = store.at_hand(name for name in files if name.rpartition("/")[2] == METADATA)
+        return cls(store, plan, files, listed_in(store))
+
+    @property
+    def path(self) -> Place:
+        """Where the store is."""
+        return self.store.place
 
     @property
     def groups(self) -> list[str]:
-        """The added groups that are there."""
+        """The added groups that are there; what has no metadata of its own and is not listed is half made or half taken
+        away, and counts for nothing."""
         there = {name.partition("/")[0] for name in self.files}
-        return [name for name in ADDED if name in there]
+        return [name for name in ADDED if name in there and (name in self.listed or f"{name}/{METADATA}" in self.files)]
 
     @cached_property
     def touched_blocks(self) -> list[Block]:
@@ -85,8 +95,10 @@ class Layout:
     def states(self) -> np.ndarray:
         """State of every row, (rows,); raises DamagedError where it cannot be read."""
         states = np.full(self.plan.rows, PENDING, np.uint8)
+        status, place = row_layouts(self.plan)["status"], self.plan.place
+        store = self.store.at_hand(next(status.files(*place(block))) for block in self.touched_blocks)
         for block in self.touched_blocks:
-            states[block.start : block.stop] = read_states(self.path, self.plan, block)
+            states[block.start : block.stop] = read_states(store, self.plan, block)
         return states
 
     def refuse_hollow(self) -> None:
@@ -105,12 +117,12 @@ class Layout:
             )
 
 
-def validate_layout(path: Path, plan: Plan, attributes: dict, going_on: bool = False) -> Layout:
+def validate_layout(store: Files, plan: Plan, attributes: dict, going_on: bool = False) -> Layout:
     """Look a store over; nothing in it is opened under a name that this program has not given.
 
     Parameters
     ----------
-    path : Path
+    store : Files
     plan : Plan
         As the store itself describes it.
     attributes : dict
@@ -125,9 +137,9 @@ def validate_layout(path: Path, plan: Plan, attributes: dict, going_on: bool = F
     StoreError
         If there are links or foreign arrays in it.
     """
-    layout = Layout.of(path, plan)
+    layout = Layout.of(store, plan)
     for damage in _faults(layout, attributes, going_on):
-        raise damaged(path, damage.sentence)
+        raise damaged(store.place, damage.sentence)
     return layout
 
 
@@ -148,7 +160,7 @@ def _is_added(place: str) -> bool:
 
 def _root(layout: Layout, attributes: dict) -> Iterator[Damage]:
     """What the root says of the store."""
-    told = document(layout.path / METADATA)
+    told = document(layout.store, METADATA)
     if told is None:
         yield Damage(METADATA, "cannot be read" if METADATA in layout.files else "is missing")
     elif told.get("attributes") != attributes or not _is_group(told):
@@ -172,7 +184,7 @@ def _plane(layout: Layout) -> Iterator[Damage]:
     """Metadata of the plane's own arrays."""
     for name, expected in {ROWS: None, **layouts_of(layout.plan)}.items():
         file = f"{name}/{METADATA}"
-        told = document(layout.path / file)
+        told = document(layout.store, file)
         if told is None:
             yield Damage(file, "cannot be read" if file in layout.files else "is missing")
         elif not _is_group(told) if expected is None else ArrayLayout.of_document(name, told) != expected:
@@ -186,9 +198,10 @@ def group_faults(layout: Layout, group: str) -> Iterator[Damage]:
     there = {name.rpartition("/")[0] for name in layout.files if name.endswith(f"/{METADATA}")}
     inside = {name for name in there | set(layout.listed) if name.startswith(f"{group}/") and _is_added(name)}
     claimed = stored = 0
+    store = _chunks_at_hand(layout, lambda name: name.startswith(f"{group}/"))
     for name in (group, *sorted(inside)):
         file = f"{name}/{METADATA}"
-        told = document(layout.path / file)
+        told = document(layout.store, file)
         array = ArrayLayout.of_document(name, told)
         if told is None:
             yield Damage(file, "cannot be read" if file in layout.files else "is missing", group=group)
@@ -202,7 +215,7 @@ def group_faults(layout: Layout, group: str) -> Iterator[Damage]:
         else:
             for chunk in array.files():
                 try:
-                    claimed += claim_of(layout.path / chunk, array)
+                    claimed += claim_of(store, chunk, array)
                     stored += layout.files.get(chunk, 0)
                 except ChunkError as error:
                     yield Damage(chunk, str(error), group=group)
@@ -218,28 +231,38 @@ def _is_hollow(claimed: int, stored: int) -> bool:
 def _chunks(layout: Layout, going_on: bool) -> Iterator[Damage]:
     """Chunks of axes and of rows: a missing one zarr would take for one that was never written, and of the others it
     would believe how many bytes they stand for."""
-    rows = row_layouts(layout.plan)
-    for name, array in layouts_of(layout.plan).items():
+    rows, layouts = row_layouts(layout.plan), layouts_of(layout.plan)
+    store = _chunks_at_hand(layout, layouts.__contains__)
+    for name, array in layouts.items():
         for file in array.files() if name not in rows else ():
-            if (fault := _claim_fault(layout.path / file, array)) is not None:
+            if (fault := _claim_fault(store, file, array)) is not None:
                 yield Damage(file, fault)
     for block in layout.touched_blocks:
         place = layout.plan.place(block)
         try:
-            stored = bool(np.any(read_states(layout.path, layout.plan, block) != PENDING))
+            stored = bool(np.any(read_states(store, layout.plan, block) != PENDING))
         except DamagedError as error:
             yield Damage(error.what.split(" ", 1)[0], error.what.split(" ", 1)[1], block)
             continue
         for array in rows.values() if stored or not going_on else ():
             (file,) = array.files(*place)
-            fault = _claim_fault(layout.path / file, array)
+            fault = _claim_fault(store, file, array)
             if fault is not None and (stored or fault != "is missing"):
                 yield Damage(file, fault, block)
 
 
-def _claim_fault(file: Path, array: ArrayLayout) -> str | None:
+def _chunks_at_hand(layout: Layout, wanted: Callable[[str], bool]) -> Files:
+    """The store with the chunks of some arrays at hand: of states and texts all of them, of others how they begin."""
+    whole = {name for name, array in row_layouts(layout.plan).items() if name == "status" or array.kind == "string"}
+    parts = ((file, *file.partition("/c/")[:2]) for file in layout.files)
+    chunks = ((file, name in whole) for file, name, slash in parts if slash and wanted(name))
+    first, second = itertools.tee(chunks)
+    return layout.store.at_hand((file for file, all in first if all), (file for file, all in second if not all), HEADER)
+
+
+def _claim_fault(store: Files, file: str, array: ArrayLayout) -> str | None:
     try:
-        claim_of(file, array)
+        claim_of(store, file, array)
     except ChunkError as error:
         return str(error)
     return None

@@ -5,12 +5,13 @@ import time
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
+from pipeline.config.places import Place
 from pipeline.errors import ConfigurationError, DamagedError, StoreError, shown
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
+from pipeline.store.files import Files, files_at
 from pipeline.store.identity import plan_from, root_attributes
 from pipeline.store.layout import validate_layout
 from pipeline.store.names import METADATA
@@ -63,22 +64,23 @@ class Listing:
     foreign: tuple[str, ...]
 
 
-def listing(root: Path) -> Listing:
+def listing(root: Place) -> Listing:
     """Look into a folder; nothing is written, and nothing but metadata, sizes and states of rows is read."""
     entries, foreign = [], []
-    for path in sorted(root.iterdir()) if root.is_dir() else []:
+    for name in files_at(root).folders():
         # Drafts and locks of a run have names that begin with a dot.
-        if path.name.startswith(".") or not path.is_dir():
+        if name.startswith("."):
             continue
+        files = files_at(root / name)
         try:
-            attributes = root_attributes(path)
+            attributes = root_attributes(files)
         except StoreError:
-            if (path / METADATA).is_file() and (path / "branches").is_dir() and (path / "status").is_dir():
-                entries.append(_entry(path, None, "damaged metadata: stages=[check] cannot tell what it was"))
-            else:
-                foreign.append(shown(path.name))
+            if files.has(METADATA) and {"branches", "status"} <= set(files.folders()):
+                entries.append(_entry(files, None, "damaged metadata: stages=[check] cannot tell what it was"))
+            elif files.exists():
+                foreign.append(shown(name))
             continue
-        entries.append(_described(path, attributes))
+        entries.append(_described(files, attributes))
     return Listing(tuple(entries), tuple(foreign))
 
 
@@ -89,26 +91,26 @@ def columns(found: Listing) -> list[str]:
     return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
 
 
-def _described(path: Path, attributes: dict) -> Entry:
+def _described(files: Files, attributes: dict) -> Entry:
     version = int(attributes["bevelmap_schema"])
     try:
-        plan = plan_from(attributes, path)
+        plan = plan_from(attributes, files.place)
     except StoreError:
         text = (
             "damaged metadata"
             if version == SCHEMA_VERSION
             else f"schema {version}, this program reads {SCHEMA_VERSION}"
         )
-        return _entry(path, attributes, text)
+        return _entry(files, attributes, text)
     try:
-        layout = validate_layout(path, plan, attributes)
+        layout = validate_layout(files, plan, attributes)
         status, groups = _progress(layout.states), tuple(name for name in layout.groups if name in layout.listed)
     except DamagedError:
         status, groups = "damaged: stages=[check] says where", ()
     except StoreError:
         status, groups = "not allowed: stages=[check] says why", ()
     plane = " x ".join(f"{axis.name} {axis.num}" for axis in plan.axes)
-    return _entry(path, attributes, status, plane, _gear(plan), _solver(plan), groups)
+    return _entry(files, attributes, status, plane, _gear(plan), _solver(plan), groups)
 
 
 def _solver(plan: Plan) -> str:
@@ -120,16 +122,16 @@ def _solver(plan: Plan) -> str:
 
 
 def _entry(
-    path: Path, attributes: dict | None, status: str, plane: str = "?", gear: str = "?", solver: str = "?", groups=()
+    files: Files, attributes: dict | None, status: str, plane: str = "?", gear: str = "?", solver: str = "?", groups=()
 ) -> Entry:
     said = attributes or {}
     return Entry(
-        path.name.removesuffix(".zarr"),
+        files.place.name.removesuffix(".zarr"),
         plane,
         gear,
         solver,
         status,
-        _bytes(path),
+        sum(version[0] for version in files.versions().values()),
         str(said.get("configuration_hash", "?"))[:16],
         _seconds(said.get("created")),
         groups,
@@ -187,17 +189,6 @@ def _gear(plan: Plan) -> str:
     words = [f"{key}={stored[key]:g}" if isinstance(stored[key], int | float) else key for key in changed[:_SHOWN]]
     more = [f"and {len(changed) - _SHOWN} more"] if len(changed) > _SHOWN else []
     return " ".join([name, *words, *more])
-
-
-def _bytes(path: Path) -> int:
-    """Size of all files; some may vanish while a run writes."""
-    total = 0
-    for file in path.rglob("*"):
-        try:
-            total += file.lstat().st_size if not file.is_dir() else 0
-        except OSError:
-            continue
-    return total
 
 
 def _seconds(created) -> float:

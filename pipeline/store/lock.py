@@ -1,8 +1,8 @@
-"""One writer per store: a lock file beside it, held by the operating system for as long as its process lives.
+"""One writer per store: a lock beside it.
 
-The lock is the system's own on that file (`flock`, on Windows `LockFileEx`), so that it goes with the process however
-that ends, and a file that is left behind locks nothing. What the file says is only for people. A network file system
-must pass `flock` on (Linux's NFS does).
+Beside a folder it is a file with the operating system's own lock on it (`flock`, on Windows `LockFileEx`), which goes
+with the process however that ends; a file that is left behind locks nothing, and what it says is only for people. A
+network file system must pass `flock` on (Linux's NFS does). In an object store it is a lease: `pipeline.store.lease`.
 """
 
 import contextlib
@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
+from pipeline.config.places import ObjectPlace, Place
 from pipeline.errors import StoreError
 
 __all__ = ["holding", "let_go", "lock_path"]
@@ -28,13 +29,12 @@ def lock_path(path: Path) -> Path:
     return path.with_name(f".{path.name}.lock")
 
 
-@contextlib.contextmanager
-def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[bool]:
-    """Hold the store at `path` for writing.
+def holding(path: Place, wait: bool, say: Callable[[str], None]) -> contextlib.AbstractContextManager[bool]:
+    """Hold the store at `path` for writing, while in the block.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     wait : bool
         Whether to wait for another run to end.
     say : callable
@@ -50,6 +50,24 @@ def holding(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[bool
     StoreError
         If another process holds it and `wait` is false: host, process and since when.
     """
+    return _holding_file(path, wait, say) if isinstance(path, Path) else _leasing(path, wait, say)
+
+
+@contextlib.contextmanager
+def _leasing(place: ObjectPlace, wait: bool, say: Callable[[str], None]) -> Iterator[bool]:
+    # What they stand on takes a while to load.
+    from pipeline.store.lease import leased
+    from pipeline.store.objects import explained, of_bucket
+
+    with contextlib.ExitStack() as stack:
+        with explained(place):
+            name = place.with_name(f".{place.name}.lease").key
+            waited = stack.enter_context(leased(of_bucket(place), name, str(place), wait, say))
+        yield waited
+
+
+@contextlib.contextmanager
+def _holding_file(path: Path, wait: bool, say: Callable[[str], None]) -> Iterator[bool]:
     place = lock_path(path)
     made = [folder for folder in (place.parent, *place.parent.parents) if not folder.exists()]
     place.parent.mkdir(parents=True, exist_ok=True)

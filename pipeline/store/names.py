@@ -1,13 +1,22 @@
 """Names of the files of a store. Nothing in a store is opened, written or removed under any other name."""
 
-import contextlib
-import os
 import re
-from pathlib import Path
+from collections.abc import Iterable
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 
-__all__ = ["ADDED", "GROUP_FILE", "IN_BLOCKS", "LEFT_OVER", "METADATA", "ROWS", "STORE_FILE", "files_of", "is_name"]
+__all__ = [
+    "ADDED",
+    "GROUP_FILE",
+    "IN_BLOCKS",
+    "LEFT_OVER",
+    "METADATA",
+    "ROWS",
+    "STORE_FILE",
+    "is_name",
+    "refuse_unknown",
+]
 
 METADATA = "zarr.json"
 #: The group that the rows themselves fill.
@@ -38,36 +47,16 @@ def is_name(text: str) -> bool:
     return re.fullmatch(_NAME, text, re.ASCII) is not None
 
 
-def files_of(folder: Path) -> dict[str, int]:
-    """All files below a folder, in it by name, and their sizes in bytes.
+def refuse_unknown(place: Place, names: Iterable[str], known: re.Pattern) -> None:
+    """Raise unless every file at a place has a name that `known` matches.
 
     Raises
     ------
     StoreError
-        If there is anything but files and folders: what is behind a link is outside.
+        Naming a file that has not.
     """
-    found, waiting = {}, [("", folder)]
-    while waiting:
-        prefix, place = waiting.pop()
-        for entry in _entries(place, missing_ok=bool(prefix)):
-            name = prefix + entry.name
-            if entry.is_dir(follow_symlinks=False):
-                waiting.append((f"{name}/", entry.path))
-            elif entry.is_file(follow_symlinks=False):
-                # A run may rename a file that it has written, or take a group away, meanwhile.
-                with contextlib.suppress(FileNotFoundError):
-                    found[name] = entry.stat(follow_symlinks=False).st_size
-            else:
-                kind = "a link" if entry.is_symlink() else "neither a file nor a folder"
-                raise StoreError(f"{folder} is not allowed: {name!r} is {kind}; a store has files and folders only")
-    return found
-
-
-def _entries(place, missing_ok: bool) -> list[os.DirEntry]:
-    try:
-        with os.scandir(place) as entries:
-            return list(entries)
-    except FileNotFoundError:
-        if missing_ok:
-            return []
-        raise
+    for name in sorted(names):
+        if not known.fullmatch(name):
+            raise StoreError(
+                f"{place} cannot be removed: {name[:200]!r} in it is no file of this program; move it away first"
+            )

@@ -5,16 +5,16 @@ damaged groups are taken out, so that their stages make them again, or of those 
 """
 
 from collections.abc import Collection
-from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.store.arrays import row_layouts
 from pipeline.store.block_states import write_states
 from pipeline.store.damage import Damage
-from pipeline.store.durable import write_whole
-from pipeline.store.groups import take_away
+from pipeline.store.documents import listed_in
+from pipeline.store.files import files_at
+from pipeline.store.groups import remove_group
 from pipeline.store.inspection import template_of
-from pipeline.store.names import ADDED, IN_BLOCKS, LEFT_OVER, STORE_FILE, files_of
-from pipeline.store.removal import remove_file
+from pipeline.store.names import ADDED, GROUP_FILE, IN_BLOCKS, LEFT_OVER, METADATA, STORE_FILE
 from pipeline.store.row_groups import set_aside
 from pipeline.store.states import PENDING
 from pipeline.store.template import consolidate
@@ -22,38 +22,48 @@ from pipeline.store.template import consolidate
 __all__ = ["remove_left_overs", "repair"]
 
 
-def repair(path: Path, damage: Collection[Damage]) -> None:
+def repair(path: Place, damage: Collection[Damage]) -> None:
     """Put metadata and axes back, mark damaged rows as pending, take damaged groups away.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     damage : collection of Damage
         As `find_damage` gave it.
     """
     files, blocks = {item.file for item in damage}, {item.block for item in damage if item.block is not None}
     groups = {item.group for item in damage}
-    plan, template = template_of(path)
-    for file in template:
-        if file in files:
-            write_whole(path / file, template[file])
+    store = files_at(path)
+    plan, template = template_of(store)
+    store.write({file: content for file, content in template.items() if file in files})
+    # Before anything of them is taken away, they are not listed any more.
+    consolidate(path, groups)
     for group in ADDED:
         if group in groups and group in IN_BLOCKS:
             set_aside(path, group)
         elif group in groups:
-            take_away(path, group)
+            remove_group(path, group)
     # A damaged chunk that is only partly written again would have to be read first.
     places = [plan.place(block) for block in blocks]
     for file in (file for array in row_layouts(plan).values() for place in places for file in array.files(*place)):
         if file in files:
-            remove_file(path / file)
-    consolidate(path)
+            store.remove(file)
     for block in blocks:
-        write_states(path, plan, block, PENDING)
+        write_states(store, plan, block, PENDING)
 
 
-def remove_left_overs(path: Path) -> None:
-    """Remove what killed processes left half written; the store must be held."""
-    for name in files_of(path) if path.exists() else ():
+def remove_left_overs(path: Place) -> None:
+    """Remove what killed processes left half written or half taken away; the store must be held."""
+    store = files_at(path)
+    if not store.exists():
+        return
+    names, listed = store.sizes(), listed_in(store)
+    for name in names:
         if LEFT_OVER.fullmatch(name) and STORE_FILE.fullmatch(name):
-            (path / name).unlink(missing_ok=True)
+            store.remove(name)
+    # Without a list, a group may be whole all the same.
+    for group in ADDED if listed else ():
+        inside = [name.removeprefix(f"{group}/") for name in names if name.startswith(f"{group}/")]
+        half = inside and METADATA not in inside and group not in listed
+        if half and all(map(GROUP_FILE.fullmatch, inside)):
+            store.vanish(group)

@@ -10,28 +10,30 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 import zarr
+from zarr.storage import MemoryStore
 
-from pipeline.errors import DamagedError
+from pipeline.config.places import Place
+from pipeline.errors import DamagedError, Unreachable
 from pipeline.plan.row_blocks import Block, RowBlocks
 from pipeline.store.array_layout import MOST_TEXT, ArrayLayout
 from pipeline.store.chunk_files import ChunkError, decoded, encoded, read_chunk
 from pipeline.store.codecs import COMPRESSORS
 from pipeline.store.documents import document, listed_in
-from pipeline.store.durable import move_whole, write_all, write_whole
-from pipeline.store.groups import remove_group, unfinished
+from pipeline.store.files import Files, files_at
+from pipeline.store.groups import remove_group, unfinished, unlist
 from pipeline.store.identity import read_layout
 from pipeline.store.names import GROUP_FILE, METADATA
-from pipeline.store.removal import remove_known
 from pipeline.store.template import consolidate
 
 __all__ = ["RowArray", "RowGroup", "set_aside"]
 
 #: The folder of blocks.
 _PACKED = "packed"
+#: What such a file may hold, and more than any does.
+_MOST_PACKED = 2**40
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class RowGroup:
 
     Parameters
     ----------
-    store : Path
+    store : Place
         The store that it belongs to.
     name : str
         One of `pipeline.store.names.ADDED`.
@@ -89,7 +91,7 @@ class RowGroup:
         Of the group; they say what it is made from.
     """
 
-    store: Path
+    store: Place
     name: str
     rows: RowBlocks
     dims: tuple[str, ...]
@@ -98,7 +100,7 @@ class RowGroup:
     attributes: dict
 
     @property
-    def folder(self) -> Path:
+    def folder(self) -> Files:
         """Where it is until it is whole."""
         return unfinished(self.store, self.name)
 
@@ -117,21 +119,29 @@ class RowGroup:
     @property
     def is_finished(self) -> bool:
         """Whether it is in the store, made from the same, and the store lists it."""
-        return self.name in listed_in(self.store) and self._is_this(self.store / self.name)
+        return self.name in listed_in(files_at(self.store)) and self._is_this(self._final)
 
-    def _is_this(self, folder: Path) -> bool:
+    @property
+    def _final(self) -> Files:
+        """Where it is when it is whole."""
+        return files_at(self.store).within(self.name)
+
+    def _is_this(self, folder: Files) -> bool:
         """Whether a folder holds this group, its coordinates sound; its blocks are looked at when they are read."""
-        told = document(folder / METADATA)
+        arrays = {name: f"{name}/{METADATA}" for name in (*self.layouts, *self.places)}
+        coordinates = (f"{name}/c/{'/'.join('0' * np.ndim(place[1]))}" for name, place in self.places.items())
+        folder = folder.at_hand((METADATA, *arrays.values(), *coordinates))
+        told = document(folder, METADATA)
         if told is None or told.get("attributes") != self._told():
             return False
-        documents = {name: document(folder / name / METADATA) for name in self.layouts}
+        documents = {name: document(folder, arrays[name]) for name in self.layouts}
         if any(ArrayLayout.of_document(name, documents[name]) != array for name, array in self.layouts.items()):
             return False
         return all(self._is_place(folder, name) for name in self.places)
 
-    def _is_place(self, folder: Path, name: str) -> bool:
+    def _is_place(self, folder: Files, name: str) -> bool:
         """Whether a folder holds a coordinate."""
-        layout = ArrayLayout.of_document(name, document(folder / name / METADATA))
+        layout = ArrayLayout.of_document(name, document(folder, f"{name}/{METADATA}"))
         values = np.asarray(self.places[name][1])
         if layout is None or layout.chunks != values.shape or layout.kind != str(values.dtype):
             return False
@@ -149,13 +159,12 @@ class RowGroup:
         """Make the folder, unless there is one to go on with: left by another run, or a group that counts no longer."""
         if self._is_this(self.folder):
             return
-        remove_known(self.folder, GROUP_FILE)
-        if self._is_this(self.store / self.name):
-            (self.store / self.name).rename(self.folder)
+        self.folder.clear(GROUP_FILE)
+        if self._is_this(self._final):
+            self._final.move(self.folder)
             return
-        draft = self.folder.with_name(f"{self.folder.name}.draft")
-        remove_known(draft, GROUP_FILE)
-        group = zarr.create_group(draft, zarr_format=3, attributes=self._told())
+        files = {}
+        group = zarr.create_group(MemoryStore(files), zarr_format=3, attributes=self._told())
         for name, (dims, values, attributes) in self.places.items():
             group.create_array(
                 name,
@@ -167,7 +176,7 @@ class RowGroup:
             )
         for name, array in self.arrays.items():
             self._create(group, name, array)
-        move_whole(draft, self.folder)
+        self.folder.appear({name: content.to_bytes() for name, content in files.items()})
 
     def _create(self, group: zarr.Group, name: str, array: RowArray) -> None:
         layout = self._layout(name, array)
@@ -191,8 +200,10 @@ class RowGroup:
             Name -> (rows, ...) array; texts as objects.
         """
         try:
-            chunks = self._packed(block) if self._pack(block).exists() else self._unpacked(block)
+            chunks = self._packed(block) if self.folder.has(self._pack(block)) else self._unpacked(block)
             found = {name: decoded(chunks[name], layout) for name, layout in self.layouts.items()}
+        except Unreachable:
+            raise
         except (OSError, ValueError, KeyError, TypeError, ChunkError):
             return None
         rows = block.stop - block.start
@@ -209,14 +220,14 @@ class RowGroup:
         """
         chunks = {name: self._encoded(name, values[name]) for name in self.arrays}
         head = json.dumps({name: len(chunk) for name, chunk in chunks.items()}).encode()
-        write_whole(self._pack(block), b"".join([head, b"\n", *chunks.values()]))
+        self.folder.write({self._pack(block): b"".join([head, b"\n", *chunks.values()])})
 
-    def _pack(self, block: Block) -> Path:
-        return self.folder / _PACKED / "c" / "/".join(map(str, self.rows.chunk_of(block)))
+    def _pack(self, block: Block) -> str:
+        return "/".join([_PACKED, "c", *map(str, self.rows.chunk_of(block))])
 
     def _packed(self, block: Block) -> dict[str, bytes]:
         """The chunks that the file of a block has."""
-        head, _, content = self._pack(block).read_bytes().partition(b"\n")
+        head, _, content = self.folder.read(self._pack(block), _MOST_PACKED).partition(b"\n")
         chunks, start = {}, 0
         for name, size in json.loads(head).items():
             chunks[name] = content[start : start + size]
@@ -225,11 +236,13 @@ class RowGroup:
 
     def _unpacked(self, block: Block) -> dict[str, bytes]:
         """The chunks of a block in a group that was finished once."""
-        return {name: self._file(block, name).read_bytes() for name in self.arrays}
+        files = {name: self._file(block, name) for name in self.arrays}
+        folder = self.folder.at_hand(files.values())
+        return {name: folder.read(file, _MOST_PACKED) for name, file in files.items()}
 
-    def _file(self, block: Block, name: str) -> Path:
+    def _file(self, block: Block, name: str) -> str:
         (file,) = self.layouts[name].files(*self.rows.place(block))
-        return self.folder / file
+        return file
 
     def _encoded(self, name: str, values: np.ndarray) -> bytes:
         values = np.asarray(values, self.arrays[name].numpy_type)
@@ -253,26 +266,30 @@ class RowGroup:
         """
         read_layout(self.store)
         for block in self.rows.all:
-            if self._pack(block).exists():
-                write_all({self._file(block, name): chunk for name, chunk in self._packed(block).items()})
-        group, contents = zarr.open_group(self.folder, mode="r+", use_consolidated=False), {}
+            if self.folder.has(self._pack(block)):
+                self.folder.write({self._file(block, name): chunk for name, chunk in self._packed(block).items()})
+        files, contents = {}, {}
+        group = zarr.create_group(MemoryStore(files), zarr_format=3)
         for name, (array, values) in summary.items():
-            remove_known(self.folder / name, GROUP_FILE)
+            self.folder.within(name).clear(GROUP_FILE)
             self._create(group, name, array)
             layout = self._layout(name, array)
             for block in self.rows.all:
                 (file,) = layout.files(*self.rows.place(block))
                 here = np.asarray(values, array.numpy_type)[self.rows.place(block)]
-                contents[self.folder / file] = encoded(here.ravel(), layout)
-        write_all(contents)
+                contents[file] = encoded(here.ravel(), layout)
+        del files[METADATA]
+        self.folder.write({name: content.to_bytes() for name, content in files.items()} | contents)
         # Not before: what is half made is made from them again.
-        remove_known(self.folder / _PACKED, GROUP_FILE)
+        self.folder.within(_PACKED).clear(GROUP_FILE)
         remove_group(self.store, self.name)
-        move_whole(self.folder, self.store / self.name)
+        self.folder.move(self._final)
         consolidate(self.store)
 
 
-def set_aside(path: Path, name: str) -> None:
+def set_aside(path: Place, name: str) -> None:
     """Take a damaged group out of the store, to be gone on with: what is not sound of it is computed again."""
-    remove_known(unfinished(path, name), GROUP_FILE)
-    (path / name).rename(unfinished(path, name))
+    files = files_at(path)
+    unlist(files, [name])
+    unfinished(path, name).clear(GROUP_FILE)
+    files.within(name).move(unfinished(path, name))

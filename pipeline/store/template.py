@@ -2,22 +2,22 @@
 
 import json
 import warnings
+from collections.abc import Collection
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
-from pathlib import Path
 
 import zarr
 from zarr.core.buffer import Buffer, default_buffer_prototype
 from zarr.storage import MemoryStore
 
+from pipeline.config.places import Place
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.arrays import arrays_of, axes_in_store, layouts_of
 from pipeline.store.attributes import axis_attributes
 from pipeline.store.codecs import COMPRESSORS
-from pipeline.store.durable import move_whole, write_whole
-from pipeline.store.names import METADATA, ROWS, STORE_FILE, files_of
-from pipeline.store.removal import remove_known
+from pipeline.store.files import files_at
+from pipeline.store.names import ADDED, METADATA, ROWS
 from pipeline.store.seal import sealed
 
 __all__ = ["consolidate", "create", "template_files"]
@@ -25,12 +25,12 @@ __all__ = ["consolidate", "create", "template_files"]
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "zarr", "numcodecs", "xarray", "dask", "distributed")
 
 
-def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
+def create(path: Place, plan: Plan, name: str, configuration: str) -> None:
     """Write the template: all metadata, no rows. It appears under its name only when it is whole.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         Where the store shall be; must not exist.
     plan : Plan
     name : str
@@ -50,13 +50,7 @@ def create(path: Path, plan: Plan, name: str, configuration: str) -> None:
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
         }
     )
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f".{path.name}.template")
-    remove_known(draft, STORE_FILE)
-    for file, content in template_files(plan, attributes).items():
-        (draft / file).parent.mkdir(parents=True, exist_ok=True)
-        (draft / file).write_bytes(content)
-    move_whole(draft, path)
+    files_at(path).appear(template_files(plan, attributes))
 
 
 def template_files(plan: Plan, attributes: dict) -> dict[str, bytes]:
@@ -102,13 +96,23 @@ def template_files(plan: Plan, attributes: dict) -> dict[str, bytes]:
     return _consolidated(files)
 
 
-def consolidate(path: Path) -> None:
-    """Gather the metadata of all arrays in one file, which makes opening fast."""
-    # In memory, so that the file is replaced by a whole one that is on the disk.
-    names = [name for name in files_of(path) if Path(name).name == METADATA]
-    buffer = default_buffer_prototype().buffer
-    files = {name: buffer.from_bytes((path / name).read_bytes()) for name in names}
-    write_whole(path / METADATA, _consolidated(files)[METADATA])
+def consolidate(path: Place, without: Collection[str] = ()) -> None:
+    """Gather the metadata of all arrays in one file, by which a store is opened: what it does not list is not there.
+
+    Parameters
+    ----------
+    path : Place
+    without : collection of str
+        Groups that are about to be taken away. What has no metadata of its own is left out as well: it is half made.
+    """
+    files = files_at(path)
+    there = files.sizes()
+    names = [name for name in there if name.rpartition("/")[2] == METADATA]
+    gone = {group for group in ADDED if group in without or f"{group}/{METADATA}" not in there}
+    names = [name for name in names if name.partition("/")[0] not in gone]
+    files, buffer = files.at_hand(names), default_buffer_prototype().buffer
+    documents = {name: buffer.from_bytes(files.read(name, there[name])) for name in names}
+    files.write({METADATA: _consolidated(documents)[METADATA]})
 
 
 def _consolidated(files: dict[str, Buffer]) -> dict[str, bytes]:

@@ -7,12 +7,11 @@ seconds and leaves the stack in the same file. Whoever gets the block next reads
 
 import contextlib
 import faulthandler
-import os
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
-from pipeline.store.removal import remove_known
+from pipeline.config.places import Place
+from pipeline.store.files import Files, files_at
 
 __all__ = ["MOST_TRIES", "Tries", "forget_tries"]
 
@@ -25,13 +24,13 @@ _TIMEOUT = "Timeout ("
 _NOTE = re.compile(r"[0-9]+")
 
 
-def _folder(path: Path) -> Path:
-    return path.with_name(f".{path.name}.tries")
+def _notes(path: Place) -> Files:
+    return files_at(path).beside("tries")
 
 
-def forget_tries(path: Path) -> None:
+def forget_tries(path: Place) -> None:
     """Remove the notes of all blocks of the store at `path`."""
-    remove_known(_folder(path), _NOTE)
+    _notes(path).clear(_NOTE)
 
 
 class Tries:
@@ -39,7 +38,7 @@ class Tries:
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store.
     start : int
         The block's first row.
@@ -47,25 +46,23 @@ class Tries:
         Seconds that a row may take; None where there is no process that may be ended, as in a debugger.
     """
 
-    def __init__(self, path: Path, start: int, limit: float | None):
+    def __init__(self, path: Place, start: int, limit: float | None):
         self.limit = limit
-        self._note = _folder(path) / str(start)
-        self._note.parent.mkdir(exist_ok=True)
+        self._log = _notes(path).log(str(start))
         self._failed: dict[int, list[str]] = {}
         self._read()
-        self._file = None
 
     def __enter__(self):
-        self._file = self._note.open("ab", buffering=0)
+        self._log.open()
         return self
 
     def __exit__(self, *_):
-        self._file.close()
+        self._log.close()
 
     def _read(self) -> None:
         """Gather the attempts that did not end, with what ended them."""
         running = None
-        for line in self._note.read_text(errors="replace").splitlines() if self._note.exists() else ():
+        for line in self._log.lines():
             found = _LINE.match(line)
             if found is None:
                 if running is not None and line.startswith(_TIMEOUT):
@@ -101,7 +98,7 @@ class Tries:
         """Around the computation of one row."""
         self._write(f"begin {row}")
         if self.limit is not None:
-            faulthandler.dump_traceback_later(self.limit, exit=True, file=self._file)
+            faulthandler.dump_traceback_later(self.limit, exit=True, file=self._log)
         try:
             yield
         finally:
@@ -116,7 +113,7 @@ class Tries:
 
     def forget(self) -> None:
         """The block is stored."""
-        self._note.unlink(missing_ok=True)
+        self._log.remove()
 
     def _write(self, line: str) -> None:
-        os.write(self._file.fileno(), f"{line}\n".encode())
+        self._log.write(line)

@@ -1,6 +1,5 @@
 """Boundaries of solution domains as curves: folds, grazings and bifurcations in the plane of two parameters."""
 
-from solver.boundaries.coverage import missed_events
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.problem import BIFURCATIONS, FOLDS_AND_GRAZINGS, SPECTRAL
 from solver.boundaries.special_points import SpecialPoint
@@ -13,6 +12,5 @@ __all__ = [
     "BoundaryCurve",
     "SpecialPoint",
     "boundary_curves",
-    "missed_events",
     "row_events",
 ]

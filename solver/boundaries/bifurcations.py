@@ -26,8 +26,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from solver.continuation.continuation import Problem
+from solver.flow.deviations import carry_deviations, change_contact, count_blocks, new_block_series
 from solver.flow.switched_system import DASHPOT, FREQUENCY, count_degrees, new_system, strength_of, system_at
-from solver.flow.taylor import carry_deviations, change_contact, count_blocks, new_block_series
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.parameters import BACK_GAP, FRONT_GAP, MESH_FREQUENCY, P_STEP, PERIOD, STIFFNESSES, X_STEP

@@ -7,11 +7,10 @@ import numpy as np
 from solver.boundaries.chain import Chain
 from solver.boundaries.incidence import distances
 from solver.boundaries.problem import BoundaryProblem, Stretch
-from solver.boundaries.refine import refined
 from solver.boundaries.special_points import SpecialPoint, end_of, joint, named_points
 from solver.continuation.continuation import Continuation, EndReason, Event
 from solver.continuation.on_curve import curve_crossings
-from solver.model.checks import ParameterError, finite_array, finite_number, instance_of
+from solver.model.checks import ParameterError, finite_array, instance_of
 
 __all__ = ["BoundaryCurve", "assembled", "unfollowed"]
 
@@ -149,46 +148,6 @@ class BoundaryCurve:
         targets[:, self.shown] = points
         by_stretch = [distances(one.problem, one.curve, targets, self.shown, continuation) for one in self.stretches]
         return np.min(by_stretch, axis=0)
-
-    def refined(
-        self, x_step: float, p_step: float, window=None, continuation: Continuation | None = None
-    ) -> np.ndarray:
-        """Points (n, 5) no further apart than asked for in the plane, solved and not interpolated.
-
-        Parameters
-        ----------
-        x_step, p_step : float
-            Largest distance along each axis, > 0.
-        window : (x_low, x_high, p_low, p_high), optional
-            Only steps of the curve that may touch this part of the plane are divided.
-        continuation : Continuation, optional
-            Whose corrector is used.
-
-        Raises
-        ------
-        ParameterError
-            If an argument is not allowed.
-        """
-        x_step, p_step = finite_number("x_step", x_step, above=0.0), finite_number("p_step", p_step, above=0.0)
-        if window is not None:
-            window = finite_array("window", window, (4,))
-            if window[0] > window[1] or window[2] > window[3]:
-                raise ParameterError("window", window.tolist(), "ascending along x and along p")
-        continuation = _settings(continuation)
-        parts = [self.points[:1]] if not self.stretches else []
-        for stretch in self.stretches:
-            points = stretch.curve.points[:, self.shown[3:]]
-            moves = np.abs(np.diff(points, axis=0))
-            number = np.maximum(np.ceil(np.max(moves / [x_step, p_step], axis=1)), 1.0)
-            if window is not None:
-                # A step may bulge beyond its ends by about its own length where the curve turns.
-                lowest = np.minimum(points[:-1], points[1:]) - moves
-                highest = np.maximum(points[:-1], points[1:]) + moves
-                near = (highest[:, 0] >= window[0]) & (lowest[:, 0] <= window[1])
-                near &= (highest[:, 1] >= window[2]) & (lowest[:, 1] <= window[3])
-                number = np.where(near, number, 1.0)
-            parts.append(refined(stretch.problem, stretch.curve, number, continuation)[:, self.shown])
-        return np.concatenate(parts)
 
 
 def _settings(continuation: Continuation | None) -> Continuation:

@@ -15,7 +15,6 @@ import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -32,7 +31,7 @@ from solver.boundaries.contact_angles import (
     plane_coefficients,
     system_plane_coefficients,
 )
-from solver.boundaries.problem import SPECTRAL, Contact, Guess, Plane, Stretch, parameters_at, plane_parameters
+from solver.boundaries.problem import Contact, Guess, Plane, Stretch, parameters_at, plane_parameters
 from solver.continuation.continuation import EndReason, Event, Problem
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -53,29 +52,14 @@ _GRAZED = {
 }
 _NOTHING_GRAZED = (-1, 0.0)
 _ANGLES = slice(FRONT, BACK + 1)
+_NONE, _FOLD = int(Event.NONE), int(Event.FOLD)
 _NEIMARK_SACKER, _DOUBLING = int(Event.NEIMARK_SACKER), int(Event.PERIOD_DOUBLING)
+_B = types.boolean
 _TURN = 2.0 * math.pi
 
 # Columns of the switches of contact behind those of `bifurcations`: the slot of the flank's angle of contact, and how
 # the angle of the switch moves with it.
 _SLOT, _BY_CONTACT, _SWITCHES = range(3, 6)
-
-
-@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
-def _fold_rows(known, parameters, y, residual, jacobian):
-    """Balance, angles and det dE/du: (6,) and (6, 7)."""
-    angle_rows(known, parameters, y, residual, jacobian)
-    residual[5] = determinant(known, parameters, y, jacobian[5], np.empty((3, 3)))
-
-
-@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
-def _grazing_rows(known, parameters, y, residual, jacobian):
-    """Balance, angles and the grazed flank's angle: (6,) and (6, 7)."""
-    angle_rows(known, parameters, y, residual, jacobian)
-    slot = int(parameters[FLANK])
-    residual[5] = y[slot] - parameters[LEVEL]
-    jacobian[5, :] = 0.0
-    jacobian[5, slot] = 1.0
 
 
 @kernel(types.Tuple((types.float64, types.int64, MATRIX))(ARRAY, ARRAY), inner=True)
@@ -135,14 +119,40 @@ def _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian)
             jacobian[5 + row, int(switches[c, _SLOT])] += by_angle[row, c] * switches[c, _BY_CONTACT]
 
 
-@kernel(types.void(ARRAY, ARRAY, MATRIX), inner=True)
-def _amplitude_test(y, values, gradient):
-    """The first test function, the amplitude."""
-    amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
-    values[0] = amplitude
+@kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _rows(known, parameters, parameter_slope, y, residual, jacobian):
+    """The rows of an event: balance and angles, then det dE/du of a fold, the angle of the grazed flank, the amplitude
+    in units of a ceiling (no event), (6,) and (6, 7), or `_bifurcation_rows`."""
+    event = int(parameters[EVENT])
+    if event >= _DOUBLING:
+        _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian)
+        return
+    angle_rows(known, parameters, y, residual, jacobian)
+    if event == _FOLD:
+        residual[5] = determinant(known, parameters, y, jacobian[5], np.empty((3, 3)))
+        return
+    level, slot = parameters[LEVEL], int(parameters[FLANK])
+    jacobian[5, :] = 0.0
+    if event == _NONE:
+        amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
+        residual[5] = amplitude / level - 1.0
+        jacobian[5, 1], jacobian[5, 2] = y[1] / (amplitude * level), y[2] / (amplitude * level)
+    else:
+        residual[5] = y[slot] - level
+        jacobian[5, slot] = 1.0
+
+
+@kernel(_B(ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
+def _amplitude_test(parameters, y, values, gradient):
+    """The first test function, the amplitude (0 along a ceiling); whether there is a second one."""
+    values[0] = 0.0
     gradient[0, :] = 0.0
-    if amplitude > 0.0:
-        gradient[0, 1], gradient[0, 2] = y[1] / amplitude, y[2] / amplitude
+    if int(parameters[EVENT]) != _NONE:
+        amplitude = math.sqrt(y[1] * y[1] + y[2] * y[2])
+        values[0] = amplitude
+        if amplitude > 0.0:
+            gradient[0, 1], gradient[0, 2] = y[1] / amplitude, y[2] / amplitude
+    return values.shape[0] > 1
 
 
 @kernel(types.void(COEFFICIENTS, ARRAY, ARRAY, ARRAY, MATRIX), inner=True)
@@ -157,66 +167,35 @@ def _determinant_test(known, parameters, y, values, gradient):
     gradient[1, last - 1], gradient[1, last] = slopes[X], slopes[P]
 
 
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _fold_balance(parameters, parameter_slope, y, residual, jacobian):
-    _fold_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
+# A gear's own come first: what is compiled for it has nothing of other systems.
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _grazing_balance(parameters, parameter_slope, y, residual, jacobian):
-    _grazing_rows(plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
-
-
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
+def gear_rows(parameters, parameter_slope, y, residual, jacobian):
+    """Rows of the boundaries of a gear pair, by the event in its parameters."""
     known = plane_coefficients(parameters, parameter_slope, y)
-    _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian)
+    _rows(known, parameters, parameter_slope, y, residual, jacobian)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _test_functions(parameters, parameter_slope, y, values, gradient):
-    _amplitude_test(y, values, gradient)
-    if values.shape[0] > 1:
+def gear_tests(parameters, parameter_slope, y, values, gradient):
+    """Test functions along them."""
+    if _amplitude_test(parameters, y, values, gradient):
         _determinant_test(plane_coefficients(parameters, parameter_slope, y), parameters, y, values, gradient)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _system_fold_balance(parameters, parameter_slope, y, residual, jacobian):
-    _fold_rows(system_plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
-
-
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _system_grazing_balance(parameters, parameter_slope, y, residual, jacobian):
-    _grazing_rows(system_plane_coefficients(parameters, parameter_slope, y), parameters, y, residual, jacobian)
-
-
-@kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _system_bifurcation_balance(parameters, parameter_slope, y, residual, jacobian):
+def system_rows(parameters, parameter_slope, y, residual, jacobian):
+    """`gear_rows` of a `ContactSystem`."""
     known = system_plane_coefficients(parameters, parameter_slope, y)
-    _bifurcation_rows(known, parameters, parameter_slope, y, residual, jacobian)
+    _rows(known, parameters, parameter_slope, y, residual, jacobian)
 
 
 @kernel(types.void(ARRAY, ARRAY, ARRAY, ARRAY, MATRIX))
-def _system_test_functions(parameters, parameter_slope, y, values, gradient):
-    _amplitude_test(y, values, gradient)
-    if values.shape[0] > 1:
+def system_tests(parameters, parameter_slope, y, values, gradient):
+    """`gear_tests` of a `ContactSystem`."""
+    if _amplitude_test(parameters, y, values, gradient):
         _determinant_test(system_plane_coefficients(parameters, parameter_slope, y), parameters, y, values, gradient)
-
-
-class _Kernels(NamedTuple):
-    """The rows of folds, grazings and bifurcations, and the test functions, of one kind of system."""
-
-    fold: object
-    grazing: object
-    bifurcation: object
-    tests: object
-
-
-# A gear's own: what is compiled for it has nothing of other systems.
-_OF_GEARS = _Kernels(_fold_balance, _grazing_balance, _bifurcation_balance, _test_functions)
-_OF_SYSTEMS = _Kernels(
-    _system_fold_balance, _system_grazing_balance, _system_bifurcation_balance, _system_test_functions
-)
 
 
 @dataclass(frozen=True)
@@ -266,18 +245,16 @@ class FirstOrderProblem:
         return self.components(kind)
 
     def problem(self, kind: Event, contact: Contact) -> Problem:
-        """The curve of one kind within a pair of zones."""
+        """The curve of one kind within a pair of zones; of no event it is an amplitude, LEVEL."""
         parameters, parameter_slope, scale = self._parameters.copy(), self._parameter_slope.copy(), self._scale.copy()
         parameters[[FRONT_CONTACT, BACK_CONTACT]] = contact
         parameters[EVENT] = kind
-        kernels = _OF_GEARS if isinstance(self.plane.system, Model) else _OF_SYSTEMS
-        if kind is Event.FOLD:
-            return Problem(kernels.fold, kernels.tests, parameters, parameter_slope, scale, test_count=1)
-        if kind in SPECTRAL:
-            scale = np.insert(scale, X, 1.0) if kind is Event.NEIMARK_SACKER else scale
-            return Problem(kernels.bifurcation, kernels.tests, parameters, parameter_slope, scale, TEST_COUNT)
-        parameters[[FLANK, LEVEL]] = _GRAZED[kind]
-        return Problem(kernels.grazing, kernels.tests, parameters, parameter_slope, scale, TEST_COUNT)
+        if kind in _GRAZED:
+            parameters[[FLANK, LEVEL]] = _GRAZED[kind]
+        if kind is Event.NEIMARK_SACKER:
+            scale = np.insert(scale, X, 1.0)
+        rows, tests = (gear_rows, gear_tests) if isinstance(self.plane.system, Model) else (system_rows, system_tests)
+        return Problem(rows, tests, parameters, parameter_slope, scale, 1 if kind is Event.FOLD else TEST_COUNT)
 
     def confined(self, kind: Event, contact: Contact) -> Problem:
         """The same: the walls of the zones are sides of the box."""

@@ -23,7 +23,7 @@ from solver.boundaries.bifurcations import ANGLE, CONTACT_FLANK, SENSE, bifurcat
 from solver.boundaries.problem import GRAZINGS, parameters_at
 from solver.contact.spectrum import contact_arcs, displacement
 from solver.continuation.continuation import Event
-from solver.harmonic import galerkin
+from solver.harmonic import galerkin_rows
 from solver.harmonic.impedance import base_frequency, impedance, stiffness_phasor
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
@@ -51,7 +51,7 @@ _TURN = 2.0 * math.pi
 # Columns of the switches of contact behind those of `bifurcations`: how the level of lambda there moves along x and p,
 # and d lambda/d theta.
 LEVEL_X, LEVEL_P, SLOPE, SWITCHES = range(3, 7)
-_galerkin_rows, _margins = galerkin.residual_and_jacobian, galerkin.test_functions
+_galerkin_rows, _margins = galerkin_rows.residual_and_jacobian, galerkin_rows.test_functions
 
 
 @kernel(types.Tuple((_I, MATRIX))(ARRAY, ARRAY, ARRAY, ARRAY), inner=True)

@@ -1,5 +1,6 @@
 """All boundaries of a plane, each traced once from the events that the sweeps of its rows have met."""
 
+import itertools
 from collections.abc import Iterable
 
 import numpy as np
@@ -24,6 +25,7 @@ from solver.boundaries.problem import (
 from solver.continuation.continuation import Continuation, Curve, EndReason, Event
 from solver.continuation.problem import Balance
 from solver.harmonic.describing_function import DescribingFunction
+from solver.kernels.threads import side_by_side
 from solver.model.checks import ParameterError, finite_number, has_methods, instance_of, instances_of
 from solver.model.contact_system import ContactSystem
 from solver.model.gear_model import Model
@@ -126,12 +128,14 @@ def boundary_curves(
     balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
     continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
     kinds, points = _sorted(plane, balance.unknowns, starts)
-    curves: list[BoundaryCurve] = []
     boundary = _boundary_problem(plane, balance)
-    for kind in np.unique(kinds):
-        if boundary.repeats(Event(kind)):
-            continue
-        curves += _curves(Tracer(boundary, Event(kind), continuation), points[kinds == kind])
+    wanted = [kind for kind in map(Event, np.unique(kinds)) if not boundary.repeats(kind)]
+
+    def curves_of(kind: Event) -> list[BoundaryCurve]:
+        return _curves(Tracer(boundary, kind, continuation), points[kinds == kind])
+
+    # Those of multipliers, which take longest, come last in the order of kinds.
+    curves = itertools.chain.from_iterable(side_by_side(curves_of, wanted[::-1]))
     return tuple(sorted(curves, key=lambda curve: (curve.kind, *curve.points[0, [4, 3, 0, 1, 2]])))
 
 
@@ -172,9 +176,10 @@ def events_near(
     plane, reach = Plane(system, x_axis, p_axis, x_range, p_range, omega), finite_number("reach", reach, above=0.0)
     balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
     corrector = (Continuation() if continuation is None else continuation).corrector
-    boundary, found = _boundary_problem(plane, balance), []
-    for kind, guess in zip(*_sorted(plane, balance.unknowns, guesses), strict=True):
-        kind = Event(kind)
+    boundary = _boundary_problem(plane, balance)
+
+    def point_near(start) -> tuple[Event, np.ndarray] | None:
+        kind, guess = Event(start[0]), start[1]
         here = list(boundary.components(kind))
         for contact, y in boundary.starts(kind, guess):
             y = boundary.problem(kind, contact).corrected(y, corrector, max_iterations=2 * corrector.max_iterations)
@@ -182,9 +187,11 @@ def events_near(
                 continue
             point = y[here]
             if abs(point[-2] - guess[-2]) <= reach and x_range[0] <= point[-2] <= x_range[1]:
-                found.append((kind, point))
-                break
-    return found
+                return kind, point
+        return None
+
+    starts = zip(*_sorted(plane, balance.unknowns, guesses), strict=True)
+    return [point for point in side_by_side(point_near, starts) if point is not None]
 
 
 def _boundary_problem(plane: Plane, balance: Balance) -> BoundaryProblem:
@@ -198,7 +205,7 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
     singular point (b = 0).
     """
     size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *SPECTRAL)
-    kinds, points = checked_events("starts", starts, size)
+    kinds, points = checked_events(starts, size)
     for kind in np.unique(kinds):
         if kind not in allowed:
             raise ParameterError("starts", int(kind), f"of the kinds {', '.join(k.name for k in allowed)}")

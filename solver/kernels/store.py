@@ -77,6 +77,8 @@ class KernelStore:
 
     def __init__(self):
         self._keeps, self._is_private = True, False
+        #: Entries that this process made.
+        self.made = 0
         self._folders: list[Path] = []
         try:
             home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
@@ -141,6 +143,7 @@ class KernelStore:
 
     def write(self, name: str, content: bytes) -> None:
         """Keep an entry, which appears whole or not at all."""
+        self.made += 1
         while self._keeps:
             try:
                 handle, partial = tempfile.mkstemp(dir=self._folders[-1], suffix=".partial")

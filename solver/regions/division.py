@@ -11,6 +11,7 @@ import numpy as np
 
 from solver.boundaries.curve import BoundaryCurve
 from solver.boundaries.problem import Plane
+from solver.kernels.threads import side_by_side
 from solver.model.checks import ParameterError
 from solver.regions.areas import slab_areas
 from solver.regions.slabs import RegionError, RowCrossings, Slab, SlabCurve, slabs
@@ -230,12 +231,10 @@ def _labelled(
 
     What is `known` of slabs that no further boundary has divided is kept.
     """
-    codes: list[list[int]] = []
-    labels.expect([slab for slab in found if slab not in known])
-    for slab in found:
-        sequence = known.get(slab) or labels.sequence(slab)
+    fresh = [slab for slab in found if slab not in known]
+    labels.expect(fresh)
+    for slab, sequence in zip(fresh, side_by_side(labels.sequence, fresh), strict=True):
         if not isinstance(sequence, list):
-            return codes, sequence
+            return [known[slab] for slab in found[: found.index(slab)]], sequence
         known[slab] = sequence
-        codes.append(sequence)
-    return codes, None
+    return [known[slab] for slab in found], None

@@ -4,7 +4,7 @@ Test functions of the monodromy matrix M (`solver.stability.multipliers.spectral
 det(M + I), which changes sign where a real multiplier passes -1, and how many multipliers lie outside the unit circle,
 which tells where a complex pair passes it. They are known at the points of the branch and at the grid values of its row
 that lie on it. What two neighbouring ones of these bracket, or three of them suggest, is located on the branch
-(`solver.stability.passages`).
+(`solver.stability.passages`, `solver.stability.dips`).
 
 Only where multipliers pass the circle is an event; where one passes +1 is left to det J, and two that meet outside the
 circle do not pass it.
@@ -27,9 +27,10 @@ from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.model.packing import gear_vectors
 from solver.model.parameters import ALPHA_2, ALPHA_2_PHASE
+from solver.stability.dips import Recent, search_dips
 from solver.stability.monodromy import new_room
 from solver.stability.multipliers import LARGEST, TESTS
-from solver.stability.passages import FOUND, UNKNOWN, Found, Recent, Watch, look, search, search_dips
+from solver.stability.passages import FOUND, UNKNOWN, Found, Watch, look, search
 
 __all__ = ["KnownMotions", "locate_bifurcations", "packed_parameters", "with_bifurcations"]
 

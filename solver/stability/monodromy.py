@@ -25,6 +25,16 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.spectrum import contact_arcs
+from solver.flow.deviations import (
+    BLOCK_SERIES,
+    BLOCKS,
+    BlockSeries,
+    carry_deviations,
+    change_contact,
+    count_blocks,
+    new_block_series,
+    set_identity,
+)
 from solver.flow.switched_system import (
     FREQUENCY,
     HIGH,
@@ -34,16 +44,6 @@ from solver.flow.switched_system import (
     count_degrees,
     new_system,
     system_at,
-)
-from solver.flow.taylor import (
-    BLOCK_SERIES,
-    BLOCKS,
-    BlockSeries,
-    carry_deviations,
-    change_contact,
-    count_blocks,
-    new_block_series,
-    set_identity,
 )
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel

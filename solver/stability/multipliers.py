@@ -14,7 +14,18 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.stability.instability import BEYOND_MINUS_ONE, BEYOND_ONE, NEAR_CIRCLE, NOT_FINITE, PAIR_OUTSIDE
 
-__all__ = ["DOUBLING", "GAP", "LARGEST", "OUTSIDE", "TESTS", "eigenvalues", "spectral_tests", "where_multipliers_lie"]
+__all__ = [
+    "DOUBLING",
+    "GAP",
+    "LARGEST",
+    "OUTSIDE",
+    "RIVAL",
+    "TESTS",
+    "UNIT",
+    "eigenvalues",
+    "spectral_tests",
+    "where_multipliers_lie",
+]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
 
@@ -26,8 +37,8 @@ _EPSILON = 2.0**-52
 _REAL = 1e-8
 
 #: Slots of `spectral_tests`, and their number.
-LARGEST, DOUBLING, OUTSIDE, GAP = range(4)
-TESTS = 4
+LARGEST, DOUBLING, OUTSIDE, GAP, UNIT, RIVAL = range(6)
+TESTS = 6
 
 
 @kernel(types.void(MATRIX, _I), inner=True)
@@ -225,9 +236,12 @@ def spectral_tests(real, imaginary, tests):
         the number of multipliers outside the unit circle, less one if an odd number lies beyond -1 and less one if an
         odd number lies beyond +1: it changes by 2 where a complex pair passes the circle, and not where two multipliers
         meet outside and leave the real axis. GAP, modulus less 1 of that complex multiplier which is nearest to the
-        circle, infinite where there is none. All are nan where a multiplier is.
+        circle, infinite where there is none. UNIT, det(M - I): it changes sign where a real multiplier passes +1.
+        RIVAL, the distance from +1 of the nearest real multiplier beyond over that of the nearest one inside; 0 where
+        there are not both. All are nan where a multiplier is.
     """
     largest, product, outside, below, above, gap = 0.0, 1.0, 0, 0, 0, math.inf
+    unit, beyond, inside = 1.0, math.inf, math.inf
     for i in range(real.shape[0]):
         x, y = real[i], imaginary[i]
         modulus = math.hypot(x, y)
@@ -235,8 +249,14 @@ def spectral_tests(real, imaginary, tests):
         if y > 0.0:
             # Of a pair, both at once.
             product *= (1.0 + x) * (1.0 + x) + y * y
+            unit *= (1.0 - x) * (1.0 - x) + y * y
         elif y == 0.0:
             product *= 1.0 + x
+            unit *= x - 1.0
+            if x > 1.0:
+                beyond = min(beyond, x - 1.0)
+            elif x > 0.0:
+                inside = min(inside, 1.0 - x)
         if y != 0.0 and abs(modulus - 1.0) < abs(gap):
             gap = modulus - 1.0
         if modulus > 1.0:
@@ -245,7 +265,8 @@ def spectral_tests(real, imaginary, tests):
                 below += x < 0.0
                 above += x > 0.0
         if math.isnan(modulus):
-            largest, product, gap = math.nan, math.nan, math.nan
+            largest, product, gap, unit, beyond = math.nan, math.nan, math.nan, math.nan, math.nan
             break
-    tests[LARGEST], tests[DOUBLING], tests[GAP] = largest, product, gap
+    tests[LARGEST], tests[DOUBLING], tests[GAP], tests[UNIT] = largest, product, gap, unit
+    tests[RIVAL] = beyond / inside if inside > 0.0 and not math.isinf(beyond) else 0.0
     tests[OUTSIDE] = outside - below % 2 - above % 2 if not math.isnan(largest) else math.nan

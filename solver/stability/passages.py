@@ -1,8 +1,8 @@
 """Where multipliers pass the unit circle on a branch, between places whose test functions are known.
 
 What two neighbouring places bracket is located by regula falsi, bisected where that is slow: next to a grazing the
-functions have square-root corners. Where a function comes nearest to zero at the middle one of three places the branch
-is looked at in between, as long as a parabola says that it may reach zero there.
+functions have square-root corners. A pair may leave the circle and meet on the real axis within one step, and one of
+the two come back through +1 or -1: next to where a real multiplier passes, the others tell.
 """
 
 import math
@@ -17,28 +17,40 @@ from solver.kernels import types
 from solver.kernels.compile import ARRAY, FLAGS, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.stability.monodromy import ROOM, Room, monodromy_at
-from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, eigenvalues, spectral_tests
+from solver.stability.multipliers import (
+    DOUBLING,
+    GAP,
+    LARGEST,
+    OUTSIDE,
+    RIVAL,
+    TESTS,
+    UNIT,
+    eigenvalues,
+    spectral_tests,
+)
 
-__all__ = ["FOUND", "UNKNOWN", "Found", "Recent", "Watch", "look", "search", "search_dips"]
+__all__ = ["FOUND", "INDICES", "ON_CIRCLE", "UNKNOWN", "WATCH", "Found", "Watch", "look", "search"]
 
 _I, _F, _B = types.int64, types.float64, types.boolean
 INDICES = types.int64[::1]
-_DOUBLING, _TORUS = int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER)
+_DOUBLING, _TORUS, _UNIT = int(Event.PERIOD_DOUBLING), int(Event.NEIMARK_SACKER), int(Event.UNIT_MULTIPLIER)
 
-# Looks that the location of one event may take, and pairs that may pass in one step.
-_LOOKS, _MOST_PAIRS = 80, 8
+# Looks that the location of one event may take, and places that are kept of one step.
+_LOOKS, _MOST_PLACES = 80, 24
+# A multiplier that passes +1 is followed where one beyond is at least this many times as far from there as one inside:
+# else it is the former that comes back. How far beside, as a share of the step, the others are looked at.
+_CLOSE, _BESIDE = 0.5, 1e-6
 # An event is located when its function has fallen to this share of what it was, or in so short a stretch of arc.
 _ROUNDING, _NARROW = 1e-13, 1e-12
-# A pair whose modulus is this close to 1 on both sides is on the circle, as of undamped systems, and passes nothing.
-_ON_CIRCLE = 1e-8
+# Events of one kind whose motions and axis values are this close, as a share, are one.
+_SAME = 1e-8
+#: A pair whose modulus is this close to 1 on both sides is on the circle, as of undamped systems, and passes nothing.
+ON_CIRCLE = 1e-8
 # At a Neimark-Sacker point the pair nearest to the circle lies on it; if not, a real multiplier was what passed it.
 _PASSED = 1e-5
 # The cubic between two points tells to some share of the arc where on the branch a motion of the raster lies: where its
 # test functions are not those of the branch there, these shares further outward.
 _ASIDE = (0.0, 1e-4, 1e-3, 1e-2)
-# Looks for a pair of events between three places; a function that comes no nearer to zero than this share of its least
-# value is not followed.
-_DIP_LOOKS, _CLEARANCE = 8, 0.5
 
 
 class Watch(NamedTuple):
@@ -60,16 +72,6 @@ class Found(NamedTuple):
     counts: np.ndarray
 
 
-class Recent(NamedTuple):
-    """The last three places of a branch whose test functions are known: arc lengths, ascending, behind which points of
-    the branch lies what is between two of them, and the functions (3, TESTS)."""
-
-    positions: np.ndarray
-    pieces: np.ndarray
-    tests: np.ndarray
-
-
-RECENT = types.NamedTuple((ARRAY, INDICES, MATRIX), Recent)
 WATCH = types.NamedTuple((ARRAY, ARRAY, ROOM), Watch)
 FOUND = types.NamedTuple((INDICES, ARRAY, FLAGS, MATRIX, INDICES), Found)
 LOCATED, MISSED, UNKNOWN = range(3)
@@ -97,8 +99,8 @@ def look(watch, y, tests):
 @kernel(_F(_I, ARRAY, _F), inline=True)
 def _value(kind, tests, level):
     """The function of one kind that changes sign at the event; for pairs, where OUTSIDE rises above `level`."""
-    if kind == _DOUBLING:
-        return tests[DOUBLING]
+    if kind != _TORUS:
+        return tests[DOUBLING if kind == _DOUBLING else UNIT]
     size = min(abs(tests[GAP]), 1.0)
     return size if tests[OUTSIDE] > level else -size
 
@@ -166,10 +168,19 @@ def _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tes
     return -1.0
 
 
-@kernel(types.void(FOUND, _I, _F, _I, ARRAY), inner=True)
-def _record(found, after, fraction, kind, point):
-    """Keep one event, or count it as missed where there is no more room."""
+@kernel(types.void(FOUND, _I, _F, _I, ARRAY, _I), inner=True)
+def _record(found, after, fraction, kind, point, size):
+    """Keep one event at the first `size` numbers of `point`, once, or count it as missed where there is no more room.
+
+    Next to it rounding decides the signs of test functions: it may be bracketed twice.
+    """
     count = found.counts[LOCATED]
+    for k in range(count):
+        apart = 0.0
+        for j in range(size):
+            apart = max(apart, abs(found.points[k, j] - point[j]) / (1.0 + abs(point[j])))
+        if found.kinds[k] == kind and apart <= _SAME:
+            return
     if count == found.after.shape[0]:
         found.counts[MISSED] += 1
         return
@@ -199,6 +210,37 @@ def _end_on_branch(setup, watch, left, right, arc, x, sense, expected, tests, po
     return x
 
 
+@kernel(_I(ARRAY, ARRAY, _F, _F, _F), inner=True)
+def _bracketed(before, behind, pairs, doublings, units):
+    """What two places with these test functions bracket, beside what is located between them already: 0 if nothing."""
+    # What lies on the circle on both sides, as in undamped systems, passes nothing.
+    apart = max(abs(before[GAP]), abs(behind[GAP])) > ON_CIRCLE
+    if apart and abs(before[OUTSIDE] - behind[OUTSIDE]) > 2.0 * pairs:
+        return _TORUS
+    if doublings == 0.0 and before[DOUBLING] * behind[DOUBLING] < 0.0:
+        return _DOUBLING
+    if units == 0.0 and before[UNIT] * behind[UNIT] < 0.0 and max(before[RIVAL], behind[RIVAL]) > _CLOSE:
+        return _UNIT
+    return 0
+
+
+@kernel(_I(ARRAY, MATRIX, MATRIX, _I, _I, _F, ARRAY, _I), inner=True)
+def _insert(positions, at_positions, done, count, k, x, tests, later):
+    """Put one more place before place k; what is located there lies behind the new one if `later` is 1, else before.
+
+    Returns the number of places.
+    """
+    for i in range(count, k, -1):
+        positions[i] = positions[i - 1]
+        copy_into(at_positions[i], at_positions[i - 1])
+        copy_into(done[i], done[i - 1])
+    positions[k] = x
+    copy_into(at_positions[k], tests)
+    for j in range(3):
+        done[k + later, j], done[k + 1 - later, j] = done[k + 1, j], 0.0
+    return count + 1
+
+
 @kernel(_F(SETUP, WATCH, FOUND, _I, ARRAY, ARRAY, _F, _F, _F, ARRAY, ARRAY), inner=True)
 def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_high):
     """Locate all events between two neighbouring fractions of a piece whose test functions are known.
@@ -222,144 +264,51 @@ def search(setup, watch, found, after, left, right, arc, low, high, at_low, at_h
     at_low, at_high : (TESTS,) arrays
         Test functions there.
     """
-    pairs = at_low[OUTSIDE] != at_high[OUTSIDE]
-    # What lies on the circle on both sides, as in undamped systems, passes nothing.
-    pairs &= max(abs(at_low[GAP]), abs(at_high[GAP])) > _ON_CIRCLE
-    if not pairs and at_low[DOUBLING] * at_high[DOUBLING] >= 0.0:
+    if _bracketed(at_low, at_high, 0, 0, 0) == 0:
         return high
     bracket, at_ends = np.empty(2), np.empty((2, TESTS))
     tests, point = np.empty(TESTS), np.empty(point_size(setup))
-    # Places, in order, between which a real multiplier may pass -1.
-    positions, at_positions = np.empty(2 + 2 * _MOST_PAIRS), np.empty((2 + 2 * _MOST_PAIRS, TESTS))
+    # Places in order, and what is located between each and the one before: pairs, and multipliers at -1 and at +1.
+    positions, at_positions, done = np.empty(_MOST_PLACES), np.empty((_MOST_PLACES, TESTS)), np.zeros((_MOST_PLACES, 3))
     for end in range(2):
         expected, x, sense = (at_low, low, -1.0) if end == 0 else (at_high, high, 1.0)
         positions[end] = _end_on_branch(setup, watch, left, right, arc, x, sense, expected, at_positions[end], point)
-    low, high, count = positions[0], positions[1], 2
-    at_first, at_last = at_positions[0].copy(), at_positions[1].copy()
-    if pairs:
-        level, top = min(at_low[OUTSIDE], at_high[OUTSIDE]), max(at_low[OUTSIDE], at_high[OUTSIDE])
-        while level < top and count < positions.shape[0]:
-            bracket[0], bracket[1] = low, high
-            copy_into(at_ends[0], at_first)
-            copy_into(at_ends[1], at_last)
-            x = _pinpoint(setup, watch, left, right, arc, _TORUS, level, bracket, at_ends, tests, point)
-            if x < 0.0:
-                found.counts[MISSED] += 1
-            elif abs(tests[GAP]) <= _PASSED:
-                _record(found, after, x, _TORUS, point)
+    high, count, k = positions[1], 2, 1
+    while k < count:
+        kind = _bracketed(at_positions[k - 1], at_positions[k], done[k, 0], done[k, 1], done[k, 2])
+        if kind == 0 or count + 2 > _MOST_PLACES:
+            k += 1
+            continue
+        level = min(at_positions[k - 1, OUTSIDE], at_positions[k, OUTSIDE]) + 2.0 * done[k, 0]
+        done[k, 0 if kind == _TORUS else 1 if kind == _DOUBLING else 2] += 1.0
+        for end in range(2):
+            bracket[end] = positions[k - 1 + end]
+            copy_into(at_ends[end], at_positions[k - 1 + end])
+        x = _pinpoint(setup, watch, left, right, arc, kind, level, bracket, at_ends, tests, point)
+        if x < 0.0:
+            found.counts[MISSED] += kind != _UNIT
+        elif kind == _DOUBLING or (kind == _TORUS and abs(tests[GAP]) <= _PASSED):
+            _record(found, after, x, kind, point, setup.unknowns + 1)
+        if kind == _TORUS:
             # Both ends of the bracket are places to look at. Of two real multipliers that passed one after the other
             # the second one is what was found here.
-            for end in range(2):
-                k = count
-                while positions[k - 1] > bracket[end]:
-                    positions[k] = positions[k - 1]
-                    for i in range(TESTS):
-                        at_positions[k, i] = at_positions[k - 1, i]
-                    k -= 1
-                positions[k] = bracket[end]
-                for i in range(TESTS):
-                    at_positions[k, i] = at_ends[end, i]
-                count += 1
-            level += 2.0
-    for k in range(1, count):
-        if at_positions[k - 1, DOUBLING] * at_positions[k, DOUBLING] < 0.0:
-            bracket[0], bracket[1] = positions[k - 1], positions[k]
-            for i in range(TESTS):
-                at_ends[0, i], at_ends[1, i] = at_positions[k - 1, i], at_positions[k, i]
-            x = _pinpoint(setup, watch, left, right, arc, _DOUBLING, 0.0, bracket, at_ends, tests, point)
-            if x < 0.0:
-                found.counts[MISSED] += 1
+            if bracket[0] > positions[k - 1]:
+                count = _insert(positions, at_positions, done, count, k, bracket[0], at_ends[0], 1)
+            inner = k + 1 if bracket[0] == positions[k] else k
+            if bracket[1] < positions[inner]:
+                count = _insert(positions, at_positions, done, count, inner, bracket[1], at_ends[1], 0)
+        elif x >= 0.0:
+            # Next to where it passes, on the side with an even number of real ones beyond, the others tell whether a
+            # pair has passed the circle within the step as well: what it does to OUTSIDE that one has undone.
+            side = 0 if at_ends[0, DOUBLING if kind == _DOUBLING else UNIT] > 0.0 else 1
+            beside = x + (2.0 * side - 1.0) * _BESIDE * (positions[k] - positions[k - 1])
+            if (beside - bracket[side]) * (2.0 * side - 1.0) >= 0.0:
+                beside = bracket[side]
+                copy_into(tests, at_ends[side])
+            elif state_at(setup, left, right, arc, beside, point) < 0:
+                continue
             else:
-                _record(found, after, x, _DOUBLING, point)
+                look(watch, point[: setup.unknowns + 1], tests)
+            if abs(tests[OUTSIDE] - at_positions[k - 1 + side, OUTSIDE]) > 1.0:
+                count = _insert(positions, at_positions, done, count, k, beside, tests, 1 - side)
     return high
-
-
-@kernel(_B(MATRIX, _I), inline=True)
-def _dips(tests, slot):
-    """Whether a function has one sign at three places (3, TESTS) and comes nearest to zero at the middle one."""
-    sign = math.copysign(1.0, tests[1, slot])
-    return _ON_CIRCLE < sign * tests[1, slot] <= min(sign * tests[0, slot], sign * tests[2, slot]) < math.inf
-
-
-@kernel(types.void(SETUP, WATCH, FOUND, MATRIX, MATRIX, ARRAY, RECENT, _I), inner=True)
-def _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot):
-    """`search_dips` for one of the test functions."""
-    n, size = setup.unknowns, point_size(setup)
-    positions, pieces, at_positions = recent.positions.copy(), recent.pieces.copy(), recent.tests.copy()
-    left, right, point, tests = np.zeros(size), np.zeros(size), np.zeros(size), np.empty(TESTS)
-    for _ in range(_DIP_LOOKS):
-        if not _dips(at_positions, slot):
-            return
-        before, least, behind = at_positions[0, slot], at_positions[1, slot], at_positions[2, slot]
-        first = (least - before) / (positions[1] - positions[0])
-        bend = ((behind - least) / (positions[2] - positions[1]) - first) / (positions[2] - positions[0])
-        if not bend * least > 0.0:
-            return
-        position = 0.5 * (positions[0] + positions[1]) - 0.5 * first / bend
-        lowest = before + (position - positions[0]) * (first + bend * (position - positions[1]))
-        if not lowest * math.copysign(1.0, least) < _CLEARANCE * abs(least):
-            return
-        margin = 0.05 * (positions[2] - positions[0])
-        if abs(position - positions[1]) < margin:
-            position = positions[1] + (margin if positions[2] - positions[1] > positions[1] - positions[0] else -margin)
-        side = 0 if position < positions[1] else 1
-        piece = pieces[side]
-        arc = arclength[piece + 1] - arclength[piece]
-        for j in range(n + 1):
-            left[j], left[n + 1 + j] = branch[piece, j], tangents[piece, j]
-            right[j], right[n + 1 + j] = branch[piece + 1, j], tangents[piece + 1, j]
-        x = (position - arclength[piece]) / arc
-        if state_at(setup, left, right, arc, x, point) < 0:
-            return
-        look(watch, point[: n + 1], tests)
-        if math.isnan(tests[LARGEST]):
-            return
-        if tests[OUTSIDE] != at_positions[side, OUTSIDE] or tests[DOUBLING] * at_positions[side, DOUBLING] < 0.0:
-            # One call in a loop: every further one is compiled once more.
-            for part in range(2):
-                low, high = (positions[side] - arclength[piece]) / arc, x
-                at_low, at_high = at_positions[side], tests
-                if part == 1:
-                    low, high = x, (positions[side + 1] - arclength[piece]) / arc
-                    at_low, at_high = tests, at_positions[side + 1]
-                search(setup, watch, found, piece, left, right, arc, low, high, at_low, at_high)
-            return
-        # The three places among four that have the least value in the middle.
-        closer = abs(tests[slot]) <= abs(least)
-        if closer:
-            other = 2 - 2 * side
-            positions[other], pieces[1 - side] = positions[1], piece
-            copy_into(at_positions[other], at_positions[1])
-        new = 1 if closer else 2 * side
-        positions[new] = position
-        copy_into(at_positions[new], tests)
-
-
-@kernel(types.void(SETUP, WATCH, FOUND, MATRIX, MATRIX, ARRAY, RECENT, _F, _I, ARRAY), inner=True)
-def search_dips(setup, watch, found, branch, tangents, arclength, recent, position, piece, tests):
-    """Take one more place, and locate pairs of events that the last three suggest and do not bracket.
-
-    Parameters
-    ----------
-    setup, watch, found
-    branch, tangents, arclength : (k, n + 1), (k, n + 1) and (k,) arrays
-        Points of the branch.
-    recent : Recent
-    position : float
-        Its arc length.
-    piece : int
-        Behind which point of the branch it and the place before lie.
-    tests : (TESTS,) array
-    """
-    for k in range(2):
-        recent.positions[k] = recent.positions[k + 1]
-        copy_into(recent.tests[k], recent.tests[k + 1])
-    recent.positions[2], recent.pieces[0], recent.pieces[1] = position, recent.pieces[1], piece
-    copy_into(recent.tests[2], tests)
-    if not recent.positions[0] < recent.positions[1] < recent.positions[2]:
-        return
-    if not recent.tests[0, OUTSIDE] == recent.tests[1, OUTSIDE] == recent.tests[2, OUTSIDE]:
-        return
-    for slot in (DOUBLING, GAP):
-        if _dips(recent.tests, slot):
-            _search_dip(setup, watch, found, branch, tangents, arclength, recent, slot)

@@ -8,16 +8,19 @@ import numpy as np
 from solver.contact.quantities import Slot
 from solver.flow.loads import loaded_system_at
 from solver.flow.switched_system import FREQUENCY, LENGTH
-from solver.flow.zone_flows import ZONE_FLOWS, new_flows, zone_flows
+from solver.flow.tabulation import zone_flows
+from solver.flow.zone_flows import ZONE_FLOWS, new_flows
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
 from solver.timedomain.attractor import AttractorKind
+from solver.timedomain.gauge import GAUGE, Gauge
 from solver.timedomain.integrator import COMPLETE
 from solver.timedomain.orbits import new_orbit
 from solver.timedomain.poincare import add_harmonics
-from solver.timedomain.quantities import GAUGE, Gauge, clear, gather, new_work, read
-from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, fill_sample, try_orbit
+from solver.timedomain.quantities import clear, gather, new_work, read
+from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, Known, try_orbit
+from solver.timedomain.samples import fill_sample
 from solver.timedomain.section_map import MAP_ROOM, carry_period, new_room, new_steps
 from solver.timedomain.settling import LIMITS, MEMORY, Limits, Memory, settle_state, spread_sample
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.flow.switched_system import FREQUENCY
-from solver.flow.zone_flows import ZONE_FLOWS, ZoneFlows, apply_map, loaded_flows
+from solver.flow.tabulation import loaded_flows
+from solver.flow.zone_flows import ZONE_FLOWS, ZoneFlows, apply_map
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.checks import ParameterError, finite_number, frequency, instance_of, whole_number

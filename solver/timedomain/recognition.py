@@ -12,7 +12,7 @@ half of what the map shrinks, |r| <= (|d| - |A d|) / 2, the deviation shrinks as
 and the rest falls faster than the deviation, so that a motion which obeyed this over several returns, and has come half
 as near meanwhile, ends on the orbit.
 
-An aperiodic attractor, or one of a longer period, is known by a sample of its sections.
+An aperiodic attractor, or one of a longer period, is known by a sample of its sections (`solver.timedomain.samples`).
 """
 
 import math
@@ -25,24 +25,11 @@ from solver.flow.zone_flows import ZONE_FLOWS
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into
-from solver.timedomain.attractor import AttractorKind
 from solver.timedomain.integrator import COMPLETE
 from solver.timedomain.orbits import ORBIT, close_orbit, minimal_period
 from solver.timedomain.section_map import MAP_ROOM, carry_period
 
-__all__ = [
-    "HIGHEST_PERIOD",
-    "KNOWN",
-    "SAMPLE",
-    "Known",
-    "distance",
-    "fill_sample",
-    "keep_sample",
-    "new_known",
-    "recognised",
-    "try_orbit",
-    "within_sample",
-]
+__all__ = ["HIGHEST_PERIOD", "KNOWN", "SAMPLE", "Known", "distance", "new_known", "recognised", "try_orbit"]
 
 _F, _I = types.float64, types.int64
 _COUNTS = types.int64[::1]
@@ -53,8 +40,6 @@ HIGHEST_PERIOD = 8
 
 #: Sections by which an attractor that is not periodic is known.
 SAMPLE = 128
-
-LONGER, CHAOTIC = int(AttractorKind.PERIOD_LONGER), int(AttractorKind.CHAOTIC)
 
 # Newton's iterations and halvings, and how nearly an orbit closes.
 _ITERATIONS, _HALVINGS, _CLOSED = 8, 3, 1e-10
@@ -67,12 +52,6 @@ _ARRIVED = 1e-7
 
 # Returns in a row that obey the linear map before a motion counts as one that ends on the orbit.
 _RETURNS, _MANY_RETURNS = 3, 24
-
-# Sections of a motion that repeats lie in few places: this share of the length counts as near one.
-_SMALLEST = 1e-3
-
-#: Of the last sections looked at, so many must lie in the sample of an attractor.
-LOOKED, _WITHIN = 48, 24
 
 
 class Known(NamedTuple):
@@ -349,95 +328,3 @@ def recognised(system, known, before, after, entry, returns, work):
         if closer or returns[slot] >= _MANY_RETURNS * period:
             return slot
     return -1
-
-
-@kernel(_F(SWITCHED_SYSTEM, MATRIX, ARRAY, _I), inner=True)
-def _nearest(system, sample, state, skipped):
-    """Distance from a state to the nearest section of a sample, one of them left out."""
-    least = math.inf
-    for i in range(sample.shape[0]):
-        if i != skipped:
-            least = min(least, distance(system, sample[i], state))
-    return least
-
-
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, ARRAY, types.int64[:, ::1], _I), inner=True)
-def within_sample(system, known, state, hits, count):
-    """Slot of the attractor in whose sample the last sections of a motion lay; -1 if there is none.
-
-    hits (A, 48) remembers, in a ring, which of the last sections lay within; `count` sections were looked at before.
-    """
-    for slot in range(known.count[0]):
-        if known.kind[slot] < LONGER or known.kind[slot] > CHAOTIC:
-            continue
-        near = _nearest(system, known.samples[slot], state, -1) <= known.spacing[slot]
-        hits[slot, count % LOOKED] = 1 if near else 0
-        total = 0
-        for i in range(LOOKED):
-            total += hits[slot, i]
-        if total >= _WITHIN:
-            return slot
-    return -1
-
-
-@kernel(types.void(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, ARRAY), inner=True)
-def fill_sample(system, known, slot, sample, gaps):
-    """Fill in the sample (128, m) of an attractor, and how far apart its sections lie; gaps (128,) is overwritten."""
-    for i in range(SAMPLE):
-        copy_into(known.samples[slot, i], sample[i])
-        gaps[i] = _nearest(system, sample, sample[i], i)
-    # Nine of ten sections have another within this distance; twice of it leaves room for the thin parts of the set.
-    spacing = 2.0 * _nine_tenths(gaps)
-    known.spacing[slot] = max(spacing, _SMALLEST * system.numbers[LENGTH])
-
-
-@kernel(_I(SWITCHED_SYSTEM, KNOWN, _I, MATRIX, _F, _F, ARRAY), inner=True)
-def keep_sample(system, known, kind, sample, rate, error, gaps):
-    """Slot of an attractor that is known by a sample of its sections, and becomes known if it was not.
-
-    Parameters
-    ----------
-    system : SwitchedSystem
-    known : Known
-    kind : int
-        `AttractorKind`.
-    sample : (128, m) array
-    rate, error : float
-        Growth of a deviation in a period, and its uncertainty.
-    gaps : (128,) array
-        Overwritten.
-
-    Returns
-    -------
-    int
-        -1 where there is no slot left.
-    """
-    for slot in range(known.count[0]):
-        if known.kind[slot] == kind:
-            near = 0
-            for i in range(SAMPLE):
-                if _nearest(system, known.samples[slot], sample[i], -1) <= known.spacing[slot]:
-                    near += 1
-            if LOOKED * near >= _WITHIN * SAMPLE:
-                return slot
-    slot = known.count[0]
-    if slot == known.kind.shape[0]:
-        return -1
-    fill_sample(system, known, slot, sample, gaps)
-    known.kind[slot], known.rates[slot, 0], known.rates[slot, 1] = kind, rate, error
-    copy_into(known.points[slot, 0], sample[0])
-    known.count[0] += 1
-    return slot
-
-
-@kernel(_F(ARRAY), inner=True)
-def _nine_tenths(values):
-    """The number that a tenth of the values exceed; numpy's sort takes long to compile."""
-    above = values.shape[0] // 10
-    for i in range(above + 1):
-        largest = i
-        for k in range(i + 1, values.shape[0]):
-            if values[k] > values[largest]:
-                largest = k
-        values[i], values[largest] = values[largest], values[i]
-    return values[above]

@@ -13,7 +13,7 @@ from solver.model.contact_system import ContactSystem, reduced, refuse_cubic
 from solver.model.gear_model import Model
 from solver.model.packing import packed
 from solver.model.parameters import LOADS, STIFFNESSES
-from solver.timedomain.quantities import Gauge, gauge_at, system_gauges
+from solver.timedomain.gauge import Gauge, gauge_at, system_gauges
 
 __all__ = ["RowSystems", "motion_states", "random_states", "row_systems"]
 

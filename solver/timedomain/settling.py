@@ -18,17 +18,8 @@ from solver.kernels.linear import copy_into
 from solver.timedomain.attractor import AttractorKind
 from solver.timedomain.integrator import CEILING, COMPLETE
 from solver.timedomain.orbits import ORBIT
-from solver.timedomain.recognition import (
-    HIGHEST_PERIOD,
-    KNOWN,
-    LOOKED,
-    SAMPLE,
-    distance,
-    keep_sample,
-    recognised,
-    try_orbit,
-    within_sample,
-)
+from solver.timedomain.recognition import HIGHEST_PERIOD, KNOWN, SAMPLE, distance, recognised, try_orbit
+from solver.timedomain.samples import LOOKED, keep_sample, within_sample
 from solver.timedomain.section_map import MAP_ROOM, carry_period
 
 __all__ = ["FAILED", "LIMITS", "MEMORY", "NO_ROOM", "Limits", "Memory", "new_memory", "settle_state", "spread_sample"]

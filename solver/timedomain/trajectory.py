@@ -17,9 +17,9 @@ from solver.model.checks import frequency, instance_of, whole_number
 from solver.model.contact_system import ContactSystem, gear_system
 from solver.model.gear_model import Model
 from solver.model.packing import packed
+from solver.timedomain.gauge import Gauge, gauge_at
 from solver.timedomain.integrator import COMPLETE, Status, checked_state, checked_tolerance
 from solver.timedomain.poincare import checked_flows
-from solver.timedomain.quantities import Gauge, gauge_at
 from solver.timedomain.row_systems import row_systems
 from solver.timedomain.section_map import END, MAP_ROOM, ROW, STATE, carry_period, new_room, new_steps
 

@@ -110,7 +110,7 @@ CASE = Case(
                     ("second harmonic", 0.12401),
                     ("third harmonic", 0.00442),
                     ("lowest $x$", 0.95104),
-                    ("highest $x$", 1.24238),
+                    ("highest $x$", 1.24239),
                 )
             ),
             _motion,

@@ -38,11 +38,13 @@ class Scheduler:
         Where the scheduler writes its file, which is read by those that want to find it.
     *options : str
         For the scheduler and its workers, such as those of TLS.
+    **environment : str
+        Of the scheduler alone.
     """
 
-    def __init__(self, folder: Path, *options: str):
+    def __init__(self, folder: Path, *options: str, **environment: str):
         self.file, self.options, self.processes = folder / "scheduler.json", options, []
-        self.process = self._start("scheduler", "--host", "127.0.0.1", "--port", "0")
+        self.process = self._start("scheduler", "--host", "127.0.0.1", "--port", "0", **environment)
         wait_until(lambda: self.file.exists() and self.file.stat().st_size)
         self.address = json.loads(self.file.read_text())["address"]
 

@@ -18,6 +18,8 @@ def plain(name: str) -> str:
 
 
 EXPLORER = ROOT / "pipeline/explorer"
+#: What submits jobs.
+JOBS = [ROOT / "pipeline/run/slurm_cluster.py", ROOT / "pipeline/run/slurm_jobs.py"]
 
 
 def imported(files) -> set[str]:
@@ -44,7 +46,8 @@ def declared(extra: str | None = None) -> dict[str, str]:
 @pytest.mark.costly
 def test_every_import_is_declared_and_nothing_else():
     files = [*ROOT.glob("solver/**/*.py"), *ROOT.glob("pipeline/**/*.py")]
-    needed = imported(file for file in files if EXPLORER not in file.parents) - set(declared("objects"))
+    needed = imported(file for file in files if EXPLORER not in file.parents and file not in JOBS)
+    needed -= set(declared("objects"))
     # The key of a run is made with it by dask, which has it as an extra.
     assert needed | {"cryptography"} == set(declared())
 
@@ -54,8 +57,13 @@ def test_what_pages_need_is_imported_by_the_explorer_alone_and_is_an_extra():
     assert "bokeh" in extra and extra <= set(declared("explore"))
 
 
+def test_what_jobs_need_is_imported_where_they_are_submitted_alone_and_is_an_extra():
+    assert imported(JOBS) - set(declared()) == set(declared("slurm")) == {"dask-jobqueue"}
+
+
 def test_every_declared_distribution_is_pinned_at_its_lower_bound_or_above():
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").split()
     pinned = {plain(name): version for name, version in (line.split("==") for line in lines)}
-    for name, low in {**declared(), **declared("explore"), **declared("objects")}.items():
+    extras = {name: low for extra in ("explore", "objects", "slurm") for name, low in declared(extra).items()}
+    for name, low in {**declared(), **extras}.items():
         assert [int(part) for part in re.findall(r"\d+", pinned[name])] >= [int(part) for part in low.split(".")], name

@@ -133,6 +133,7 @@ CALLS = {
     "pipeline.open_plane": lambda plane: {
         "name": argument(plane.path, PATHS, "nowhere.zarr"),
         "root": argument("outputs", PATHS[:-1]),
+        "storage_options": argument(None, (1, "region", True, [], {"region": "x"})),
     },
     "pipeline.scales_of": lambda plane: {"plan": argument(plane.plan, OBJECT)},
     "pipeline.store.read_plan": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr")},

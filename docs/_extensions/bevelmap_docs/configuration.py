@@ -16,7 +16,8 @@ from pipeline.config.schema import Configuration
 __all__ = ["PARTS", "Key", "choices", "documented", "keys", "types_of_keys"]
 
 CONF = Path(__file__).parents[3] / "conf"
-#: Parts of the configuration whose keys stand in files of their own, and how the names of these keys begin.
+#: Parts of the configuration whose keys stand in files of their own, and how the names of these keys begin. Of a second
+#: file, those that the first one lacks.
 _FILES = {
     "gear": ("gear/published.yaml", "gear."),
     "gear.physical": ("gear/dimensional.yaml", "gear."),
@@ -26,7 +27,7 @@ _FILES = {
     "gear.system": ("gear/system.yaml", "gear."),
     "plane": ("plane/omega_fe.yaml", "plane."),
     "solver": ("solver/first_order.yaml", "solver."),
-    "cluster": ("cluster/local.yaml", "cluster."),
+    "cluster": ("cluster/local.yaml cluster/slurm.yaml", "cluster."),
     "quality": ("quality/paper.yaml", "quality."),
 }
 PARTS = (*_FILES, *(field.name for field in dataclasses.fields(Configuration) if field.name not in _FILES))
@@ -74,7 +75,14 @@ def documented(part: str) -> list[Key]:
     KeyError
         If the file has a key that the schema does not know.
     """
-    file, prefix = _FILES.get(part, ("config.yaml", ""))
+    files, prefix = _FILES.get(part, ("config.yaml", ""))
+    found = {}
+    for file in files.split():
+        found |= {key.name: key for key in _of_file(part, file, prefix) if key.name not in found}
+    return list(found.values())
+
+
+def _of_file(part: str, file: str, prefix: str) -> list[Key]:
     text, known, found = (CONF / file).read_text(encoding="utf-8"), types_of_keys(), []
     lines = text.splitlines()
     for name, key, value in _nodes(yaml.compose(text, Loader=yaml.SafeLoader), prefix):

@@ -17,6 +17,7 @@ from pipeline.plan.numerics import System, model_at
 from pipeline.plan.plan import Plan
 from pipeline.plan.traits import contact_system
 from pipeline.store import groups
+from pipeline.store.files import files_at
 from pipeline.store.row_groups import RowArray, RowGroup
 from solver import ImpactState
 from solver.model.contact_system import reduced
@@ -223,4 +224,4 @@ def read_attractors(path: Path) -> "xarray.Dataset | None":
         return None
     import xarray
 
-    return xarray.open_zarr(path, group=GROUP, chunks=None)
+    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None)

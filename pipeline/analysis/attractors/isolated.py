@@ -24,10 +24,11 @@ from pipeline.run.job import Job, say_failures
 from pipeline.run.kernels import kernels_for_isolated, ready_for_isolated
 from pipeline.run.progress import Reporter, RowProgress
 from pipeline.run.sheets import csv_text, write_files
-from pipeline.run.warmup import warm_up
+from pipeline.run.warmup import warm_up_where
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
+from pipeline.store.files import files_at
 from solver import Event, LiftedSeeds
 from solver.contact.impact import impact_of_range
 from solver.harmonic.galerkin import Galerkin
@@ -134,8 +135,7 @@ def run_isolated(job: Job, workforce: Workforce, reporter: Reporter, found: "xar
     stored = read_isolated(path)
     done = stored is not None and stored.attrs["made_from"] == origin
     if not done:
-        if job.settings.config.cluster.kind != "scheduler":
-            warm_up(kernels_for_isolated(kind_of(plan).name), reporter)
+        warm_up_where(workforce, kernels_for_isolated(kind_of(plan).name), reporter)
         results = _compute(plan, found, order, workforce, reporter)
         groups.write_group(path, GROUP, _dataset(plan, found, results, order).assign_attrs(made_from=origin))
         stored = read_isolated(path)
@@ -226,7 +226,7 @@ def read_isolated(path: Path) -> "xarray.Dataset | None":
         return None
     import xarray
 
-    return xarray.open_zarr(path, group=GROUP, chunks=None).load()
+    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
 
 
 def isolated_near(stored: "xarray.Dataset", plan: Plan, value: float) -> "xarray.Dataset":

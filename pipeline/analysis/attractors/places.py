@@ -32,6 +32,7 @@ from pipeline.run.sheets import csv_text, write_files
 from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
+from pipeline.store.files import files_at
 from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorRow, AttractorSearch, find_attractors, settle
 from solver.timedomain.row_systems import row_systems
@@ -71,7 +72,7 @@ def place_task(path: str, plan: Plan, x: float, p: float, options: Attractors) -
     """What a worker does: attractors at one place, whatever other places are asked for."""
     ready_for_attractors()
     model, omega = point_of(plan, p, x)
-    return place_of(model, omega, _nearest_motions(Path(path), plan, x, p), int(plan.solver["period"]), options)
+    return place_of(model, omega, _nearest_motions(path, plan, x, p), int(plan.solver["period"]), options)
 
 
 def place_of(model: System, omega: float, motions: np.ndarray, period: int, options: Attractors) -> Place:
@@ -161,12 +162,10 @@ def run_places(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     found = read_places(path)
     done = found is not None and found.attrs["made_from"] == origin
     if not done:
-        warm_up_for(job, reporter)
+        warm_up_for(job, reporter, workforce)
         places, reasons = {}, {}
         with RowProgress(reporter, len(options.points), what="attractors", unit="places") as bar:
-            tasks = [
-                (str(path), plan, *map(float, point), options) for point in dict.fromkeys(map(tuple, options.points))
-            ]
+            tasks = [(path, plan, *map(float, point), options) for point in dict.fromkeys(map(tuple, options.points))]
             for (_, _, x, p, _), result in workforce.run(place_task, tasks):
                 failed = isinstance(result, BaseException)
                 reasons[x, p] = f"{type(result).__name__}: {' '.join(str(result).split())}" if failed else ""
@@ -265,7 +264,7 @@ def read_places(path: Path) -> "xarray.Dataset | None":
         return None
     import xarray
 
-    return xarray.open_zarr(path, group=GROUP, chunks=None).load()
+    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
 
 
 def _at(plan: Plan, found: "xarray.Dataset") -> list[tuple[float, float]]:

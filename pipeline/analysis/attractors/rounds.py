@@ -86,7 +86,7 @@ def run_rounds(spec: Spec, workforce: Workforce, progress: Progress) -> list[str
         If the scheduler goes away, or a block cannot be read or written: the next one could not either.
     """
     group, lost = spec.group, []
-    forget_tries(group.folder)
+    forget_tries(group.folder.place)
     layer = group.rows.of_layer
     for first in range(0, group.rows.rows, layer):
         blocks = group.rows.holding(Block(first, first + layer))
@@ -94,7 +94,7 @@ def run_rounds(spec: Spec, workforce: Workforce, progress: Progress) -> list[str
         if lost:
             break
     if not lost:
-        forget_tries(group.folder)
+        forget_tries(group.folder.place)
     return lost
 
 
@@ -167,7 +167,7 @@ def _run(function: Callable, tasks: dict[Block, tuple], workforce: Workforce) ->
     waiting, losses = deque(tasks), dict.fromkeys(tasks, 0)
 
     def take() -> Task | None:
-        return Task(tasks[waiting.popleft()]) if waiting else None
+        return Task(tasks[waiting.popleft()], left=len(waiting)) if waiting else None
 
     for task, result in workforce.serve(function, take):
         block = task.arguments[1]

@@ -34,10 +34,10 @@ def _run_plane(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     note_unfinished(job, reporter, "there, no motion of the map is started from")
     grid = grid_of(job.plan, options)
     limit = None if workforce.config.kind == "none" else workforce.config.row_seconds
-    spec = Spec(str(path), grid, options, _map_digest(job), limit)
+    spec = Spec(path, grid, options, _map_digest(job), limit)
     group = spec.group
     if not (done := group.is_finished):
-        warm_up_for(job, reporter)
+        warm_up_for(job, reporter, workforce)
         where = workforce.start()
         open_log(job, reporter)
         group.begin()

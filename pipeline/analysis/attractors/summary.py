@@ -98,7 +98,9 @@ def _layers(group: RowGroup) -> Iterator[tuple[int | None, dict[str, np.ndarray]
         for block in group.rows.holding(Block(layer * rows, (layer + 1) * rows)):
             stored = group.read(block)
             if stored is None:
-                raise DamagedError(f"rows {block.start}-{block.stop - 1} of {group.folder} went missing meanwhile")
+                raise DamagedError(
+                    f"rows {block.start}-{block.stop - 1} of {group.folder.place} went missing meanwhile"
+                )
             parts.append({name: stored[name] for name in _FOUND})
         found = {name: np.concatenate([part[name] for part in parts]) for name in _FOUND}
         yield (layer if len(group.rows.shape) == 2 else None), found

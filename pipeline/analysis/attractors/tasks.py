@@ -6,7 +6,6 @@ row, and in later rounds on what the rows beside it gained in the round before.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -15,6 +14,7 @@ from pipeline import store
 from pipeline.analysis.attractors.dataset import empty_values, group_of, row_of_values, state_size, values_of_row
 from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.options import keys_of, search_of
+from pipeline.config.places import Place
 from pipeline.config.schema import Attractors
 from pipeline.plan.numerics import model_at, row_system, sweep_axis
 from pipeline.plan.plan import Plan
@@ -40,7 +40,7 @@ class Spec:
 
     Parameters
     ----------
-    path : str
+    path : Place
         The store.
     grid : Grid
     options : Attractors
@@ -50,7 +50,7 @@ class Spec:
         Seconds that a row may take; the process ends where one takes longer.
     """
 
-    path: str
+    path: Place
     grid: Grid
     options: Attractors
     made_from: bytes
@@ -59,7 +59,7 @@ class Spec:
     @property
     def group(self) -> RowGroup:
         """Where it is stored."""
-        return group_of(Path(self.path), self.grid, self.options, self.made_from)
+        return group_of(self.path, self.grid, self.options, self.made_from)
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Receipt:
 
 def search_block(spec: Spec, block: Block) -> Receipt:
     """Seek attractors in every row of a block from rest, from the map's stable motions and from random states."""
-    motions, options = map_motions(Path(spec.path), spec.grid, block), spec.options
+    motions, options = map_motions(spec.path, spec.grid, block), spec.options
     search, period = search_of(options), int(spec.grid.plan.solver["period"])
 
     def found(row: int, model, omega: float | None) -> AttractorRow:
@@ -124,7 +124,7 @@ def continue_block(spec: Spec, block: Block, round: int, brought: dict[int, Gain
     search, group = search_of(spec.options), spec.group
     stored = group.read(block)
     if stored is None:
-        raise OSError(f"rows {block.start}-{block.stop - 1} of {group.folder} are stored no longer")
+        raise OSError(f"rows {block.start}-{block.stop - 1} of {group.folder.place} are stored no longer")
 
     def found(row: int, model, omega: float | None) -> AttractorRow:
         grid, (columns, kinds, states) = spec.grid, brought[row]
@@ -152,7 +152,7 @@ def _computed(
     """Compute some rows of a block and write all of it; `values` is what was known of them."""
     ready_for_attractors()
     begin, gains, failures = perf_counter(), {}, []
-    with Tries(group.folder, block.start, spec.limit) as tries:
+    with Tries(group.folder.place, block.start, spec.limit) as tries:
         for row in rows:
             plane, _, value = spec.grid.place(row)
             reason = tries.verdict(row)
@@ -204,7 +204,7 @@ def gains_of_row(values: dict[str, np.ndarray]) -> dict[int, Gains]:
     return {round: gained for round, gained in gains.items() if gained[0].size}
 
 
-def map_motions(path: Path, grid: Grid, block: Block) -> np.ndarray:
+def map_motions(path: Place, grid: Grid, block: Block) -> np.ndarray:
     """Stable motions of the map in the rows of a block, (rows, X, S, 2 H + 1): mean, then cosine and sine amplitudes.
 
     nan where there is none, and where a row of the map is not complete.

@@ -1,6 +1,6 @@
 """Boundaries of a stored plane as curves: traced from the events of its rows, stored beside them, exported as CSV."""
 
 from pipeline.analysis.boundaries.sheets import write_sheets
-from pipeline.analysis.boundaries.tracing import Summary, trace
+from pipeline.analysis.boundaries.tracing import Summary, stored_summary, trace
 
-__all__ = ["Summary", "trace", "write_sheets"]
+__all__ = ["Summary", "stored_summary", "trace", "write_sheets"]

@@ -5,6 +5,7 @@ from time import perf_counter
 import numpy as np
 
 from pipeline import store
+from pipeline.errors import WorkerLost
 from pipeline.plane.boundaries import read_boundaries
 from pipeline.run.job import Job, note_unfinished
 from pipeline.run.made import made_from, still_made, write_record
@@ -17,24 +18,16 @@ __all__ = ["STAGE"]
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
-    from pipeline.analysis import boundaries
-
-    path, plan = job.store_path, job.plan
+    path = job.store_path
     note_unfinished(job, reporter, "boundaries start from the others")
     begin = perf_counter()
     try:
-        summary = boundaries.trace(path, plan, lambda: warm_up_for(job, reporter))
-    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        summary = _traced(job, workforce, reporter)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError, WorkerLost) as error:
         if store.damage_error(path) is not None:
             raise
         reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
         return 1
-    folder = job.settings.output_root / "boundaries"
-    name = job.settings.store_name
-    record, origin = folder / f".{name}.json", made_from(path)
-    if (names := still_made(record, origin)) is None:
-        names = boundaries.write_sheets(read_boundaries(path, plan), plan, folder, name)
-        write_record(record, origin, names)
     seconds = perf_counter() - begin
     counts = [f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in summary.curves.items()] or ["no boundaries"]
     special = ", ".join(f"{n} {kind.replace('_', '-')}" for kind, n in sorted(summary.special.items())) or "none"
@@ -47,8 +40,37 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
             f"boundaries: {', '.join(counts)} of {summary.points} points into {path}; special points: {special} "
             f"({seconds:.2f} s)"
         )
-    reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
     return 1 if summary.cut_short else 0
 
 
-STAGE = Stage("boundaries", _run, writes=True)
+def _traced(job: Job, workforce: Workforce, reporter: Reporter):
+    """Trace here, or on a worker where other planes would wait for this process."""
+    from pipeline.analysis import boundaries
+
+    path, plan = job.store_path, job.plan
+    if workforce.planes == 1:
+        return boundaries.trace(path, plan, lambda: warm_up_for(job, reporter))
+    if (summary := boundaries.stored_summary(path, plan)) is not None:
+        return summary
+    warm_up_for(job, reporter, workforce)
+    ((_, result),) = workforce.run(boundaries.trace, [(path, plan)])
+    if isinstance(result, Exception):
+        raise result
+    return result
+
+
+def _write_sheets(job: Job, reporter: Reporter) -> None:
+    from pipeline.analysis import boundaries
+
+    stored = read_boundaries(job.store_path, job.plan)
+    if stored is None:
+        return
+    folder, name = job.settings.output_root / "boundaries", job.settings.store_name
+    record, origin = folder / f".{name}.json", made_from(job.store_path)
+    if (names := still_made(record, origin)) is None:
+        names = boundaries.write_sheets(stored, job.plan, folder, name)
+        write_record(record, origin, names)
+    reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
+
+
+STAGE = Stage("boundaries", _run, writes=True, finish=_write_sheets)

@@ -18,8 +18,9 @@ from solver import Continuation, EndReason, Event
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SPECTRAL, BoundaryCurve, SpecialPoint, boundary_curves
 from solver.boundaries.problem import SAME
 from solver.continuation.problem import Balance
+from solver.kernels.threads import side_by_side
 
-__all__ = ["Summary", "curves_through", "to_store", "trace"]
+__all__ = ["Summary", "curves_through", "stored_summary", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
@@ -68,15 +69,31 @@ def trace(path: Path, plan: Plan, get_ready: Callable[[], None] = lambda: None) 
     if stored is not None and stored.digest == events.digest:
         return _summary(plan, stored, True)
     get_ready()
-    balance, starts = balance_of(plan.solver), events.starts((*FOLDS_AND_GRAZINGS, *BIFURCATIONS))
-    traced = curves_through(plan, starts, balance)
-    contradictions = curves_through(plan, contradiction_starts(plan, events.contradictory, traced), balance)
+    balance = balance_of(plan.solver)
+    traced = curves_through(plan, events.starts(FOLDS_AND_GRAZINGS), balance)
+    bifurcations, starts = side_by_side(
+        lambda search: search(),
+        (
+            lambda: curves_through(plan, events.starts(BIFURCATIONS), balance),
+            lambda: contradiction_starts(plan, events.contradictory, traced),
+        ),
+    )
+    starts += contradiction_starts(plan, events.contradictory[:0], bifurcations)
+    contradictions = curves_through(plan, starts, balance)
     # What is sought may be no boundary.
-    traced += tuple(curve for curve in contradictions if len(curve.points) > 1)
+    traced += (*bifurcations, *(curve for curve in contradictions if len(curve.points) > 1))
     curves = [to_store(curve, _side(curve, plan, events)) for curve in traced]
     fresh = StoredBoundaries(tuple(curves), events.digest)
     write_boundaries(path, plan, fresh)
     return _summary(plan, fresh, False)
+
+
+def stored_summary(path: Path, plan: Plan) -> Summary | None:
+    """What the boundaries of a stored plane are; None where they have to be traced."""
+    stored = read_boundaries(path, plan)
+    if stored is None or stored.digest != read_events(path, plan).digest:
+        return None
+    return _summary(plan, stored, True)
 
 
 def curves_through(plan: Plan, starts, balance: Balance | None = None) -> tuple[BoundaryCurve, ...]:

@@ -44,7 +44,7 @@ def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
         raise StoreError(f"the tables need other planes than are there: {'; '.join(problems)}")
     texts = {}
     for article in ARTICLE_TABLES:
-        table = build_table(article, Path(stores[article.plane][0]))
+        table = build_table(article, stores[article.plane][0])
         for suffix, render in _FORMATS.items():
             texts[f"table{article.number}{suffix}"] = render(table)
     return write_files(folder, texts)

@@ -1,5 +1,6 @@
 """The stage tables: tables 1 to 3 of the study from the stored planes."""
 
+from pipeline import store
 from pipeline.config.typed import SYSTEMS
 from pipeline.errors import ConfigurationError
 from pipeline.run.job import Job, command
@@ -30,7 +31,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     for plane in TABLE_PLANES:
         own = settings.of_plane(plane)
         path = own.store_path.resolve()
-        if path.exists():
+        if store.exists(path):
             # Refused unless it is what was typed.
             stored_plan(own)
         stores[plane] = (path, command(own))

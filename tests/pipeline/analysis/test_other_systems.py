@@ -35,7 +35,7 @@ def searched(*overrides):
 def test_motions_of_the_spur_pair_are_those_of_the_reference(spur):
     """Physics, section 9: at 0.5 the teeth part, which order 1 does not see; at 1.8 there is 2T beside 1T.
 
-    The highest displacement at 0.5 is 1.242393 by integration and by a balance of order 25; there it ends with 38.
+    The highest displacement at 0.5 is 1.242393 by three methods: tests/solver/stability/test_spur_pair.py.
     """
     (motion,) = motions_at(spur, 0.5, 0.1, searched()).attractors
     told = motion.quantities

@@ -91,6 +91,20 @@ def test_help_loads_neither_solver_nor_dask(tmp_path):
     assert said.splitlines()[-1] == "[]"
 
 
+@pytest.mark.parametrize(("argument", "status"), [("--help", 0), ("--nonsense", 2)])
+def test_a_run_ends_with_its_status_after_what_is_to_be_done_at_exit(argument, status):
+    code = (
+        "import atexit, runpy, sys, pipeline.cli.arguments as arguments\n"
+        "parse = arguments.parse\n"
+        "arguments.parse = lambda words: (atexit.register(print, 'tidied'), parse(words))[1]\n"
+        f"sys.argv = ['bevelmap', {argument!r}]\n"
+        "runpy.run_module('pipeline', run_name='__main__', alter_sys=True)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=here())
+    assert done.returncode == status
+    assert done.stdout.endswith("tidied\n")
+
+
 @pytest.mark.parametrize(
     "wrong", [["--config-dir"], ["--nonsense"], ["--shell-completion", "ksh"], ["--shell-completion"]]
 )
@@ -258,7 +272,7 @@ def test_every_batch_has_a_line_in_the_log_and_none_on_the_terminal(tmp_path, mo
     assert "info batch" not in capsys.readouterr().out
     (log,) = tmp_path.glob("outputs/runs/*/*/run.log")
     lines = re.findall(
-        r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s on this process, (\d+) points, 0 failed$",
+        r"^\S+ info batch: (\d+) rows \((.*)\) in [\d.]+ s on this machine, (\d+) points, 0 failed$",
         log.read_text(),
         re.MULTILINE,
     )
@@ -324,7 +338,7 @@ def test_the_printed_scripts_call_this_program():
         ("bevelmap plane=omega_fp", ["omega_fpm"]),
         ("python -m pipeline cluster.add", ["cluster.address="]),
         ("python elsewhere.py plane=omega_fp", []),
-        ("bevelmap quality=draft cluster=", ["local", "none", "scheduler"]),
+        ("bevelmap quality=draft cluster=", ["local", "none", "scheduler", "slurm"]),
     ],
 )
 def test_completion_in_a_real_bash(line, expected):

@@ -15,9 +15,9 @@ import pipeline
 from pipeline import store
 from pipeline.errors import StoreError
 from pipeline.store import groups
+from pipeline.store.files import files_at
 from pipeline.store.listing import listing
 from pipeline.store.names import GROUP_FILE, STORE_FILE, is_name
-from pipeline.store.removal import remove_known
 from tests.pipeline.faults.runs import same
 from tests.pipeline.faults.test_damage import run
 from tests.pipeline.planes import small_plan, small_store
@@ -206,14 +206,14 @@ def test_removal_stops_before_anything_unknown(tmp_path):
     (folder / "values/c/0").write_bytes(b"x")
     (folder / "values/thesis.tex").write_text("mine")
     with pytest.raises(StoreError, match="values/thesis.tex"):
-        remove_known(folder, GROUP_FILE)
+        files_at(folder).clear(GROUP_FILE)
     assert (folder / "values/c/0").exists()
     (folder / "values/thesis.tex").unlink()
     outside = tmp_path / "outside"
     outside.mkdir()
     (folder / "link").symlink_to(outside)
     with pytest.raises(StoreError, match="is a link"):
-        remove_known(folder, GROUP_FILE)
+        files_at(folder).clear(GROUP_FILE)
     (folder / "link").unlink()
-    remove_known(folder, GROUP_FILE)
+    files_at(folder).clear(GROUP_FILE)
     assert not folder.exists() and outside.exists()

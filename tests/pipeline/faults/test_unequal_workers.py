@@ -6,12 +6,20 @@ import shutil
 import signal
 import subprocess
 import sys
+from importlib.metadata import version
 
 import numpy as np
 import pytest
 
 from pipeline import store
-from pipeline.run.environment import ARITHMETIC, differences, facts
+from pipeline.run.environment import (
+    ARITHMETIC,
+    differences,
+    differences_of_scheduler,
+    digest_of,
+    facts,
+    packages_of_scheduler,
+)
 from tests.pipeline.faults.runs import INJECTED, KEPT, ROOT, finished, same, start, until
 from tests.pipeline.schedulers import Scheduler, there, wait_until
 
@@ -109,11 +117,16 @@ def _of_edited(edited, _):
     return {"sources": edited}, "solver/.*row.py differs"
 
 
-def _of_another_numpy(_, folder):
-    library = folder / "numpy-1.0.dist-info"
+def _in_version_1(folder, name):
+    """A folder that, first on the path, makes a package one of version 1.0, as far as Python knows."""
+    library = folder / f"{name}-1.0.dist-info"
     library.mkdir(parents=True)
-    (library / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 1.0\n")
-    return {"PYTHONPATH": str(folder)}, r"numpy is 1\.0 there and \S+ here"
+    (library / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+    return {"PYTHONPATH": str(folder)}
+
+
+def _of_another_numpy(_, folder):
+    return _in_version_1(folder, "numpy"), r"numpy is 1\.0 there and \S+ here"
 
 
 def _without_bevelmap(_, __):
@@ -132,6 +145,34 @@ def test_where_all_workers_differ_nothing_is_written(kind, tmp_path, scheduler, 
     assert run.code == 2 and run.err.count("\n") == 1 and re.search(reason, run.err), run.err
     assert other in run.err and f"cluster.address = {scheduler.address!r} is not allowed" in run.err
     assert list(refused(run)) == [other] and not (tmp_path / "outputs").exists()
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("name", ["numpy", "bevelmap", "distributed"])
+def test_a_scheduler_in_another_version_is_refused_before_anything_is_written(name, tmp_path):
+    (tmp_path / "scheduler").mkdir()
+    with Scheduler(tmp_path / "scheduler", **_in_version_1(tmp_path / "library", name)) as scheduler:
+        scheduler.add_worker()
+        run = finished(tmp_path, *arguments(scheduler))
+    assert run.code == 2 and run.err.count("\n") == 1 and f"{name} is 1.0 there and " in run.err, run.err
+    assert f"cluster.address = {scheduler.address!r} is not allowed" in run.err
+    assert not (tmp_path / "outputs").exists()
+
+
+def test_versions_of_a_scheduler_are_compared_and_those_it_need_not_have_only_where_it_does():
+    own = {name: version(name) for name in packages_of_scheduler()}
+    python = platform.python_version()
+    assert differences_of_scheduler(own, python) == differences_of_scheduler({**own, "numpy": None}, python) == ""
+    assert differences_of_scheduler({**own, "bevelmap": None}, f"{python}.final.0") == ""
+    assert differences_of_scheduler({**own, "dask": "1.0"}, python).startswith("dask is 1.0 there and ")
+    assert "python is 3.1 there" in differences_of_scheduler(own, "3.1.4.final.0")
+
+
+def test_versions_of_bevelmap_are_named_where_its_sources_differ_and_nowhere_else():
+    own = facts()
+    assert digest_of({**own, "bevelmap": "0.1"}) == digest_of(own)
+    said = differences({**own, "bevelmap": "0.1", "solver/rows/row.py": "other"}, own)
+    assert said.startswith("bevelmap is 0.1 there and ") and said.endswith("solver/rows/row.py differs")
 
 
 def _facts_of_a_process(folder=ROOT, code="", **environment):

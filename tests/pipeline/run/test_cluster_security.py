@@ -93,15 +93,29 @@ def refused(words, tmp_path, capsys, key):
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and said.startswith("error: ") and f"{key} = " in said, said
     assert not (tmp_path / "outputs").exists()
+    return said
 
 
 def test_whoever_has_no_certificate_of_that_authority_is_refused(tmp_path, authority, scheduler, capsys):
-    address = f"cluster.address={scheduler.address}"
+    address, good = f"cluster.address={scheduler.address}", authority.certificate("client")
     stranger = Authority(tmp_path / "theirs")
+    theirs = stranger.certificate("client")
     refused([address], tmp_path, capsys, "cluster.security.ca_file")
-    refused([address, *settings(stranger, stranger.certificate("client"))], tmp_path, capsys, "cluster.address")
+    refused([address, *settings(stranger, theirs)], tmp_path, capsys, "cluster.security.ca_file")
+    # Either side may be the one that does not believe the other.
+    refused([address, *settings(authority, good, ca_file=stranger.file)], tmp_path, capsys, "cluster.security.ca_file")
+    refused([address, *settings(authority, theirs)], tmp_path, capsys, "cluster.security.cert")
+
+
+@pytest.mark.costly
+def test_an_address_of_the_other_transport_is_told(tmp_path, authority, scheduler, capsys):
     plain = f"cluster.address={scheduler.address.replace('tls', 'tcp')}"
-    refused([plain], tmp_path, capsys, "cluster.address")
+    assert f"it may be one at {scheduler.address}" in refused([plain], tmp_path, capsys, "cluster.address")
+    (tmp_path / "plain").mkdir()
+    with Scheduler(tmp_path / "plain") as other:
+        words = [f"cluster.address={other.address.replace('tcp', 'tls')}"]
+        words += settings(authority, authority.certificate("client"))
+        assert f"it may be one at {other.address}" in refused(words, tmp_path, capsys, "cluster.address")
 
 
 def test_files_that_cannot_be_used_are_named(tmp_path, authority, capsys):

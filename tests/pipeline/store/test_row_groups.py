@@ -9,7 +9,8 @@ import zarr
 
 from pipeline import store
 from pipeline.plan.row_blocks import RowBlocks
-from pipeline.store import groups, row_groups
+from pipeline.store import groups
+from pipeline.store.folder_files import FolderFiles
 from pipeline.store.repair import repair
 from pipeline.store.row_groups import RowArray, RowGroup
 from tests.pipeline.planes import small_plan, small_store
@@ -74,7 +75,7 @@ def test_a_block_is_whole_or_not_there(path):
     again = group_of(path)
     again.begin()
     assert all(again.read(block) is not None for block in ROWS.all)
-    file = group.folder / "packed/c/1"
+    file = group.folder.place / "packed/c/1"
     sound = file.read_bytes()
     for place in range(0, len(sound), 7):
         harmed = bytearray(sound)
@@ -95,16 +96,16 @@ def test_a_block_is_whole_or_not_there(path):
 def test_an_interrupted_finish_is_made_again(path, monkeypatch, writes):
     group = group_of(path)
     write_all(group)
-    honest, left = row_groups.write_all, [writes]
+    honest, left = FolderFiles.write, [writes]
 
-    def ended(contents):
-        left[0] -= 1
-        honest(dict(list(contents.items())[: 1 if left[0] < 0 else None]))
+    def ended(files, contents):
+        left[0] -= files == group.folder
+        honest(files, dict(list(contents.items())[: 1 if left[0] < 0 else None]))
         if left[0] < 0:
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(row_groups, "write_all", ended)
+        patch.setattr(FolderFiles, "write", ended)
         with contextlib.suppress(KeyboardInterrupt):
             finish(group)
     assert group.is_finished == (writes == 4)
@@ -159,9 +160,9 @@ def test_a_group_that_the_store_does_not_list_is_taken_up(path):
 def test_a_damaged_coordinate_begins_anew(path):
     group = group_of(path)
     write_all(group)
-    (group.folder / "p/c/0").unlink()
+    (group.folder.place / "p/c/0").unlink()
     group.begin()
-    assert all(group.read(block) is None for block in ROWS.all) and (group.folder / "p/c/0").exists()
+    assert all(group.read(block) is None for block in ROWS.all) and group.folder.has("p/c/0")
 
 
 def test_a_sweep_takes_away_what_is_unfinished(path):

@@ -163,14 +163,6 @@ def test_grazings_of_motions_that_fold_are_marked():
             assert all(np.min(np.abs(marked - i)) <= 1 for i in changes)
 
 
-def test_refinement_is_solved_not_interpolated():
-    doublings = [c for c in curves_of("parametric", "alpha", HIGHER) if c.kind is Event.PERIOD_DOUBLING]
-    curve = next(c for c in doublings if c.x[0] > 1.0)
-    fine = curve.refined(0.002, 0.002)
-    assert len(fine) > 2 * len(curve.points)
-    assert np.max(curve.distances(fine[::20])) < 1e-9
-
-
 def test_wrong_input_is_refused():
     start = starts_of("published", "f_e", HIGHER)[0]
     with pytest.raises(ParameterError, match="of the kinds"):

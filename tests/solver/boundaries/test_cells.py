@@ -1,21 +1,30 @@
-"""Cells of rows against the bifurcation curves of their plane: two neighbours on a branch differ where a curve passes.
+"""Rows against the bifurcation curves of their plane: what is on either side of a curve is what the curve says.
 
-Curves are traced from the events of a few rows. The rows that are looked at are others: their cells are classified by
-multipliers, motion by motion, and know nothing of curves.
+Curves are traced from the events of a few rows. The rows that are looked at are others: their motions are classified by
+multipliers, one by one, and know nothing of curves. Between two neighbouring places of a branch
+
+    det(M + I) changes its sign as often as a period doubling is crossed;
+    N, the number of multipliers outside the unit circle, changes by one at a period doubling and where a real one
+    passes +1 (det(M - I) changes its sign: no event of branches), and by two at a Neimark-Sacker,
+
+and nothing else changes either. No motion is left out but those with a multiplier within the tolerance of the circle,
+which are stored as undecided.
 """
 
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from solver import Continuation, Model, sweep_row
+from solver import Continuation, Event, Model, sweep_row
 from solver.boundaries import BIFURCATIONS, boundary_curves, row_events
 from solver.continuation.on_curve import curve_crossings
 from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.rows.seeds import LiftedSeeds
-from solver.stability import Instability, motion_multipliers
+from solver.stability import Instability, classify, multipliers
+from solver.stability.assessment import TOLERANCE
 from tests.conftest import MODELS, slow_but
 
 OMEGA = (0.3, 2.0)
@@ -28,9 +37,8 @@ RANGES = {
     "xi_mesh": (0.01, 0.1),
     "xi_support": (0.002, 0.05),
 }
-#: What curves separate from the rest. A pair that has left the circle may meet on the real axis beyond +1 and come back
-#: by folds, which belong to det J: cells with a multiplier there, or beyond such places, are compared with nothing.
-CRITICAL, BEYOND_ONE = (Instability.PERIOD_DOUBLING, Instability.NEIMARK_SACKER), "beyond +1"
+#: How close a motion of a curve is to that of the branch which it crosses there, in the motion's own unit.
+SAME = 1e-6
 
 
 class Plane(NamedTuple):
@@ -85,65 +93,105 @@ ORDINARY = [
 ]
 
 
-def _beyond_one(plane, value, x, motion) -> bool:
-    model, omega = plane.at(value), plane.omega or x
-    if plane.sweep != "omega":
-        model = model.replace(**{plane.sweep: float(x)})
-    multipliers = motion_multipliers(model, omega, motion)
-    return bool(np.any((multipliers.imag == 0.0) & (multipliers.real > 1.0)))
+class Crossing(NamedTuple):
+    """Where a curve meets a row."""
+
+    kind: Event
+    motion: np.ndarray
+    x: float
 
 
-def along_branches(plane, value, row, crossed):
-    """For every branch of a row what it passes, in order: kinds of its cells, and None where a curve crosses it.
+def crossings(curves, value) -> list[Crossing]:
+    return [Crossing(curve.kind, y[:3], y[3]) for curve in curves for y in curve.crossings([value])[1]]
 
-    Between its cells also BEYOND_ONE, where that holds at a point of the branch. `crossed` (c, 4) are lambda_m,
-    lambda_c, lambda_s and the axis value of the crossings.
-    """
-    shown = [0, *plane.balance.fundamental]
-    problem = plane.balance.problem(plane.at(value), plane.sweep, *plane.span, plane.omega)
+
+class Passed(NamedTuple):
+    """Places along a branch, in order: axis values (k,), motions (k, n), multipliers (k, m), which crossings lie there,
+    and whether the place is one between crossings at which everything is decided, (k,)."""
+
+    x: np.ndarray
+    motions: np.ndarray
+    multipliers: np.ndarray
+    crossed: list[list[int]]
+    decided: np.ndarray
+
+
+def along_branches(plane, value, row, met):
+    """Every branch of a row: its own points, the grid values and the crossings."""
+    model, shown = plane.at(value), [0, *plane.balance.fundamental]
+    problem = plane.balance.problem(model, plane.sweep, *plane.span, plane.omega)
     for curve in row.curves:
-        values = np.unique(np.concatenate([row.grid, crossed[:, -1], curve.points[:, -1]]))
+        values = np.unique(np.concatenate([row.grid, [one.x for one in met], curve.points[:, -1]]))
         columns, motions, *_ = curve_crossings(problem, curve, values, Continuation())
-        passed = []
-        for x, motion in zip(values[columns], motions, strict=True):
-            here = crossed[crossed[:, -1] == x, :-1]
-            passed += [None] * int(np.sum(np.max(np.abs(here - motion[shown]), axis=1) < 1e-6))
-            if x not in row.grid:
-                passed += [BEYOND_ONE] * _beyond_one(plane, value, x, motion)
-            for column in np.flatnonzero(row.grid == x):
-                gaps = np.max(np.abs(row.motions[column] - motion), axis=1)
-                assert np.nanmin(gaps) < 1e-6
-                kind = Instability(row.instability[column, np.nanargmin(gaps)])
-                passed.append(kind if kind in CRITICAL or not _beyond_one(plane, value, x, motion) else BEYOND_ONE)
-        yield passed
+        x = values[columns]
+        found = multipliers(model, plane.sweep, x, motions, omega=plane.omega)
+        crossed = [
+            [i for i, one in enumerate(met) if one.x == at and np.max(np.abs(one.motion - motion[shown])) < SAME]
+            for at, motion in zip(x, motions, strict=True)
+        ]
+        near = np.min(np.abs(np.abs(found) - 1.0), axis=1) <= TOLERANCE
+        yield Passed(x, motions, found, crossed, ~near & ~np.array([bool(here) for here in crossed]))
 
 
-def check(plane: Plane, values, columns: int) -> tuple[int, int]:
-    """Crossings, and pairs of neighbouring cells, that were looked at."""
-    curves, met, cells = plane.curves(), 0, 0
-    for value in values:
-        row, found = plane.row(value, columns), 0
-        crossed = np.concatenate([np.empty((0, 5)), *(curve.crossings([value])[1] for curve in curves)])[:, :4]
-        for passed in along_branches(plane, value, row, crossed):
-            found += passed.count(None)
-            known = [i for i, kind in enumerate(passed) if kind not in (None, Instability.UNDECIDED)]
-            for i, j in zip(known, known[1:], strict=False):
-                if BEYOND_ONE in (passed[i], passed[j]):
-                    continue
-                critical, crossings = [passed[k] in CRITICAL for k in (i, j)], passed[i:j].count(None)
-                assert crossings or critical[0] == critical[1], (plane, value, passed, i)
-                # Of two that are critical one may lead on into the other kind.
-                assert crossings != 1 or any(critical), (plane, value, passed, i)
-                cells += 1
-        assert found == len(crossed), (plane, value, found, crossed)
-        met += found
-    return met, cells
+def check_neighbours(passed: Passed, met: list[Crossing], case) -> int:
+    """Any two neighbouring places of a branch differ as the curves between them say; how many pairs there are."""
+    outside = np.sum(np.abs(passed.multipliers) > 1.0, axis=1)
+    minus, plus = (np.prod(passed.multipliers - at, axis=1).real < 0.0 for at in (-1.0, 1.0))
+    # Two at a time: pairs, and what is beyond -1 or +1 less one if that is an odd number.
+    twos = (outside - minus - plus) // 2
+    places = np.flatnonzero(passed.decided)
+    for i, j in zip(places, places[1:], strict=False):
+        kinds = Counter(met[crossing].kind for k in range(i, j) for crossing in passed.crossed[k])
+        doublings, tori = kinds[Event.PERIOD_DOUBLING], kinds[Event.NEIMARK_SACKER]
+        singles, change = doublings + (plus[i] != plus[j]), abs(twos[i] - twos[j])
+        at = (*case, passed.x[i], passed.x[j], passed.motions[i], kinds)
+        assert (minus[i] != minus[j]) == (doublings % 2 == 1), at
+        assert change <= tori + singles, at
+        assert singles or (change - tori) % 2 == 0, at
+    return places.size - 1
+
+
+def check_cells(passed: Passed, row, case) -> int:
+    """The row's own cells are what their multipliers say; how many of them a branch passes."""
+    cells = 0
+    for column in np.flatnonzero(np.isin(row.grid, passed.x)):
+        for place in np.flatnonzero(passed.x == row.grid[column]):
+            gaps = np.max(np.abs(row.motions[column] - passed.motions[place]), axis=1)
+            nearest = np.nanargmin(gaps)
+            assert gaps[nearest] < SAME, (*case, passed.x[place])
+            (expected,) = classify(passed.multipliers[[place]], row.stable[column, [nearest]])
+            kind = row.instability[column, nearest]
+            assert kind == expected or Instability.UNDECIDED in (kind, expected), (*case, passed.x[place])
+            cells += 1
+    return cells
+
+
+def check_row(plane: Plane, curves, value, row) -> tuple[int, int]:
+    """A row against the curves of its plane: crossings, and cells."""
+    met, case, cells, pairs = crossings(curves, value), (plane, value), 0, 0
+    seen = Counter()
+    for passed in along_branches(plane, value, row, met):
+        pairs += check_neighbours(passed, met, case)
+        cells += check_cells(passed, row, case)
+        seen.update(i for here in passed.crossed for i in here)
+    # Every crossing lies on one branch, and the row has located it by itself.
+    assert seen == Counter(range(len(met))), (*case, [one for i, one in enumerate(met) if seen[i] != 1])
+    located, shown = row_events(row.curves, value, BIFURCATIONS), [0, *plane.balance.fundamental]
+    for one in met:
+        gaps = [np.max(np.abs(y[shown] - one.motion)) for kind, y in located if kind == one.kind and len(y)]
+        assert np.sum(np.array(gaps) < SAME) == 1, (*case, one)
+    assert len(located) == len(met), case
+    assert pairs >= cells
+    return len(met), cells
 
 
 @pytest.mark.costly
 @pytest.mark.parametrize(("plane",), slow_but([(plane,) for plane in ORDINARY], [(plane,) for plane in PLANES]))
-def test_cells_are_what_curves_say(plane):
+def test_rows_are_what_curves_say(plane):
     low, high = RANGES[plane.parameter]
     values = np.random.default_rng(3).uniform(low, high, 3)
-    met, cells = check(plane, [0.4, *values] if plane.parameter == "f_e" else values, 150)
+    curves, totals = plane.curves(), np.zeros(2, dtype=int)
+    for value in [0.4, *values] if plane.parameter == "f_e" else values:
+        totals += check_row(plane, curves, value, plane.row(value, 150))
+    met, cells = totals
     assert cells > 400 and (met > 1 or plane.omega or plane.gear == "consistent")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import EndReason, Event
-from solver.boundaries import SpecialPoint, boundary_curves, missed_events, row_events
+from solver.boundaries import SpecialPoint, boundary_curves, row_events
 from solver.boundaries.first_order import FirstOrderProblem
 from solver.boundaries.problem import Plane
 from solver.harmonic.describing_function import evaluate
@@ -17,7 +17,6 @@ from tests.solver.boundary_planes import (
     curves_of,
     distance,
     folds,
-    row_curve,
     specials,
     starts_of,
     sweep,
@@ -174,40 +173,3 @@ def test_few_starts_give_the_same_boundaries():
         marked, others = first.special > 0, second.special > 0
         np.testing.assert_array_equal(first.special[marked], second.special[others])
         np.testing.assert_allclose(first.points[marked, 3:], second.points[others, 3:], rtol=0, atol=1e-9)
-
-
-# What others ask of the curves ---------------------------------------------------------------------------------------
-
-
-def test_refined_points_are_exact_and_dense():
-    window = (0.55, 0.57, 0.15, 0.25)
-    for curve in curves_of("published", "alpha"):
-        points = curve.refined(1e-3, 1e-3, window)
-        inside = (points[:, 3] > 0.55) & (points[:, 3] < 0.57) & (points[:, 4] > 0.15) & (points[:, 4] < 0.25)
-        both = inside[1:] & inside[:-1]
-        assert np.all(np.max(np.abs(np.diff(points[:, 3:], axis=0)), axis=1)[both] < 1.2e-3)
-        for point in points[inside][::7]:
-            residual, square = evaluate(published(alpha=point[4]), point[3], point[:3])
-            assert np.max(np.abs(residual)) < 1e-11
-            if curve.kind is Event.FOLD:
-                singular = np.linalg.svd(square, compute_uv=False)
-                assert singular[2] < 1e-7 * singular[0]
-            else:
-                touch = 1.0 if curve.kind is Event.MIN_AT_DRIVE else -1.0
-                assert abs(point[0] - np.hypot(point[1], point[2]) - touch) < 1e-12
-
-
-def test_missed_events_lead_to_isolas():
-    """Rows that no sweep starts an isola in are told where it is; every one of them starts a closed branch."""
-    values, starts = starts_of("consistent", "alpha")
-    missed = missed_events(curves_of("consistent", "alpha"), starts, values)
-    birth, merger = (
-        specials(folds("consistent", "alpha"), code)[:, 4] for code in (SpecialPoint.ISOLA, SpecialPoint.MERGER)
-    )
-    rows = sorted({point[4] for _, point in missed if point[4] < 0.6})
-    mesh = values[(values > np.min(birth)) & (values < np.max(merger))]
-    np.testing.assert_array_equal(rows, mesh)
-    for kind, point in missed:
-        if kind is Event.FOLD and point[4] < 0.6:
-            assert row_curve("consistent", "alpha", point).closed
-    assert missed_events(curves_of("published", "f_e"), *starts_of("published", "f_e")[::-1]) == []

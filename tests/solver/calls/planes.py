@@ -18,15 +18,6 @@ CALLS = {
         "points": argument(plane()[0].points[:2], array(plane()[0].points[:2], np.ones((2, 4)), np.ones(5))),
         "continuation": argument(None, wrong_settings()),
     },
-    "solver.boundaries.BoundaryCurve.refined": lambda: {
-        "self": plane()[0],
-        "x_step": argument(0.1, POSITIVE),
-        "p_step": argument(0.1, POSITIVE),
-        "window": argument(
-            (0.5, 0.8, 0.1, 0.2), optional(array((0.5, 0.8, 0.1, 0.2), [1.0] * 3, (0.8, 0.5, 0.1, 0.2)))
-        ),
-        "continuation": argument(None, wrong_settings()),
-    },
     "solver.boundaries.boundary_curves": lambda: {
         "system": argument(model(), OBJECT),
         "x_axis": argument("omega", (*NAME, "f_e"), "p_axis", "omega"),
@@ -53,14 +44,6 @@ CALLS = {
         ),
         "omega": argument(None, WRONG_OMEGA),
         "balance": argument(None, optional((*OBJECT, Galerkin))),
-        "continuation": argument(None, wrong_settings()),
-    },
-    "solver.boundaries.missed_events": lambda: {
-        "curves": argument(plane(), (None, 1, "ab", [1], [None], plane()[0])),
-        "starts": argument(
-            starts(), (None, 1, "ab", [1], [(Event.FOLD,)], [(Event.FOLD, np.ones(4))], [(99, np.ones(5))])
-        ),
-        "parameters": argument([0.15, 0.2], array([0.15, 0.2], [0.2, 0.15])),
         "continuation": argument(None, wrong_settings()),
     },
     "solver.boundaries.row_events": lambda: {

@@ -70,9 +70,10 @@ def check(problem, curve):
 
 
 # Folds over the natural frequency. At k = 10 and beyond the lower one coincides with the grazing that ends the contact.
+# At k = 200 the upper one is 1.19757 of order 15, and 1.19777 from order 25 on.
 FOLDS = {
     10.0: (1.05487, 1.18640),
-    200.0: (1.05487, 1.19757),
+    200.0: (1.05487, 1.19777),
     1e3: (1.05487, 1.19896),
     1e4: (1.05487, 1.19954),
     1e5: (1.05487, 1.19966),
@@ -81,10 +82,11 @@ FOLDS = {
 
 @pytest.mark.parametrize("stiffness", FOLDS)
 def test_the_resonance_is_passed_however_stiff_the_stop_is(stiffness):
-    problem, curve = swept(chain(stiffness), 15, 0.8 * NATURAL, 1.3 * NATURAL)
+    order = 25 if stiffness == 200.0 else 15
+    problem, curve = swept(chain(stiffness), order, 0.8 * NATURAL, 1.3 * NATURAL)
     assert curve.ends[1] is EndReason.RANGE_LEFT and curve.points[-1, -1] == 1.3 * NATURAL
     folds = np.sort(curve.points[curve.event == Event.FOLD, -1]) / NATURAL
-    np.testing.assert_allclose(folds, FOLDS[stiffness], rtol=0, atol=2e-5 if stiffness != 200.0 else 2e-4)
+    np.testing.assert_allclose(folds, FOLDS[stiffness], rtol=0, atol=2e-5)
     # Contact begins and ends where the motion without it says.
     grazings = curve.points[curve.event == Event.MAX_AT_DRIVE, -1]
     for omega in grazings:

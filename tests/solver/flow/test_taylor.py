@@ -4,18 +4,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import polynomial
 
+from solver.flow.deviations import BLOCKS, carry_deviations, new_block_series
 from solver.flow.switched_system import SWITCHED_SYSTEM, SwitchedSystem, loaded_system
-from solver.flow.taylor import (
-    BLOCKS,
-    MOTION_ORDER,
-    carry_deviations,
-    column_at,
-    column_sizes,
-    motion_series,
-    new_block_series,
-    new_series,
-    reach,
-)
+from solver.flow.taylor import MOTION_ORDER, column_at, column_sizes, motion_series, new_series, reach
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.contact_system import gear_system

@@ -7,7 +7,8 @@ import pytest
 from numpy.polynomial import polynomial
 
 from solver.flow.switched_system import SWITCHED_SYSTEM, loaded_system
-from solver.flow.zone_flows import COEFFICIENTS, MOST_INTERVALS, ZONE_FLOWS, ZoneFlows, new_flows, zone_flows
+from solver.flow.tabulation import MOST_INTERVALS, zone_flows
+from solver.flow.zone_flows import COEFFICIENTS, ZONE_FLOWS, ZoneFlows, new_flows
 from solver.kernels import types
 from solver.kernels.compile import kernel
 from solver.model.contact_system import ContactSystem, gear_system

@@ -20,6 +20,7 @@ COUPLING = 0.93969262
 #: The first has a period doubling in permanent contact (docs/physics.md, section 8), the second a Neimark-Sacker.
 PARAMETRIC = consistent(rotation_coupling=COUPLING, variation_translation=0.0)
 ANTIPHASE = antiphase(rotation_coupling=COUPLING)
+KINDS = (Event.PERIOD_DOUBLING, Event.NEIMARK_SACKER)
 BALANCES = [DescribingFunction(), Galerkin(1), Galerkin(5)]
 
 
@@ -205,10 +206,33 @@ def test_two_between_neighbouring_cells_are_seen(model, event):
     np.testing.assert_allclose(coarse, fine, rtol=0, atol=1e-8)
 
 
+@pytest.mark.parametrize(
+    "model",
+    [
+        # A pair passes the circle, meets on the real axis, and one of the two passes +1, within one step.
+        published(b=0.8157788944723618),
+        # A multiplier passes -1 and comes back where det(M + I) falls steeply and rises again.
+        antiphase(b=0.3169120095394401),
+        # Rounding brackets the same event twice.
+        published(xi_mesh=0.0423210988549282),
+        published(xi_support=0.004379435600792549),
+    ],
+)
+def test_bifurcations_do_not_depend_on_the_steps_of_the_branch(model):
+    found = []
+    for continuation in (Continuation(), Continuation(largest_step=0.02, largest_angle=0.03)):
+        row = sweep_row(model, "omega", np.linspace(0.3, 2.0, 150), continuation=continuation)
+        found.append([np.concatenate([at(curve, event) for curve in row.curves]) for event in KINDS])
+    for coarse, fine in zip(*found, strict=True):
+        assert len(coarse) == len(fine)
+        coarse, fine = (points[np.lexsort(points.T)] for points in (coarse, fine))
+        np.testing.assert_allclose(coarse, fine, rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize("make", [published, antiphase])
 def test_all_bifurcations_of_many_rows_are_located(make):
     """Rows with several hundred cells, any of which may lie next to one."""
-    draw, counts = np.random.default_rng(4), {Event.PERIOD_DOUBLING: 0, Event.NEIMARK_SACKER: 0}
+    draw, counts = np.random.default_rng(4), dict.fromkeys(KINDS, 0)
     for _ in range(25):
         model = make(alpha=draw.uniform(0.05, 0.5), f_e=draw.uniform(0.1, 0.5))
         row = sweep_row(model, "omega", np.linspace(0.3, 2.0, 400))

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver.stability.assessment import _eigenvalues
-from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, TESTS, spectral_tests
+from solver.stability.multipliers import DOUBLING, GAP, LARGEST, OUTSIDE, RIVAL, TESTS, UNIT, spectral_tests
 from tests.solver.stability.orbits import matched
 
 
@@ -65,4 +65,9 @@ def test_functions_of_given_multipliers():
     for values in ([-1.2, 0.5, *pair], [1.2, -1.3, *pair], [-1.1, -1.3, *inside]):
         assert functions_of(values)[OUTSIDE] == 2
     assert functions_of(inside)[OUTSIDE] == functions_of([-1.2, *inside])[OUTSIDE] == 0
-    assert np.all(np.isnan(functions_of([np.nan, 0.1])[[LARGEST, DOUBLING, OUTSIDE]]))
+    # How far beyond +1 the nearest is, over how far inside the nearest of the others is.
+    found = functions_of([1.2, 0.9, *pair])
+    assert found[UNIT] == pytest.approx(np.prod([1.2 - 1, 0.9 - 1, *(z - 1 for z in pair)]).real)
+    assert found[RIVAL] == pytest.approx(0.2 / 0.1)
+    assert functions_of([1.2, -0.9])[RIVAL] == functions_of([0.2, 0.9])[RIVAL] == 0.0
+    assert np.all(np.isnan(functions_of([np.nan, 0.1])[[LARGEST, DOUBLING, OUTSIDE, UNIT]]))

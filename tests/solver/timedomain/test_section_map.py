@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from numpy.polynomial import polynomial
 
 from solver.flow.switched_system import SWITCHED_SYSTEM, loaded_system
-from solver.flow.zone_flows import COEFFICIENTS, new_flows, zone_flows
+from solver.flow.tabulation import zone_flows
+from solver.flow.zone_flows import COEFFICIENTS, new_flows
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.contact_system import ContactSystem, gear_system

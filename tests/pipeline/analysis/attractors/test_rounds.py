@@ -11,7 +11,8 @@ from pipeline.__main__ import main
 from pipeline.analysis.attractors import grid as grid_module
 from pipeline.analysis.attractors import rounds, tasks
 from pipeline.plan.plan import Plan
-from pipeline.store import groups, row_groups
+from pipeline.store import groups
+from pipeline.store.folder_files import FolderFiles
 from solver.timedomain import AttractorKind
 from tests.conftest import slow_but
 from tests.made_once import made_once
@@ -119,16 +120,17 @@ def test_the_size_of_blocks_does_not_matter(run, whole, monkeypatch, blocks):
 @pytest.mark.parametrize("writes", [pytest.param(3, marks=pytest.mark.slow), 12])
 def test_an_interrupted_run_is_gone_on_with(run, whole, monkeypatch, writes):
     """It ends before a block is written, of round 0 or of a later one."""
-    honest, left = row_groups.write_whole, [writes]
+    honest, left = FolderFiles.write, [writes]
 
-    def ended(file, content):
-        if left[0] == 0:
-            raise KeyboardInterrupt
-        left[0] -= 1
-        honest(file, content)
+    def ended(files, contents):
+        if files.place.name.endswith(".unfinished"):
+            if left[0] == 0:
+                raise KeyboardInterrupt
+            left[0] -= 1
+        honest(files, contents)
 
     with monkeypatch.context() as patch:
-        patch.setattr(row_groups, "write_whole", ended)
+        patch.setattr(FolderFiles, "write", ended)
         assert run()[0] == 130
     assert not (run.path / "attractors").exists()
     code, out, err = run()

@@ -143,7 +143,9 @@ def test_a_run_that_is_killed_is_gone_on_with(made, copy):
         start_new_session=True,
     )
     try:
-        wait_until(lambda: any(groups.unfinished(path, "attractors").glob("packed/c/*")) or process.poll() is not None)
+        wait_until(
+            lambda: any(groups.unfinished(path, "attractors").place.glob("packed/c/*")) or process.poll() is not None
+        )
         assert process.poll() is None
     finally:
         process.kill()
