@@ -166,8 +166,9 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
         if np.any(marked):
             axes.add_artist(PathPatch(outline_of(marked, columns, rows), **kind))
-    shown = np.unique(panel.code).tolist()
-    dark = np.isin(panel.code, [c for c in shown if text_colour(label_colour(plane.labels[c])) == "white"])
+    dark = np.isin(
+        panel.code, [c for c in _present(panel.code) if text_colour(label_colour(plane.labels[c])) == "white"]
+    )
     for mark, marked in ((draw_lines, panel.unstable), (draw_dots, panel.contradictory)):
         mark(axes, marked & ~dark, panel.x, panel.y)
         mark(axes, marked & dark, panel.x, panel.y, "white")
@@ -228,6 +229,12 @@ def _image(code: np.ndarray, labels: dict[int, str]) -> np.ndarray:
 
     Matplotlib turns what has no opacity into numbers of eight times the size to add one.
     """
-    present, place = np.unique(code, return_inverse=True)
-    colours = np.array([(*label_colour(labels[int(value)]), 255) for value in present], dtype=np.uint8)
-    return enlarged(colours[place.reshape(code.shape)])
+    colours = np.zeros((int(code.max()) + 1, 4), np.uint8)
+    for value in _present(code):
+        colours[value] = (*label_colour(labels[value]), 255)
+    return enlarged(colours[code])
+
+
+def _present(code: np.ndarray) -> list[int]:
+    """The codes that there are, ascending."""
+    return np.flatnonzero(np.bincount(code.ravel())).tolist()

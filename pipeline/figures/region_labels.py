@@ -66,17 +66,22 @@ def placed_labels(
     for value in sorted(int(value) for value in np.unique(code) if value and labels[int(value)]):
         regions, count = ndimage.label(code == value)
         areas = np.bincount(regions.ravel(), minlength=count + 1)[1:]
+        boxes = ndimage.find_objects(regions)
         for number in np.argsort(-areas, kind="stable"):
             largest = number == np.argmax(areas)
             if areas[number] < (_LEAST if largest else _AGAIN) * code.size:
                 continue
-            region = regions == number + 1
-            place = _inside(region, ~edges & free, labels[value]) or _inside(region, plain & free, labels[value])
+            # Nothing outside of its box matters to a region.
+            box = boxes[number]
+            region, open_here = regions[box] == number + 1, free[box]
+            place = _inside(region, ~edges[box] & open_here, labels[value])
+            place = place or _inside(region, plain[box] & open_here, labels[value])
             if place is not None:
+                place = _within_panel(place, box)
                 found.append(RegionLabel(labels[value], value, _share(place, code.shape)))
                 _block(free, place, labels[value])
             elif largest:
-                waiting.append((value, _deepest(region)))
+                waiting.append((value, _within_panel(_deepest(region), box)))
     for value, target in waiting:
         across = (target[1] + 0.5) / columns
         if any(left <= across <= right for left, right in unled):
@@ -86,6 +91,10 @@ def placed_labels(
             found.append(RegionLabel(labels[value], value, _share(place, code.shape), _share(target, code.shape)))
             _block(free, place, labels[value])
     return found
+
+
+def _within_panel(place: tuple[int, int], box: tuple[slice, slice]) -> tuple[int, int]:
+    return place[0] + box[0].start, place[1] + box[1].start
 
 
 def _reduced(image: np.ndarray, size: tuple[float, float]) -> np.ndarray:
@@ -129,7 +138,7 @@ def _beside(target: tuple[int, int], allowed: np.ndarray, text: str) -> tuple[in
 
 
 def _depth(region: np.ndarray) -> np.ndarray:
-    """Distance from the border of a region and of the panel."""
+    """Distance from the border of a region."""
     return ndimage.distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
 
 

@@ -141,7 +141,8 @@ class Jobs:
         if self._change is not None:
             with contextlib.suppress(Exception):
                 self._change.result(timeout=_FINISH)
-        if self.cluster.workers and not _cancelled(self.name):
+        # By name: Ctrl-C may have ended an sbatch that had not said yet which job is its own.
+        if not _cancelled(self.name) and self.cluster.workers:
             self._say(f"note: jobs could not be given back: scancel --name={self.name} does it")
         for job in self.cluster.workers.values():
             job.job_id = None

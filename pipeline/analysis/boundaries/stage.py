@@ -52,7 +52,7 @@ def _traced(job: Job, workforce: Workforce, reporter: Reporter):
         return boundaries.trace(path, plan, lambda: warm_up_for(job, reporter))
     if (summary := boundaries.stored_summary(path, plan)) is not None:
         return summary
-    warm_up_for(job, reporter)
+    warm_up_for(job, reporter, workforce)
     ((_, result),) = workforce.run(boundaries.trace, [(path, plan)])
     if isinstance(result, Exception):
         raise result

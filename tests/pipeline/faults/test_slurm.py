@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline import store
+from pipeline.config.compose import compose
 from tests.pipeline.faults.runs import INJECTED, KEPT, ROWS, complete, finished, same, start, until
 from tests.pipeline.schedulers import wait_until
 from tests.slurm_cluster import MISSING, slurm_cluster
@@ -107,6 +108,23 @@ def test_jobs_are_given_back_when_a_run_is_ended(number, tmp_path, slurm, enviro
     assert (run.code, run.err) == (128 + number, f"error: interrupted{name}{KEPT}\n")
     assert 0 < complete(run.path) < ROWS
     assert given_back(slurm, tmp_path)
+
+
+@pytest.mark.slow
+def test_what_ends_a_process_in_a_moment_gives_its_jobs_back_first(tmp_path, slurm, environment, monkeypatch):
+    """As where Python has no turn any more, and a thread hears of the signal."""
+    from pipeline.run.slurm_cluster import slurm_cluster as jobs_of_a_run
+    from pipeline.run.slurm_jobs import give_back
+
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    said, settings = [], compose([*SLURM, f"output.root={tmp_path}", "cluster.minimum_jobs=5"]).config.cluster
+    with jobs_of_a_run(settings, said.append) as jobs:
+        jobs.begin()
+        assert len(slurm.jobs()) == 5 and "5 jobs" in said[0]
+        give_back()
+        wait_until(lambda: not slurm.jobs(), 30.0)
+    assert not (tmp_path / "jobs").exists()
 
 
 @pytest.mark.slow
