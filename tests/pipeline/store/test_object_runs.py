@@ -60,6 +60,11 @@ def _written(value) -> str:
     return str(value).lower() if isinstance(value, bool) else f"'{value}'" if isinstance(value, str) else str(value)
 
 
+def costly_but(few, all_of_them):
+    """Values of a parameter, those costly that are not among a few."""
+    return [value if value in few else pytest.param(value, marks=pytest.mark.costly) for value in all_of_them]
+
+
 def run(remote, capsys, folder, *words, expected=0):
     code = main([*SIZES, *remote.words(), f"output.root={folder}", *words])
     out, err = capsys.readouterr()
@@ -189,7 +194,7 @@ def test_a_plane_that_was_interrupted_is_gone_on_with(swept, tmp_path, capsys):
     assert not any(name.startswith("boundaries/") for name in found)
 
 
-@pytest.mark.parametrize("harm", ["removed", "truncated", "empty"])
+@pytest.mark.parametrize("harm", costly_but(["truncated"], ["removed", "truncated", "empty"]))
 def test_what_was_harmed_is_found_and_mended(swept, tmp_path, capsys, harm):
     remote = swept.copy_to(f"harmed-{harm}")
     names = ["amplitude/c/1/0/0", "boundaries/kind/c/0", "omega/c/0", "stable/zarr.json"]
@@ -231,7 +236,7 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize("name", costly_but(["503 for a while", "cut in the middle of puts"], FAULTS))
 def test_faults_that_pass_are_got_over(object_server, folder, tmp_path, capsys, name):
     kind, hits = FAULTS[name]
     remote = Remote(object_server, f"fault-{kind.value}-{hits.get('methods', 'any')}")
@@ -288,7 +293,7 @@ def test_a_server_that_does_not_answer_is_one_line(swept, tmp_path, capsys):
     assert len(err.splitlines()) == 1 and "in time" in err
 
 
-@pytest.mark.parametrize("name", ["boundaries/zarr.json", "zarr.json"])
+@pytest.mark.parametrize("name", costly_but(["boundaries/zarr.json"], ["boundaries/zarr.json", "zarr.json"]))
 def test_a_store_or_group_appears_when_the_server_says_so(swept, tmp_path, capsys, name):
     """The last put of each is the one that counts."""
     remote = Remote(swept.server, f"appears-{name.count('/')}", **IMPATIENT)
