@@ -134,7 +134,7 @@ def test_what_is_stored_is_kept_when_it_is_interrupted(alone, tmp_path, capsys, 
     assert np.all(store.statuses(here / "omega_fe-b=0.5.zarr") == store.COMPLETE)
     assert np.sum(store.statuses(here / "omega_fe-b=0.6.zarr") == store.COMPLETE) == 1
     assert not list(here.glob(".*.lock"))
-    assert [line["status"] for line in lines_of(here / "study.csv")] == ["complete", "pending"]
+    assert [line["status"] for line in lines_of(here / "study.csv")] == ["complete", "incomplete"]
     assert main(["-m", "gear.b=0.5,0.6", *SWEPT]) == 0
     wanted = files_of(alone)
     # What a store says of itself has the stages that were asked for.
