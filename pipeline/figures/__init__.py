@@ -112,9 +112,9 @@ def names_of(store_path: Path, options: dict) -> list[str]:
     """Figures that a plane may have with the options of `draw`, those that take longest first."""
     kept = {"map-quantity": options["quantity"], "map-window": options["window"], "multipliers": options["multipliers"]}
     lacking = {name for name, value in kept.items() if value is None}
-    if not (store_path / "attractors").exists():
+    if not store.exists(store_path / "attractors"):
         lacking |= {"attractors", "verification"}
-    if not (store_path / "places").exists():
+    if not store.exists(store_path / "places"):
         lacking.add("basins")
     return [name for name in NAMES if name not in lacking]
 

@@ -268,7 +268,7 @@ class StoredPlane:
 
     @cached_property
     def _root(self) -> zarr.Group:
-        return zarr.open_group(files_at(self.path).zarr(), mode="r")
+        return zarr.open_group(files_at(self.path).zarr(), mode="r", zarr_format=3)
 
     @cached_property
     def _kept(self) -> np.ndarray:

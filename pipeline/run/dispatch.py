@@ -13,6 +13,7 @@ from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import Outcome, Receipt, sweep_blocks
 from pipeline.run.workforce import Task, Workforce
+from pipeline.store.lock import check_held
 from pipeline.store.tries import MOST_TRIES
 
 __all__ = ["Batches", "Pace", "dispatch"]
@@ -63,6 +64,8 @@ def dispatch(
     ------
     OSError
         If the scheduler goes away, or a block cannot be written: the next one could not either.
+    LeaseLost
+        If another run has taken the store over.
     """
     kind = (plan.kind, plan.sweep.num, *(plan.solver[name] for name in ("balance", "order", "period")))
     batches = Batches(blocks, workforce, workforce.paces.setdefault(kind, Pace()))
@@ -75,6 +78,7 @@ def dispatch(
         return Task((path, plan, tuple(chosen), limit), avoid, left=batches.left)
 
     for task, result in workforce.serve(sweep_blocks, take):
+        check_held(path)
         given = list(task.arguments[2])
         if isinstance(result, Outcome):
             note(result.sentence)

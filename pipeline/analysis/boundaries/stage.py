@@ -71,12 +71,12 @@ def _write_sheets(job: Job, reporter: Reporter) -> None:
 
         write_layer_sheets(job, reporter)
         return
-    stored = read_boundaries(job.store_path, job.plan)
-    if stored is None:
-        return
     folder, name = job.settings.output_root / "boundaries", job.settings.store_name
     record, origin = folder / f".{name}.json", made_from(job.store_path)
     if (names := still_made(record, origin)) is None:
+        stored = read_boundaries(job.store_path, job.plan)
+        if stored is None:
+            return
         names = boundaries.write_sheets(stored, job.plan, folder, name)
         write_record(record, origin, names)
     reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
