@@ -11,6 +11,7 @@ import pytest
 
 from pipeline.__main__ import main
 from pipeline.config.compose import compose, expand
+from pipeline.multirun.index import begun_index
 from pipeline.plan.planning import plan
 from tests.docs.examples import PAGES, commands_of, is_command, lines_of, name_of, page_of
 from tests.docs.page import ROOT
@@ -32,6 +33,8 @@ STORES = {
     "omega_fe-miter": (("plane=omega_fe", "gear=miter"), 41, 5),
     "omega_b_fe": (("plane=omega_b_fe", "plane.parameter2.num=2"), 41, 4),
 }
+#: Command, columns and rows of the study that a page reads.
+STUDY = ("gear.b=0.5,0.6,0.7", "store.root=outputs/backlash"), 101, 11
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +46,12 @@ def stores(tmp_path_factory):
         planned = small_plan(*overrides, columns=columns, rows=rows)
         make = traced_store if name == "omega_fe" else small_store
         make(folder / f"outputs/store/{name}.zarr", planned)
+    with contextlib.chdir(folder):
+        overrides, columns, rows = STUDY
+        all_settings = [compose(one) for one in expand(overrides)]
+        for settings in all_settings:
+            small_store(settings.store_path, small_plan(*settings.overrides, columns=columns, rows=rows))
+        begun_index(all_settings)[0].write()
     return folder
 
 
