@@ -158,6 +158,8 @@ class Workers:
                     yield running.pop(future), result
         finally:
             connection.cancel([*running, *asked])
+            if self._jobs is not None:
+                self._jobs.rest()
 
     def _ask(self, finished: SimpleQueue, asked: dict) -> None:
         """Have workers get ready that are not, after each count; those that are known, and need no kernels, are.

@@ -20,6 +20,10 @@ __all__ = ["STAGE"]
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     path = job.store_path
     note_unfinished(job, reporter, "boundaries start from the others")
+    if job.plan.parameter2 is not None:
+        from pipeline.analysis.boundaries.layers import run_layers
+
+        return run_layers(job, workforce, reporter)
     begin = perf_counter()
     try:
         summary = _traced(job, workforce, reporter)
@@ -62,15 +66,20 @@ def _traced(job: Job, workforce: Workforce, reporter: Reporter):
 def _write_sheets(job: Job, reporter: Reporter) -> None:
     from pipeline.analysis import boundaries
 
-    stored = read_boundaries(job.store_path, job.plan)
-    if stored is None:
+    if job.plan.parameter2 is not None:
+        from pipeline.analysis.boundaries.layers import write_layer_sheets
+
+        write_layer_sheets(job, reporter)
         return
     folder, name = job.settings.output_root / "boundaries", job.settings.store_name
     record, origin = folder / f".{name}.json", made_from(job.store_path)
     if (names := still_made(record, origin)) is None:
+        stored = read_boundaries(job.store_path, job.plan)
+        if stored is None:
+            return
         names = boundaries.write_sheets(stored, job.plan, folder, name)
         write_record(record, origin, names)
     reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
 
 
-STAGE = Stage("boundaries", _run, writes=True, finish=_write_sheets)
+STAGE = Stage("boundaries", _run, on_workers=True, writes=True, of_volumes=True, finish=_write_sheets)
