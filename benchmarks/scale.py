@@ -115,7 +115,7 @@ def crew(folder: Path, workers: int, rows: int) -> Effort:
             path = folder / f"{name}-{workers}-{time.monotonic_ns()}.zarr"
             store.create(path, planned, name, "benchmark\n")
             begin, before = time.perf_counter(), processor_seconds()
-            receipts = [receipt for _, receipt in dispatch(path, planned, planned.blocks, {}, workforce)]
+            receipts = [receipt for _, receipt in dispatch(path, planned, planned.blocks, workforce)]
             wall = time.perf_counter() - begin
             used = [late - early for late, early in zip(processor_seconds(), before, strict=True)]
     return Effort(wall, sum(receipt.seconds for receipt in receipts), *used)

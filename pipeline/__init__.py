@@ -1,6 +1,6 @@
 """From a configuration to stored planes, and from these to figures and tables."""
 
-__all__ = ["compute", "open_plane", "scales_of", "thresholds"]
+__all__ = ["compute", "open_plane", "open_study", "scales_of", "thresholds"]
 
 
 def __getattr__(name: str):
@@ -9,7 +9,7 @@ def __getattr__(name: str):
         from pipeline.plane.regions import thresholds
 
         return thresholds
-    if name in ("compute", "open_plane"):
+    if name in ("compute", "open_plane", "open_study"):
         from pipeline import api
 
         return getattr(api, name)

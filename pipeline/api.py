@@ -3,23 +3,22 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import xarray as xr
-
 from pipeline.config.compose import compose
 from pipeline.config.places import Place
-from pipeline.errors import ComputationError, ConfigurationError, StoreError
+from pipeline.errors import ComputationError, ConfigurationError
+from pipeline.multirun.index import read_index
+from pipeline.multirun.opened_study import Study
 from pipeline.opened_plane import OpenPlane
-from pipeline.plane.stored import read_stored
+from pipeline.opened_volume import OpenVolume, opened_at
 from pipeline.run.libraries import check_zarr
 from pipeline.run.preparation import prepare, run_plane_stages
 from pipeline.run.progress import SilentReporter
 from pipeline.run.workforce import Workforce
 from pipeline.store import store_path
-from pipeline.store.files import files_at
 from solver import ParameterError
 from solver.model.checks import instance_of, instances_of
 
-__all__ = ["OpenPlane", "compute", "open_plane"]
+__all__ = ["OpenPlane", "OpenVolume", "Study", "compute", "open_plane", "open_study"]
 
 
 def compute(
@@ -81,8 +80,8 @@ def compute(
 
 def open_plane(
     name: Place | str, root: Place | str = "outputs/store", storage_options: Mapping | None = None
-) -> OpenPlane:
-    """Open a stored plane.
+) -> OpenPlane | OpenVolume:
+    """Open a stored plane, or a volume, of which `layer(VALUE)` is one.
 
     Parameters
     ----------
@@ -96,7 +95,7 @@ def open_plane(
     Raises
     ------
     StoreError
-        If there is no such store, it is a volume, or this program cannot read it.
+        If there is no such store, or this program cannot read it.
     ConfigurationError
         If zarr is set up in such a way that it would wait for ever, no store can be at such a URL, or a folder is given
         storage options.
@@ -106,14 +105,51 @@ def open_plane(
         If the name or the root is no path and no URL.
     """
     check_zarr()
-    if storage_options is not None and not isinstance(storage_options, Mapping):
-        raise ParameterError("storage_options", type(storage_options), "a mapping")
+    _check_options(storage_options)
     path, folder = (store_path(key, value, storage_options) for key, value in (("name", name), ("root", root)))
     if len(path.parts) == 1 and path.suffix != ".zarr":
         path = folder / f"{name}.zarr"
-    if storage_options and isinstance(path, Path):
-        raise ConfigurationError(f"storage_options are not allowed: {path} is a folder")
-    stored = read_stored(path)
-    if stored.plan.parameter2 is not None:
-        raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which can be opened")
-    return OpenPlane(stored, xr.open_datatree(files_at(path).zarr(), engine="zarr"))
+    return opened_at(_checked(path, storage_options))
+
+
+def open_study(root: Place | str = "outputs/store", storage_options: Mapping | None = None) -> Study:
+    """Open the planes that one command has computed, `python -m pipeline -m KEY=VALUE,VALUE`.
+
+    Parameters
+    ----------
+    root : str or Path
+        Folder of the stores, or its URL, which has the index `study.csv`.
+    storage_options : mapping, optional
+        As for `open_plane`.
+
+    Returns
+    -------
+    Study
+        With `planes`, `index`, `to_xarray()` and `to_datatree()`.
+
+    Raises
+    ------
+    StoreError
+        If there is no index, or it is none of this program's.
+    ConfigurationError
+        If zarr is set up in such a way that it would wait for ever, or a folder is given storage options.
+    Unreachable
+        If an object store does not answer, or refuses.
+    solver.ParameterError
+        If the root is no path and no URL.
+    """
+    check_zarr()
+    _check_options(storage_options)
+    return Study(read_index(_checked(store_path("root", root, storage_options), storage_options)))
+
+
+def _check_options(storage_options: Mapping | None) -> None:
+    if storage_options is not None and not isinstance(storage_options, Mapping):
+        raise ParameterError("storage_options", type(storage_options), "a mapping")
+
+
+def _checked(place: Place, storage_options: Mapping | None) -> Place:
+    """A place, unless it is a folder that is given options."""
+    if storage_options and isinstance(place, Path):
+        raise ConfigurationError(f"storage_options are not allowed: {place} is a folder")
+    return place

@@ -14,6 +14,7 @@ from pipeline.analysis.margins.distances import Margin
 from pipeline.config.quantities import READ
 from pipeline.errors import StoreError
 from pipeline.figures.plots import Plots
+from pipeline.plan.layers import layer_name
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import scales_of
 from pipeline.plane.datasets import dataset_of_branches, dataset_of_motions
@@ -98,7 +99,13 @@ class OpenPlane:
 
     def __repr__(self) -> str:
         sizes = " x ".join(f"{axis.name} {axis.num}" for axis in self.plan.axes)
-        return f"OpenPlane({self.path.stem!r}: {sizes}; {', '.join(sorted(self.tree.children))})"
+        return f"OpenPlane({self.name!r}: {sizes}; {', '.join(sorted(self.tree.children))})"
+
+    @property
+    def name(self) -> str:
+        """Of the store; of a layer as `plane.layer` calls what it takes out."""
+        name, stored = self.path.stem, self.stored
+        return name if stored.layer is None else layer_name(name, stored.volume, stored.layer)
 
     def _repr_html_(self) -> str:
         return f"<pre>{html.escape(self.describe())}</pre>"
@@ -110,7 +117,7 @@ class OpenPlane:
     @property
     def plot(self) -> Plots:
         """Figures: `plane.plot.map()`, `plane.plot.curves(f_e=0.2)`, `plane.plot.backbone()`."""
-        return Plots(self.path, self.plan)
+        return Plots(self.path, self.plan, self.stored.layer)
 
     def explore(self, view: str = ""):
         """The plane to be clicked, in a notebook: as `stages=[explore]` shows it in a page of its own.
@@ -135,6 +142,8 @@ class OpenPlane:
         from pipeline.explorer.stage import check_installed
 
         check_installed()
+        if self.stored.layer is not None:
+            raise StoreError(f"explore is not allowed for a layer of {self.path}: plane.layer=VALUE takes out a plane")
         from pipeline.explorer.notebook import in_notebook
 
         return in_notebook(self.path, view)
@@ -333,9 +342,9 @@ class OpenPlane:
 
     def thresholds(self, label: str | None = None, window: tuple[float, float] | None = None) -> tuple[Occurrence, ...]:
         """Where labels appear and disappear in the row parameter; see `pipeline.thresholds`."""
-        from pipeline.plane.regions import thresholds
+        from pipeline.plane.regions import thresholds_of
 
-        return thresholds(self.path, label, window)
+        return thresholds_of(self.stored, label, window)
 
     def attractors_at(self, **place: float) -> xr.Dataset:
         """Everything that integration found in the integrated cell nearest to a place, along `attractor`, as it is
@@ -349,7 +358,7 @@ class OpenPlane:
             As `label_near`.
         """
         queries, (x, p) = _queries(), place_of(self.plan, place)
-        return queries.attractors_near(queries.attractors_of(self.path), self.plan, x, p)
+        return queries.attractors_near(self._attractors(), self.plan, x, p)
 
     def isolated_branches(self, **value: float) -> xr.Dataset:
         """The branches that the integrated row nearest to a value of the row parameter lacks, along `isolated_point`.
@@ -380,7 +389,7 @@ class OpenPlane:
     def hysteresis(self) -> xr.DataArray:
         """Where runs along the row meet other attractors upwards than downwards, bool; raises as `attractors_at`."""
         queries = _queries()
-        return queries.hysteresis(queries.attractors_of(self.path))
+        return queries.hysteresis(self._attractors())
 
     def basin_share(self, what: str) -> xr.Dataset:
         """Share of the random starts of every cell that reached attractors of a kind, such as "2T" or "1T/0".
@@ -398,7 +407,12 @@ class OpenPlane:
             If it is no kind of attractor.
         """
         queries = _queries()
-        return queries.basin_share(queries.attractors_of(self.path), what)
+        return queries.basin_share(self._attractors(), what)
+
+    def _attractors(self) -> xr.Dataset:
+        """The group `attractors`, of a layer its part."""
+        found, stored = _queries().attractors_of(self.path), self.stored
+        return found if stored.layer is None else found.isel({stored.volume.parameter2.name: stored.layer})
 
     def _scales(self, physical: bool) -> Scales | None:
         """To show values in physical units; None unless they are asked for."""

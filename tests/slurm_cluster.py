@@ -24,7 +24,7 @@ def _program(name: str) -> str | None:
     return shutil.which(name, path=path) or shutil.which(f"{name}-wlm", path=path)
 
 
-_PROGRAMS = ("munged", "slurmctld", "slurmd", "slurmstepd", "sbatch", "squeue", "scancel", "sinfo")
+_PROGRAMS = ("munged", "slurmctld", "slurmd", "slurmstepd", "sbatch", "squeue", "scancel", "scontrol", "sinfo")
 _LACKING = [name for name in _PROGRAMS if _program(name) is None]
 #: Why there cannot be one here; empty where there can.
 MISSING = f"SLURM and munge are not installed: no {', '.join(_LACKING)}" if _LACKING else ""

@@ -34,7 +34,7 @@ _LAYERS = {
     "attractors": "attractors, by integration",
     "credibility": "what the labels are worth",
 }
-_WORDS = {"map": "map, as shown", "curves": "curves of the row", "motions": "motions at the place"}
+_WORDS = {"map": "map", "curves": "curves of the row", "motions": "motions at the place"}
 
 
 def page_of(site: Site):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.config.compose import compose
+from pipeline.config.secrets import HIDDEN
 from pipeline.config.typed import key_of
 from pipeline.errors import ConfigurationError
 from pipeline.explorer.fixed_parameters import changed_plan
@@ -68,6 +69,10 @@ def new_plane(command: str, plan: Plan, fixed: Mapping[str, float]) -> NewPlane:
     words, config_dir = shlex.split(command)[3:], None
     if words and words[0].startswith("--config-dir="):
         config_dir = words.pop(0).partition("=")[2]
+    if any(word.endswith(f"={HIDDEN}") for word in words):
+        raise ConfigurationError(
+            "store.storage_options were typed, and no command has their values: put them into the environment instead"
+        )
     meant, config = changed_plan(plan, fixed), compose(words, config_dir).config
     changes = typed_changes(config.gear, plan, meant)
     if config.store.name is not None:

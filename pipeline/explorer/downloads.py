@@ -50,7 +50,7 @@ def download(content: Content, state: ViewState, what: str, kind: str) -> bytes:
     content : Content
     state : ViewState
     what : str
-        One of `FORMATS`: the map as the layer and the window show it, the curves of the row through the place, or the
+        One of `FORMATS`: the map of the layer, of labels in the window, the curves of the row through the place, or the
         motions at the place.
     kind : str
         One of its formats.

@@ -10,7 +10,7 @@ from pipeline.explorer.background_run import BackgroundRun, new_plane
 from pipeline.explorer.fixed_parameters import FixedParameter, fixed_parameters
 from pipeline.explorer.messages import note, text
 from pipeline.explorer.plain_text import plain
-from pipeline.explorer.style import CARDS, WIDGETS
+from pipeline.explorer.style import CARDS, TYPED, WIDGETS
 from pipeline.explorer.view_state import ViewState
 from pipeline.figures.naming import symbol
 from pipeline.plan.plan import Plan
@@ -54,7 +54,7 @@ class FixedPanel:
             value=0, max=100, active=False, visible=False, sizing_mode="stretch_width", height=12
         )
         self._first, self._others = (pn.Column(sizing_mode="stretch_width", margin=0) for _ in range(2))
-        folded = pn.Card(
+        self._folded = pn.Card(
             self._others,
             title="more parameters",
             collapsed=True,
@@ -62,8 +62,9 @@ class FixedPanel:
             margin=(2, 5),
             stylesheets=[CARDS],
         )
+        self._folded.param.watch(lambda _: self._fill(), "collapsed")
         self.view = pn.Column(
-            self._first, folded, pn.Row(self.reset, self.compute, margin=0), self.told, self.bar, margin=0
+            self._first, self._folded, pn.Row(self.reset, self.compute, margin=0), self.told, self.bar, margin=0
         )
 
     def prepare(self) -> None:
@@ -77,15 +78,24 @@ class FixedPanel:
 
     def _make(self, physical: bool) -> None:
         self._physical, scales = physical, scales_of(self._plan) if physical else None
-        self._sizes, rows = {}, ([], [])
-        for one in self._parameters:
-            scale = scales[one.name] if scales is not None and one.name in scales else None
-            self._sizes[one.name] = 1.0 if scale is None else scale.shown
-            self._sliders[one.name] = slider = self._slider(one, "" if scale is None else f" ({scale.unit})")
-            rows[one.name not in _FIRST].append(slider)
-        self._first[:], self._others[:] = rows
+        self._scales = {
+            one.name: scales[one.name] for one in self._parameters if scales is not None and one.name in scales
+        }
+        self._sizes = {one.name: 1.0 for one in self._parameters} | {n: s.shown for n, s in self._scales.items()}
+        self._sliders = {one.name: self._slider(one) for one in self._parameters if one.name in _FIRST}
+        self._first[:], self._others[:] = list(self._sliders.values()), []
+        self._fill()
 
-    def _slider(self, one: FixedParameter, unit: str) -> pn.widgets.EditableFloatSlider:
+    def _fill(self) -> None:
+        """Make those that are folded away, once they are looked at."""
+        if not self._folded.collapsed and not len(self._others):
+            more = {one.name: self._slider(one) for one in self._parameters if one.name not in _FIRST}
+            self._sliders |= more
+            self._others[:] = list(more.values())
+            self._set(self._state)
+
+    def _slider(self, one: FixedParameter) -> pn.widgets.EditableFloatSlider:
+        unit = f" ({self._scales[one.name].unit})" if one.name in self._scales else ""
         ends = sorted((one.low * self._sizes[one.name], one.high * self._sizes[one.name]))
         slider = pn.widgets.EditableFloatSlider(
             name=f"{plain(symbol(one.name))}  {one.words}{unit}",
@@ -99,6 +109,8 @@ class FixedPanel:
             stylesheets=[WIDGETS],
             margin=(2, 5),
         )
+        for typed in slider.select(pn.widgets.FloatInput):
+            typed.stylesheets = [*typed.stylesheets, TYPED]
         slider.param.watch(lambda event: self._moved(one, event.new), "value")
         return slider
 
@@ -111,19 +123,23 @@ class FixedPanel:
             del fixed[one.name]
         self._change(fixed=tuple(sorted(fixed.items())))
 
+    def _set(self, state: ViewState) -> None:
+        fixed, self._busy = dict(state.fixed), True
+        try:
+            for one in self._parameters:
+                slider, value = self._sliders.get(one.name), fixed.get(one.name, one.value)
+                if slider is not None and slider.value != value * self._sizes[one.name]:
+                    slider.value = value * self._sizes[one.name]
+        finally:
+            self._busy = False
+
     def show(self, state: ViewState) -> None:
         """The values of a view."""
         if self._sliders and state.physical != self._physical:
             self._make(state.physical)
-        self._state, self._busy = state, True
-        fixed = dict(state.fixed)
-        try:
-            for one in self._parameters if self._sliders else ():
-                value = fixed.get(one.name, one.value) * self._sizes[one.name]
-                if self._sliders[one.name].value != value:
-                    self._sliders[one.name].value = value
-        finally:
-            self._busy = False
+        self._state = state
+        self._set(state)
+        fixed = state.fixed
         self.reset.disabled = self.compute.disabled = not fixed
         if self._watched is None:
             told = "The map is of the stored plane; curves and motions are of the changed gear." if fixed else ""

@@ -40,7 +40,7 @@ def motion_figures(**options) -> dict:
     """
     options = {"width": 420, "height": 240, **options}
     found = {
-        name: plain_figure(name=name, **options, **({"y_axis_type": "log"} if name == "spectrum" else {}))
+        name: plain_figure(small=True, name=name, **options, **({"y_axis_type": "log"} if name == "spectrum" else {}))
         for name in MOTION_FIGURES
     }
     found["force"].x_range = found["time"].x_range
@@ -82,6 +82,8 @@ def fill_motions(figures: dict, cards: Sequence[Motion | MapMotion], found: Moti
     displacement, speed, time, force, spectrum = (
         plain(getattr(units, f"{one}_label")) for one in ("displacement", "speed", "time", "force", "spectrum")
     )
+    # How long a mesh period is has no room there.
+    time = time.partition(";")[0]
     name_axes(figures["time"], time, displacement)
     name_axes(figures["force"], time, force)
     name_axes(figures["phase"], displacement, speed)

@@ -4,6 +4,8 @@ import importlib.metadata
 from pathlib import Path
 from time import perf_counter
 
+from pipeline.config.compose import Settings
+from pipeline.config.typed import key_of
 from pipeline.explorer.stage import check_installed
 from pipeline.figures.options import check_quantity, check_units
 from pipeline.run.job import Job, command, note_unfinished
@@ -14,6 +16,10 @@ from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
 
 __all__ = ["STAGE"]
+
+#: Sections of the configuration that are nothing to whoever gets a page, and keys of theirs that are.
+_OF_THE_MACHINE = ("output", "store", "cluster", "debug", "explore")
+_OF_THE_PLANE = ("store.name", "store.max_solutions", "store.max_branches", "store.max_points")
 
 
 def _check(job: Job) -> None:
@@ -31,9 +37,15 @@ def _options(job: Job) -> dict:
         "rows": page.rows,
         "quantities": tuple(page.quantities),
         "of": figures.of,
-        # Without folders: they are of this machine.
-        "command": command(job.settings, "output.root=", "store.root=", "stages=[page]"),
+        "command": _command_to_mail(job.settings),
     }
+
+
+def _command_to_mail(settings: Settings) -> str:
+    """What makes the page, without what is of this machine alone: where stores are, who computes them."""
+    typed = map(key_of, settings.overrides)
+    own = [key for key in typed if key.partition(".")[0] in _OF_THE_MACHINE and key not in _OF_THE_PLANE]
+    return command(settings, *(f"{key}=" for key in own), "stages=[page]")
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:

@@ -66,11 +66,7 @@ class PlaceColumn:
         self.slice = pn.widgets.Toggle(name="Basins", width=80, margin=(23, 5, 5, 5), stylesheets=[WIDGETS])
         self.which.param.watch(self._chosen, "value")
         self.slice.param.watch(self._toggled, "value")
-        head = (
-            self.heading
-            if button is None
-            else pn.Row(self.heading, button, sizing_mode="stretch_width", margin=0, height=34)
-        )
+        head = self.heading if button is None else pn.Row(self.heading, button, sizing_mode="stretch_width", margin=0)
         parts = [head, self.verdict, _pane(self.row), self.row_legend, self.motions]
         if change is not None:
             parts.append(pn.Row(self.which, self.slice, margin=0))
@@ -203,10 +199,10 @@ class PlaceColumn:
             self._draw(found.motion, f"{origin}, integration ends on {found.motion.label}")
 
     def _draw(self, motion: Motion, words: str) -> None:
-        quantities = quantity_line(motion.quantities, self._scales)
-        self.told.object = f"<p>{words}.</p><p class='quiet'>{quantities}</p>"
         cards = [motion] if motion.of_map is None else [motion, motion.of_map]
         units = units_of(self._content.shown(self._state.physical), self._found)
+        quantities, (_, *period) = quantity_line(motion.quantities, self._scales), units.time_label.split("; ")
+        self.told.object = f"<p>{words}.</p><p class='quiet'>{'; '.join([quantities, *period])}</p>"
         self.card_legend.object = listed(fill_motions(self._figures, cards, self._found, units))
         _put(self.card, _pairs(self._figures))
 
@@ -232,7 +228,10 @@ class PlaceColumn:
             self._draw_states(None)
 
     def _draw_states(self, place) -> None:
-        self.states_told.object = listed(fill_states(self._plane, self._found.attractors, place))
+        entries = fill_states(self._plane, self._found.attractors, place)
+        unseen = len(entries) - len(self._found.attractors)
+        more = f"The slice finds {unseen} more than the random starts did." if place is not None and unseen > 0 else ""
+        self.states_told.object = listed(entries) + note(more, "note")
         self._show_start()
         _put(self.states, [self._plane])
 

@@ -11,10 +11,12 @@ from pipeline.explorer.styles import FONT
 __all__ = ["empty", "name_axes", "numbers", "plain_figure", "set_range", "source_of"]
 
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
+#: Ticks along a small figure, and pixels at its right for the end of its label.
+_FEW, _BESIDE = 4, 14
 
 
-def plain_figure(**options):
-    """An empty figure with ranges of its own, unless it is given some."""
+def plain_figure(small: bool = False, **options):
+    """An empty figure with ranges of its own, unless it is given some; a small one has few ticks and small labels."""
     options = {"x_range": Range1d(), "y_range": Range1d(), **options}
     found = figure(tools=_TOOLS, active_scroll="wheel_zoom", toolbar_location="above", **options)
     # Tools come with the pointer.
@@ -22,6 +24,11 @@ def plain_figure(**options):
     found.grid.grid_line_color = "#ececec"
     for axis in found.axis:
         axis.update(axis_label_text_font=FONT, axis_label_text_font_style="normal", major_label_text_font=FONT)
+        if small:
+            axis.axis_label_text_font_size = "11px"
+    if small:
+        found.xaxis.ticker.desired_num_ticks = _FEW
+        found.min_border_right = _BESIDE
     return found
 
 

@@ -29,6 +29,8 @@ def state_plane(**options):
     """
     found = plain_figure(name="state-plane", **options)
     name_axes(found, "λ at τ = 0", "λ' at τ = 0")
+    # It would lie over the basins.
+    found.grid.visible = False
     basins = empty("image", "x", "y", "dw", "dh")
     mapper = LinearColorMapper(palette=["#ffffff"])
     found.image("image", "x", "y", "dw", "dh", source=basins, color_mapper=mapper, level="image", name="basins")

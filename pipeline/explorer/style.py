@@ -1,6 +1,6 @@
 """How the page looks."""
 
-__all__ = ["CARDS", "CSS", "LAYOUT", "PANES", "PLACES", "WIDGETS"]
+__all__ = ["CARDS", "CSS", "LAYOUT", "PANES", "PLACES", "TYPED", "WIDGETS"]
 
 CSS = """
 html, body { margin: 0; background: #fbfbfa; color: #222;
@@ -37,6 +37,9 @@ WIDGETS = """
 .bk-input { font-size: 12px; padding: 2px 6px; min-height: 24px; height: 26px; }
 label, .bk-slider-title { font-size: 12px; color: #444; margin: 0; }
 """
+
+#: Of numbers beside a slider, which needs no arrows besides.
+TYPED = ".bk-spin-btn { display: none !important; }"
 
 #: Of parts that can be folded away: a line, and no box around it.
 CARDS = """

@@ -3,11 +3,13 @@
 import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from pipeline import store
 from pipeline.config.quantities import AMPLITUDE
 from pipeline.figures.options import check_options
+from pipeline.plan.layers import layer_name
 from pipeline.plane.stored import read_stored
 
 __all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra", "names_of"]
@@ -76,11 +78,11 @@ def draw(
     -------
     list of Path
         map, map-<quantity>-<of>, map-window, curves or curves-<quantity>, multipliers, attractors, verification, basins
-        and backbone, each in all formats;
-        "-dynamic" stands behind the names of those of dynamic stability. Attractors and verification are drawn where
-        the store has the group `attractors`, basins where it has `places`. The backbone is left out where the plane's
-        rows do not run over the mesh frequency, without mean load, and of systems that
-        are no bevel pair. Of a volume, layers: maps of up to five of them.
+        and backbone, each in all formats; "-dynamic" stands behind the names of those of dynamic stability. Attractors
+        and verification are drawn where the store has the group `attractors`, basins where it has `places`. The
+        backbone is left out where the plane's rows do not run over the mesh frequency, without mean load, and of
+        systems that are no bevel pair. Of a volume, layers: maps of up to five of them; and attractors-<name>=<value>
+        of each of these, where they have been sought.
 
     Raises
     ------
@@ -110,9 +112,9 @@ def names_of(store_path: Path, options: dict) -> list[str]:
     """Figures that a plane may have with the options of `draw`, those that take longest first."""
     kept = {"map-quantity": options["quantity"], "map-window": options["window"], "multipliers": options["multipliers"]}
     lacking = {name for name, value in kept.items() if value is None}
-    if not (store_path / "attractors").exists():
+    if not store.exists(store_path / "attractors"):
         lacking |= {"attractors", "verification"}
-    if not (store_path / "places").exists():
+    if not store.exists(store_path / "places"):
         lacking.add("basins")
     return [name for name in NAMES if name not in lacking]
 
@@ -255,4 +257,25 @@ def _draw_layers(volume, folder, formats, dpi) -> list[Path]:
     from pipeline.figures.volume import draw_volume
 
     with own_style():
-        return write_figure(draw_volume(volume), volume, folder, "layers", formats, dpi)
+        paths = write_figure(draw_volume(volume), volume, folder, "layers", formats, dpi)
+        for layer, drawer in _of_layers(volume):
+            paths += write_figure(drawer(), layer, folder, f"attractors-{_layer_text(volume, layer)}", formats, dpi)
+    return paths
+
+
+def _layer_text(volume, layer) -> str:
+    return layer_name("", volume.plan, layer.layer).removeprefix("-")
+
+
+def _of_layers(volume) -> Iterator[tuple]:
+    """The layers that are shown, with what draws the attractors of each, where they have been sought."""
+    if not store.exists(volume.path / "attractors"):
+        return
+    from pipeline.analysis.attractors.dataset import read_attractors
+    from pipeline.figures.attractors import draw_attractors
+    from pipeline.figures.volume import shown_layers
+
+    found = read_attractors(volume.path)
+    for layer in shown_layers(volume).values() if found is not None else ():
+        here = found.isel({volume.plan.parameter2.name: layer.layer})
+        yield layer, partial(draw_attractors, layer, here)

@@ -101,7 +101,7 @@ def _write_card(figure: Drawing, plane: StoredPlane, found: Motions, card, top: 
     what = standing(card, found) + ("" if fits else ";  axes of its own")
     figure.text(_DESCRIPTION / WIDTH, first, what, ha="left", va="top", fontsize=8)
     told = quantity_line(card.quantities, plane.scales).replace("K_v", "$K_v$").replace("λ", "$λ$")
-    figure.text(_DESCRIPTION / WIDTH, second, told, ha="left", va="top", fontsize=8)
+    figure.text(0.08 / WIDTH, second, told, ha="left", va="top", fontsize=8)
 
 
 def _draw_card(figure, found: Motions, card, units: Units, limits, shown: int, top: float, last: bool) -> None:

@@ -29,11 +29,14 @@ class Plots:
     path : Path
         The store.
     plan : Plan
-        Its plan.
+        Its plan; of the layer, where it is one.
+    layer : int or None
+        Number of the layer in a volume.
     """
 
     path: Path
     plan: Plan
+    layer: int | None = None
 
     def map(
         self,
@@ -355,7 +358,8 @@ class Plots:
     def _read(self, stability: str, units: str):
         from pipeline.plane.stored import read_stored
 
-        return read_stored(self.path, stability == "dynamic", units == "physical")
+        stored = read_stored(self.path, stability == "dynamic", units == "physical")
+        return stored if self.layer is None else stored.layer_at(self.layer)
 
 
 def _search_settings(given: Mapping[str, object] | None) -> Attractors:

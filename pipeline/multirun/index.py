@@ -9,18 +9,19 @@ import io
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 
 from pipeline import store
 from pipeline.config.compose import Settings
 from pipeline.config.default_name import is_name
+from pipeline.config.places import Place
 from pipeline.config.typed import key_of
 from pipeline.errors import ConfigurationError, DamagedError, StoreError, shown
 from pipeline.plane.result import map_summary
 from pipeline.plane.stored import read_stored
-from pipeline.run.sheets import csv_text, write_files
+from pipeline.run.sheets import csv_text
+from pipeline.store.files import files_at
 
 __all__ = ["FILE", "Index", "Listed", "Varied", "begun_index", "read_index"]
 
@@ -63,19 +64,19 @@ class Index:
 
     Parameters
     ----------
-    root : Path
+    root : Place
         The folder of their stores.
     varied : tuple of Varied
     planes : dict of str to Listed
         By the name of their store, in the order of the command.
     """
 
-    root: Path
+    root: Place
     varied: tuple[Varied, ...]
     planes: dict[str, Listed]
 
     @property
-    def path(self) -> Path:
+    def path(self) -> Place:
         """The file."""
         return self.root / FILE
 
@@ -93,7 +94,7 @@ class Index:
             [plane.store, *map(_number_text, plane.values), *(plane.told.get(name, "") for name in _TOLD)]
             for plane in self.planes.values()
         ]
-        write_files(self.root, {FILE: csv_text(heading, lines)})
+        files_at(self.root).write({FILE: csv_text(heading, lines).encode()})
 
 
 def begun_index(all_settings: Sequence[Settings]) -> tuple[Index, str]:
@@ -137,7 +138,7 @@ def _going_on(index: Index, all_else: str) -> tuple[Index, str]:
         before = read_index(index.root)
     except StoreError:
         return index, ""
-    there = {name: plane for name, plane in before.planes.items() if (index.root / f"{name}.zarr").exists()}
+    there = {name: plane for name, plane in before.planes.items() if store.exists(index.root / f"{name}.zarr")}
     if before.varied == index.varied and all(plane.told["all_else"] == all_else for plane in there.values()):
         return Index(index.root, index.varied, {**there, **index.planes}), ""
     gone = sorted(there.keys() - index.planes.keys())
@@ -150,7 +151,7 @@ def _going_on(index: Index, all_else: str) -> tuple[Index, str]:
     )
 
 
-def read_index(root: Path) -> Index:
+def read_index(root: Place) -> Index:
     """The index of a folder.
 
     Raises
@@ -160,9 +161,9 @@ def read_index(root: Path) -> Index:
     """
     path = root / FILE
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            heading, *lines = csv.reader(io.StringIO(file.read(_LONGEST)), strict=True)
-    except FileNotFoundError:
+        text = files_at(root).read(FILE, _LONGEST).decode()
+        heading, *lines = csv.reader(io.StringIO(text), strict=True)
+    except (FileNotFoundError, NotADirectoryError):
         raise StoreError(
             f"there is no study at {root}: python -m pipeline -m KEY=VALUE,VALUE store.root={root} makes one"
         ) from None
@@ -186,7 +187,7 @@ def read_index(root: Path) -> Index:
     return Index(root, varied, planes)
 
 
-def _number(path: Path, text: str) -> float:
+def _number(path: Place, text: str) -> float:
     try:
         return float(text)
     except ValueError:
@@ -215,9 +216,9 @@ def _number_text(value: float | str) -> str:
     return value if isinstance(value, str) else repr(value).removesuffix(".0")
 
 
-def _told_of(path: Path, failed: bool) -> dict[str, str]:
+def _told_of(path: Place, failed: bool) -> dict[str, str]:
     """What a store tells of its plane, by column."""
-    if not path.exists():
+    if not store.exists(path):
         return {"status": "failed" if failed else "pending"}
     try:
         plane = read_stored(path)

@@ -88,8 +88,9 @@ class SharedWorkforce:
 
     @property
     def size(self) -> int:
-        """Number of threads that run tasks."""
-        return 1 if self._here else self._shared.size
+        """Threads for which this run should have tasks until its end; 0 where there are more runs than threads, and
+        others have tasks for them."""
+        return 1 if self._here else self._shared.size // max(self._run.runs_left, 1)
 
     def alone(self) -> "SharedWorkforce":
         """This process alone."""
@@ -124,6 +125,11 @@ class _Run:
         self.source: _Source | None = None
         self.is_over, self.error = False, None
         self.thread = threading.Thread(target=self._work, daemon=True)
+
+    @property
+    def runs_left(self) -> int:
+        """Number of runs that are not over."""
+        return self._turns.runs_left
 
     def tell(self, what: object) -> None:
         """Give it the turn, with what it waited for; an exception is raised in it."""
@@ -195,6 +201,11 @@ class _Turns:
         self._waiting = deque(_Run(self, body, len(bodies)) for body in bodies)
         self._active: list[_Run] = []
 
+    @property
+    def runs_left(self) -> int:
+        """Number of runs that are not over."""
+        return len(self._waiting) + len(self._active)
+
     def run(self) -> None:
         """Until all are over.
 
@@ -252,7 +263,9 @@ class _Turns:
                 self._turn_of(run, (task, _done_here(source.function, task.arguments)))
             else:
                 source.under_way += 1
-                return _Given((source.function, task.arguments), task.avoid, run, source, task)
+                # Of those that have not begun nobody knows how many tasks they have.
+                left = task.left if self.runs_left == 1 else None
+                return _Given((source.function, task.arguments), task.avoid, run, source, task, left=left)
         return None
 
     def _let_return(self) -> None:

@@ -9,7 +9,7 @@ from pipeline.config.places import Place
 from pipeline.errors import ConfigurationError
 from pipeline.plan.plan import Plan
 
-__all__ = ["Layer", "layer_of", "of_layer"]
+__all__ = ["Layer", "layer_name", "layer_of", "of_layer"]
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,13 @@ def layer_of(settings: Settings, volume: Plan) -> Layer:
     return Layer(settings.store_path.resolve(), int(np.abs(axis.values - value).argmin()))
 
 
+def layer_name(name: str, volume: Plan, index: int) -> str:
+    """What the plane of a layer is called, from what its volume is called."""
+    return f"{name}-{volume.parameter2.name}={volume.parameter2.values[index]:.6g}"
+
+
 def of_layer(settings: Settings, volume: Plan, layer: Layer) -> Settings:
     """The same settings for the plane of a layer, whose store is named after it."""
-    axis = volume.parameter2
-    name = f"{settings.store_name}-{axis.name}={axis.values[layer.index]:.6g}"
+    name = layer_name(settings.store_name, volume, layer.index)
     config = settings.config
     return replace(settings, config=replace(config, store=replace(config.store, name=name)))

@@ -79,20 +79,38 @@ def special_places(curve: StoredCurve) -> np.ndarray:
 
 @dataclass(frozen=True)
 class StoredBoundaries:
-    """All boundaries of a plane, and the digest of the events that they were started from."""
+    """All boundaries of a plane, or of a volume's layer, and the digest of the events that they were started from."""
 
     curves: tuple[StoredCurve, ...]
     digest: str
 
 
-def read_boundaries(path: Path, plan: Plan) -> StoredBoundaries | None:
-    """The boundaries of a stored plane; None if they have not been traced since its rows were computed."""
+def read_boundaries(path: Path, plan: Plan, layer: int | None = None) -> StoredBoundaries | None:
+    """The boundaries of a stored plane; None if they have not been traced since its rows were computed.
+
+    Parameters
+    ----------
+    path : Path
+    plan : Plan
+        Of the store.
+    layer : int, optional
+        Of a volume, which has boundaries layer by layer.
+    """
     group = groups.open_group(path, GROUP)
     if group is None or group.attrs["configuration_hash"] != plan.digest:
         return None
+    digest, here, inside = group.attrs["events_hash"], slice(None), slice(None)
+    if plan.parameter2 is not None:
+        if layer is None or not (digest := digest[layer]):
+            return None
+        # Curves of a layer follow one another, and so do their points.
+        here = slice(*np.searchsorted(group["layer"][...], [layer, layer + 1]).tolist())
+        ends = np.cumsum([0, *group["row_size"][...]])
+        inside = slice(int(ends[here.start]), int(ends[here.stop]))
     names = (*COMPONENTS, plan.sweep.name, plan.parameter.name)
     slopes = tuple(f"{name}_slope" for name in names)
-    values = {name: group[name][...] for name in (*_OF_CURVES, *_OF_POINTS, *names, *slopes)}
+    values = {name: group[name][here] for name in _OF_CURVES}
+    values |= {name: group[name][inside] for name in (*_OF_POINTS, *names, *slopes)}
     points = np.column_stack([values[name] for name in names])
     slopes = np.column_stack([values[name] for name in slopes])
     last = np.cumsum(values["row_size"])
@@ -110,4 +128,4 @@ def read_boundaries(path: Path, plan: Plan) -> StoredBoundaries | None:
                 *(values[name][here] for name in _OF_POINTS),
             )
         )
-    return StoredBoundaries(tuple(curves), group.attrs["events_hash"])
+    return StoredBoundaries(tuple(curves), digest)

@@ -14,7 +14,7 @@ from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve, boundary_curves
 from solver.model.checks import value_range
 from solver.regions.regions import Occurrence, RegionError, Regions, regions
 
-__all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds"]
+__all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds", "thresholds_of"]
 
 
 def thresholds(
@@ -67,11 +67,18 @@ def thresholds(
     >>> folder.cleanup()
     """
     path = store_path("path", path)
+    return thresholds_of(read_stored(path), label, window)
+
+
+def thresholds_of(
+    plane: StoredPlane, label: str | None = None, window: tuple[float, float] | None = None
+) -> tuple[Occurrence, ...]:
+    """`thresholds` of an opened plane, which may be a layer of a volume."""
     if label is not None:
         label_parts(label)
     if window is not None:
         window = value_range("window", window)
-    (found,) = label_occurrences(path, [window])
+    (found,) = _occurrences(plane, [window])
     return tuple(one for name in (found if label is None else (label,)) for one in found.get(name, ()))
 
 
@@ -85,14 +92,20 @@ def label_occurrences(
     StoreError
         As `thresholds`.
     """
+    return _occurrences(read_stored(path), windows)
+
+
+def _occurrences(
+    plane: StoredPlane, windows: Sequence[tuple[float, float] | None]
+) -> list[dict[str, tuple[Occurrence, ...]]]:
     try:
-        whole = stored_regions(path)
+        whole = _regions_of(plane)
         parts = [whole if window is None else whole.within(window) for window in windows]
         return [{label: tuple(part.occurrences(label)) for label in part.labels} for part in parts]
     except RegionError as error:
-        raise StoreError(f"{path} has no regions of one label: {error}") from error
+        raise StoreError(f"{plane.path} has no regions of one label: {error}") from error
     except ParameterError as error:
-        raise StoreError(f"{path}: {error}") from error
+        raise StoreError(f"{plane.path}: {error}") from error
 
 
 def stored_regions(path: Path) -> Regions:
@@ -105,10 +118,13 @@ def stored_regions(path: Path) -> Regions:
     RegionError
         If the boundaries do not divide the plane.
     """
-    plane = read_stored(path)
+    return _regions_of(read_stored(path))
+
+
+def _regions_of(plane: StoredPlane) -> Regions:
     plan = plane.plan
     if plan.parameter2 is not None:
-        raise StoreError(f"{path} is a volume: plane.layer=VALUE takes out the plane of one layer, which has regions")
+        raise StoreError(f"{plane.path} is a volume: open_plane(...).layer(VALUE) is the plane of a layer")
     return regions(
         *frame_of(plan), stored_curves(plane), omega=plan.omega, amplitude_max=float(plan.solver["amplitude_max"])
     )

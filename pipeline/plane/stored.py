@@ -46,6 +46,8 @@ class StoredPlane:
         Of the plane; of the layer, where it is one.
     layer : int or None
         Number of the layer in a volume.
+    volume : Plan or None
+        Of that volume.
     block : Block or None
         The rows that are meant, by number within the plane; all unless given.
     dynamic : bool
@@ -68,6 +70,7 @@ class StoredPlane:
     path: Path
     plan: Plan
     layer: int | None = None
+    volume: Plan | None = None
     block: Block | None = None
     dynamic: bool = False
     physical: bool = False
@@ -97,7 +100,7 @@ class StoredPlane:
 
     def layer_at(self, index: int) -> "StoredPlane":
         """One layer of a volume."""
-        return self._as(plan=self.plan.layer(index), layer=index)
+        return self._as(plan=self.plan.layer(index), layer=index, volume=self.plan)
 
     def counting(self, dynamic: bool) -> "StoredPlane":
         """The plane whose labels count the dynamically stable motions, or the statically stable ones."""
@@ -214,7 +217,7 @@ class StoredPlane:
     @cached_property
     def boundaries(self) -> StoredBoundaries | None:
         """The plane's boundaries; None where they have not been traced."""
-        return read_boundaries(self.path, self.plan)
+        return read_boundaries(self.path, self.plan if self.volume is None else self.volume, self.layer)
 
     @cached_property
     def scales(self) -> Scales | None:
@@ -265,7 +268,7 @@ class StoredPlane:
 
     @cached_property
     def _root(self) -> zarr.Group:
-        return zarr.open_group(files_at(self.path).zarr(), mode="r")
+        return zarr.open_group(files_at(self.path).zarr(), mode="r", zarr_format=3)
 
     @cached_property
     def _kept(self) -> np.ndarray:

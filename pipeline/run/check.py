@@ -4,10 +4,13 @@ from time import perf_counter
 
 from pipeline import store
 from pipeline.errors import StoreError
+from pipeline.plan.plan import Plan
 from pipeline.run.job import Job
+from pipeline.run.kernels import kernels_for
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
 from pipeline.run.sweep import compute
+from pipeline.run.warmup import warm_up_where
 from pipeline.run.workforce import Workforce
 from pipeline.stages import STAGES
 from pipeline.store.repair import repair
@@ -59,7 +62,7 @@ def _recompute(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     plan = store.read_layout(path).plan
     rows = drawn_rows(path, plan, options.recompute, options.seed)
     if rows:
-        workforce.start()
+        _start(plan, workforce, reporter)
     different = 0
     for (_, _, row), result in workforce.run(compare_row, [(path, plan, row) for row in rows]):
         if isinstance(result, OSError | StoreError):
@@ -74,10 +77,16 @@ def _recompute(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     return 1 if different else 0
 
 
+def _start(plan: Plan, workforce: Workforce, reporter: Reporter) -> None:
+    """Start what rows are computed on, which is there for no other stage of this run."""
+    warm_up_where(workforce, kernels_for(["sweep"], plan.solver["balance"], plan.kind), reporter)
+    workforce.start()
+
+
 def _again(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """Compute what has been marked as pending."""
     plan = store.read_layout(job.store_path).plan
-    workforce.start()
+    _start(plan, workforce, reporter)
     return compute(Job(job.settings, plan), store.pending_blocks(job.store_path, plan), workforce, reporter)
 
 

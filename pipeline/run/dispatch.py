@@ -6,18 +6,34 @@ so that the third one of the same row gives up on that row alone and the rest of
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 from pipeline.config.places import Place
 from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import Outcome, Receipt, sweep_blocks
 from pipeline.run.workforce import Task, Workforce
+from pipeline.store.lock import check_held
 from pipeline.store.tries import MOST_TRIES
 
-__all__ = ["Batches", "dispatch"]
+__all__ = ["Batches", "Pace", "dispatch"]
 
-#: Seconds of work that a task should hold: more, and workers end at different times; less, and giving it out costs.
-_WORK = 1.0
+
+@dataclass
+class Pace:
+    """How long rows of a kind have taken."""
+
+    seconds: float = 0.0
+    rows: int = 0
+
+    def learn(self, receipt: Receipt) -> None:
+        """How long a block took."""
+        self.seconds += receipt.seconds
+        self.rows += receipt.rows
+
+    def of(self, block: Block) -> float | None:
+        """Seconds that a block takes; None where nothing is known."""
+        return self.seconds / self.rows * (block.stop - block.start) if self.rows else None
 
 
 def dispatch(
@@ -48,8 +64,11 @@ def dispatch(
     ------
     OSError
         If the scheduler goes away, or a block cannot be written: the next one could not either.
+    LeaseLost
+        If another run has taken the store over.
     """
-    batches = Batches(blocks, workforce)
+    kind = (plan.kind, plan.sweep.num, *(plan.solver[name] for name in ("balance", "order", "period")))
+    batches = Batches(blocks, workforce, workforce.paces.setdefault(kind, Pace()))
     limit = None if workforce.config.kind == "none" else workforce.config.row_seconds
 
     def take() -> Task | None:
@@ -59,11 +78,12 @@ def dispatch(
         return Task((path, plan, tuple(chosen), limit), avoid, left=batches.left)
 
     for task, result in workforce.serve(sweep_blocks, take):
+        check_held(path)
         given = list(task.arguments[2])
         if isinstance(result, Outcome):
             note(result.sentence)
             for receipt in result.receipts:
-                batches.learn(receipt)
+                batches.pace.learn(receipt)
                 yield receipt.block, receipt
             left = given[len(result.receipts) :]
             batches.again(left, result.worker)
@@ -80,10 +100,9 @@ def dispatch(
 class Batches:
     """What is still to be given out, and how much of it at a time."""
 
-    def __init__(self, blocks: Sequence[Block], workforce: Workforce):
+    def __init__(self, blocks: Sequence[Block], workforce: Workforce, pace: Pace):
         self._fresh, self._retry = deque(blocks), deque()
-        self._workforce = workforce
-        self._seconds = self._count = 0.0
+        self._workforce, self.pace = workforce, pace
         self._losses: dict[Block, int] = {}
 
     def take(self) -> tuple[list[Block], str | None]:
@@ -91,21 +110,17 @@ class Batches:
         if self._retry:
             block, avoid = self._retry.popleft()
             return [block], avoid
-        per_block = self._seconds / self._count if self._count else _WORK
+        seconds = self._workforce.task_seconds
+        per_block = self.pace.of(self._fresh[0]) if self._fresh else None
         # Towards the end, less at a time, so that all workers end together.
-        most = -(-len(self._fresh) // (2 * max(self._workforce.size, 1)))
-        size = max(1, min(int(_WORK / max(per_block, 1e-6)), most))
+        most = -(-len(self._fresh) // max(2 * self._workforce.size, 1))
+        size = 1 if per_block is None else max(1, min(int(seconds / max(per_block, 1e-6)), most))
         return [self._fresh.popleft() for _ in range(min(size, len(self._fresh)))], None
 
     @property
     def left(self) -> int:
         """Blocks that have not been given out."""
         return len(self._fresh) + len(self._retry)
-
-    def learn(self, receipt: Receipt) -> None:
-        """How long a block took."""
-        self._seconds += receipt.seconds
-        self._count += 1
 
     def again(self, blocks: Sequence[Block], avoid: str | None) -> list[Block]:
         """Put blocks back; those that have had more than their tries already are returned instead.

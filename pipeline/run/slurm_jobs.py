@@ -13,6 +13,7 @@ import subprocess
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from concurrent.futures import Future
 from pathlib import Path
 
 from dask_jobqueue.slurm import SLURMCluster, SLURMJob
@@ -24,10 +25,12 @@ from pipeline.run.processes import deaf_to_interrupts
 
 __all__ = ["Job", "Jobs", "give_back"]
 
-#: Seconds between two looks at the queue, and between a refused job and the next.
-_LOOK_EVERY, _REFUSED_PAUSE = 10.0, 60.0
+#: Seconds between two changes, between two looks at the queue, and between a refused job and the next.
+_FIT_EVERY, _LOOK_EVERY, _REFUSED_PAUSE = 1.0, 10.0, 60.0
 #: Seconds that a job is without a task before it is given back.
 _IDLE = 10.0
+#: A run without jobs ends when so many submissions were refused one after the other.
+_MOST_REFUSALS = 5
 #: A run ends when so many jobs have ended before a worker of any came.
 _MOST_STILLBORN = 3
 #: Seconds for what is under way when the run ends, and for the scancel that follows.
@@ -82,12 +85,16 @@ class Jobs:
         #: What is to be said: by the thread that asks, and not by dask's.
         self._lines: deque[str] = deque()
         self._numbers = itertools.count(1)
-        self._change: asyncio.Future | None = None
+        self._change: Future | None = None
+        self._resting: Future | None = None
+        #: Of changes, one at a time.
+        self._lock = asyncio.Lock()
         #: Jobs that have had workers, jobs that had none when they ended, and since when jobs have had no task.
         self._seen: set[str] = set()
         self._stillborn: list[str] = []
         self._idle: dict[str, float] = {}
-        self._looked, self._pause, self._reason = time.monotonic(), 0.0, ""
+        self._fitted, self._looked, self._pause, self._reason = 0.0, time.monotonic(), 0.0, ""
+        self._refusals = 0
         self.error: Exception | None = None
         _UNDER_WAY.add(name)
 
@@ -125,8 +132,10 @@ class Jobs:
         OSError
             If jobs end before they do anything, or none is taken any more.
         """
-        if self._change is not None and not self._change.done():
+        self._wake()
+        if time.monotonic() - self._fitted < _FIT_EVERY or (self._change is not None and not self._change.done()):
             return
+        self._fitted = time.monotonic()
         if self._change is not None:
             self._change.result()
         self._tell()
@@ -136,12 +145,36 @@ class Jobs:
         wanted = most if parts is None else min(max(-(-parts // self._config.cores), least), most)
         self._change = asyncio.run_coroutine_threadsafe(self._changed(wanted), self.cluster.loop.asyncio_loop)
 
+    def rest(self) -> None:
+        """There is nothing to do at present: jobs are given back, unless there soon is."""
+        self._wake()
+        self._resting = asyncio.run_coroutine_threadsafe(self._rested(), self.cluster.loop.asyncio_loop)
+
+    def _wake(self) -> None:
+        if self._resting is not None:
+            self._resting.cancel()
+            self._resting = None
+
+    async def _rested(self) -> None:
+        await asyncio.sleep(_IDLE)
+        # What has begun is finished, whatever comes meanwhile.
+        await asyncio.shield(self._drop_all_but(self._config.minimum_jobs))
+
+    async def _drop_all_but(self, number: int) -> None:
+        async with self._lock:
+            if surplus := list(self.cluster.workers)[number:]:
+                self._lines.append(f"jobs: {self._ids(surplus)} given back, there is nothing to do for now")
+                await self._drop(surplus)
+
     def end(self) -> None:
         """Give all jobs back, those too that are just being submitted."""
+        self._wake()
         if self._change is not None:
             with contextlib.suppress(Exception):
                 self._change.result(timeout=_FINISH)
-        if self.cluster.workers and not _cancelled(self.name):
+        self._tell()
+        # By name: Ctrl-C may have ended an sbatch that had not said yet which job is its own.
+        if not _cancelled(self.name) and self.cluster.workers:
             self._say(f"note: jobs could not be given back: scancel --name={self.name} does it")
         for job in self.cluster.workers.values():
             job.job_id = None
@@ -153,24 +186,31 @@ class Jobs:
 
     async def _changed(self, wanted: int) -> None:
         """Drop jobs that have ended; then submit some, or give some back."""
-        await self._drop_ended()
-        present = self._present()
-        count = len(self.cluster.workers)
-        if wanted > count and time.monotonic() > self._pause:
-            if refusal := await self._submit(wanted - count):
-                self._pause = time.monotonic() + _REFUSED_PAUSE
-                if not self.cluster.workers:
-                    self.error = OSError(f"no job is taken any more: sbatch says: {refusal}")
-                else:
-                    self._lines.append(
-                        f"note: no more jobs than {len(self.cluster.workers)} at present: sbatch says: {refusal}"
-                    )
-        elif wanted < count:
-            waiting = [name for name in self.cluster.workers if name not in present]
-            surplus = [*reversed(waiting), *self._unemployed(present)][: count - wanted]
-            if surplus:
-                self._lines.append(f"jobs: {self._ids(surplus)} given back, the others are enough")
-                await self._drop(surplus)
+        async with self._lock:
+            await self._drop_ended()
+            present = self._present()
+            count = len(self.cluster.workers)
+            if wanted > count and time.monotonic() > self._pause:
+                self._note_refusal(await self._submit(wanted - count))
+            elif wanted < count:
+                waiting = [name for name in self.cluster.workers if name not in present]
+                surplus = [*reversed(waiting), *self._unemployed(present)][: count - wanted]
+                if surplus:
+                    self._lines.append(f"jobs: {self._ids(surplus)} given back, the others are enough")
+                    await self._drop(surplus)
+            else:
+                self._idle.clear()
+
+    def _note_refusal(self, refusal: str) -> None:
+        """A limit of jobs, or a SLURM that does not answer, may be otherwise in a minute."""
+        if not refusal:
+            self._refusals = 0
+            return
+        self._refusals, self._pause = self._refusals + 1, time.monotonic() + _REFUSED_PAUSE
+        if self._refusals < _MOST_REFUSALS or self.cluster.workers:
+            self._lines.append(f"note: {len(self.cluster.workers)} jobs for now: sbatch says: {refusal}")
+        else:
+            self.error = OSError(f"no job is taken any more: sbatch says: {refusal}")
 
     async def _submit(self, number: int) -> str:
         """Submit jobs; why the last one was refused, if one was."""

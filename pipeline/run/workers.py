@@ -158,14 +158,24 @@ class Workers:
                     yield running.pop(future), result
         finally:
             connection.cancel([*running, *asked])
+            if self._jobs is not None:
+                self._jobs.rest()
 
     def _ask(self, finished: SimpleQueue, asked: dict) -> None:
-        """Have workers get ready that are not, after each count; those that are known, and need no kernels, are."""
+        """Have workers get ready that are not, after each count; those that are known, and need no kernels, are.
+
+        Raises
+        ------
+        OSError
+            If those that are there must not compute. Where they are in jobs, others come in place of those that ended.
+        """
         workers = self.present()
         if self._counted is workers:
             return
-        waiting = set(asked.values())
-        for worker in self._admission.allowed(workers):
+        allowed, waiting = self._admission.allowed(workers), set(asked.values())
+        if workers and not allowed and self._jobs is None:
+            raise OSError(self._admission.nobody())
+        for worker in allowed:
             if worker in self._ready or worker in waiting:
                 continue
             if not self._kernels and worker in self._admission.equal:

@@ -22,6 +22,9 @@ __all__ = ["Task", "Workforce"]
 
 #: A task is done again after this many losses of its worker.
 _MOST_LOST = 2
+#: Seconds of a task, at least, and tasks that are given out in a second, at most: one takes one to two milliseconds of
+#: this process, and as much of the scheduler (`python -m benchmarks.cluster_limits`).
+_TASK_SECONDS, _TASKS_A_SECOND = 1.0, 250
 #: Seconds in which the workers of this machine load the solver, unless it is compiled; they are used in any case.
 _START_WITHIN = 60.0
 
@@ -51,6 +54,8 @@ class Workforce:
         self._say, self._helpers = say, helpers
         self._connection = self._workers = self._jobs = None
         self._kernels: tuple[str, ...] = ()
+        #: How long rows take, by what they are of (`pipeline.run.dispatch.Pace`): one plane learns from another.
+        self.paces: dict = {}
         self._open = contextlib.ExitStack()
 
     #: Planes that share it: what one of them does alone, others wait for.
@@ -263,6 +268,12 @@ class Workforce:
         if self.config.kind == "none":
             return 1 if self._helpers is None else 1 + self._helpers.count
         return self._workers.size
+
+    @property
+    def task_seconds(self) -> float:
+        """Seconds of work that a task should hold: more, and workers end at different times; less, and giving it out
+        costs. The more workers, the longer: this process and the scheduler can serve so many tasks a second."""
+        return max(_TASK_SECONDS, self.size / _TASKS_A_SECOND)
 
     def close(self) -> None:
         """Stop the workers that this object started, and give its jobs back; a foreign scheduler goes on."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from pipeline.config.places import ObjectPlace, Place, as_place
+from pipeline.errors import ConfigurationError
 from pipeline.store.folder_files import FolderFiles
 
 __all__ = ["Files", "Log", "files_at"]
@@ -172,10 +173,23 @@ class Files(Protocol):
 
 
 def files_at(place: "Place | str") -> Files:
-    """The files of a store at a path, or at a URL."""
+    """The files of a store at a path, or at a URL.
+
+    Raises
+    ------
+    ConfigurationError
+        If it is a URL and obstore is not installed.
+    """
     place = as_place(place)
     if isinstance(place, ObjectPlace):
-        from pipeline.store.object_files import ObjectFiles  # what it stands on takes a while to load
-
+        try:
+            from pipeline.store.object_files import ObjectFiles  # what it stands on takes a while to load
+        except ModuleNotFoundError as error:
+            if error.name != "obstore":
+                raise
+            raise ConfigurationError(
+                f"{place} is in an object store, which needs obstore, not installed here: "
+                "pip install 'bevelmap[objects]'"
+            ) from None
         return ObjectFiles(place)
     return FolderFiles(place)

@@ -147,7 +147,7 @@ def open_group(path: Place, name: str) -> zarr.Group | None:
     """A group for reading; None if there is none."""
     # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
     files = files_at(path)
-    root = zarr.open_group(files.zarr(), mode="r")
+    root = zarr.open_group(files.zarr(), mode="r", zarr_format=3)
     return root[name] if name in root and files.has(f"{name}/{METADATA}") else None
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from pipeline.config.places import ObjectPlace, Place
 from pipeline.errors import StoreError
 
-__all__ = ["holding", "let_go", "lock_path"]
+__all__ = ["check_held", "holding", "let_go", "lock_path"]
 
 _EVERY = 0.2
 #: Lock files that this process holds.
@@ -97,6 +97,24 @@ def _holding_file(path: Path, wait: bool, say: Callable[[str], None]) -> Iterato
         with contextlib.suppress(OSError):
             for folder in made:
                 folder.rmdir()
+
+
+def check_held(place: Place) -> None:
+    """Raise if this process held a store and another run has taken it over, as it may where the lock is a lease.
+
+    Raises
+    ------
+    LeaseLost
+    Unreachable
+        If that cannot be known.
+    """
+    if isinstance(place, Path):
+        return
+    from pipeline.store import lease
+    from pipeline.store.objects import explained
+
+    with explained(place):
+        lease.check_held(str(place))
 
 
 def let_go() -> None:

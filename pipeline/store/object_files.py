@@ -18,9 +18,9 @@ from zarr.storage import ObjectStore, StorePath
 
 from pipeline.config.places import ObjectPlace
 from pipeline.errors import Unreachable
-from pipeline.store.lease import check_held
+from pipeline.store.lock import check_held
 from pipeline.store.names import GROUP_FILE, METADATA, STORE_FILE, refuse_unknown
-from pipeline.store.objects import explained, object_store, of_bucket
+from pipeline.store.objects import asked, object_store, of_bucket
 
 __all__ = ["ObjectFiles"]
 
@@ -28,6 +28,9 @@ __all__ = ["ObjectFiles"]
 _TOGETHER = 16
 #: Longest object that is kept at hand.
 _MOST_AT_HAND = 2**26
+#: Short objects, and how others begin, of known versions: a store is looked over several times in a run.
+_SEEN: dict[tuple[ObjectPlace, str, str, int | None], tuple[bytes, int]] = {}
+_MOST_SEEN, _MOST_KEPT = 2**17, 2**12
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,8 @@ class ObjectFiles:
     place: ObjectPlace
     #: Whether this is a group in a store.
     _inner: bool = field(default=False, compare=False, repr=False)
+    #: Name -> version, of the last list that was made of these files.
+    _tags: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
     #: What is at hand: name -> content or how it begins, and size; or why there is none.
     _known: Mapping[str, tuple[bytes, int] | OSError] = field(default_factory=dict, compare=False, repr=False)
 
@@ -47,20 +52,19 @@ class ObjectFiles:
         if name in self._known:
             return not isinstance(self._known[name], OSError)
         try:
-            with explained(self.place):
-                obstore.head(self._bucket, self._key(name))
+            asked(self.place, lambda: obstore.head(self._bucket, self._key(name)))
         except FileNotFoundError:
             return False
         return True
 
     def read(self, name: str, most: int) -> bytes:
-        content, size = self._at_hand(name) or self._get(name, most)
+        content, size, *_ = self._at_hand(name) or self._get(name, most)
         if len(content) < min(size, most + 1):  # only how it begins was at hand
-            content, size = self._get(name, most)
+            content, *_ = self._get(name, most)
         return content[: most + 1]
 
     def head(self, name: str, count: int) -> tuple[bytes, int]:
-        content, size = self._at_hand(name) or self._begin(name, count)
+        content, size, *_ = self._at_hand(name) or self._begin(name, count)
         return content[:count], size
 
     def at_hand(self, whole: Iterable[str] = (), heads: Iterable[str] = (), count: int = 0) -> "ObjectFiles":
@@ -70,7 +74,10 @@ class ObjectFiles:
         return replace(self, _known={**self._known, **found}) if found else self
 
     def sizes(self) -> dict[str, int]:
-        found = {name: status["size"] for name, status in self._listed()}
+        listed = self._listed()
+        found = {name: status["size"] for name, status in listed}
+        self._tags.clear()
+        self._tags.update((name, status["e_tag"]) for name, status in listed if status["e_tag"])
         if not found:
             raise FileNotFoundError(f"{self.place}: nothing there")
         return found
@@ -79,9 +86,8 @@ class ObjectFiles:
         return {name: (one["size"], one["e_tag"], str(one["last_modified"])) for name, one in self._listed()}
 
     def folders(self) -> list[str]:
-        with explained(self.place):
-            found = obstore.list_with_delimiter(self._bucket, self.place.key or None)["common_prefixes"]
-        return sorted(prefix.rstrip("/").rpartition("/")[2] for prefix in found)
+        found = asked(self.place, lambda: obstore.list_with_delimiter(self._bucket, self.place.key or None))
+        return sorted(prefix.rstrip("/").rpartition("/")[2] for prefix in found["common_prefixes"])
 
     def write(self, contents: Mapping[str, bytes]) -> None:
         _together(self._put, contents.items())
@@ -133,8 +139,6 @@ class ObjectFiles:
     def refusal(self) -> str:
         try:
             self.folders()
-        except FileNotFoundError:
-            return "there is no such bucket"
         except Unreachable as error:
             return str(error)
         return ""
@@ -156,13 +160,11 @@ class ObjectFiles:
     def _listed(self) -> list[tuple[str, dict]]:
         """Every object below the prefix: its name, and what the list says of it."""
         start = len(self._key("")) + 1 if self.place.key else 0
-        with explained(self.place):
-            found = obstore.list(self._bucket, self.place.key or None).collect()
+        found = asked(self.place, lambda: obstore.list(self._bucket, self.place.key or None).collect())
         return [(one["path"][start:], one) for one in found]
 
     def _has_any(self) -> bool:
-        with explained(self.place):
-            return any(obstore.list(self._bucket, self.place.key or None, chunk_size=1))
+        return asked(self.place, lambda: any(obstore.list(self._bucket, self.place.key or None, chunk_size=1)))
 
     def _at_hand(self, name: str) -> tuple[bytes, int] | None:
         found = self._known.get(name)
@@ -172,54 +174,70 @@ class ObjectFiles:
 
     def _known_of(self, asked: tuple[str, int | None]) -> tuple[str, tuple[bytes, int] | OSError]:
         name, count = asked
+        version = (self.place, name, self._tags.get(name), count)
+        if version in _SEEN:
+            return name, _SEEN[version]
         try:
-            return name, self._get(name, _MOST_AT_HAND) if count is None else self._begin(name, count)
+            *found, tag = self._get(name, _MOST_AT_HAND) if count is None else self._begin(name, count)
         except FileNotFoundError as missing:
             return name, FileNotFoundError(*missing.args)
+        found = tuple(found)
+        # Of another version than the one that was listed it may be, if somebody has written it meanwhile.
+        if tag is not None and tag == self._tags.get(name) and len(found[0]) <= _MOST_KEPT:
+            _SEEN[version] = found
+            if len(_SEEN) > _MOST_SEEN:
+                _SEEN.clear()
+        return name, found
 
-    def _get(self, name: str, most: int) -> tuple[bytes, int]:
-        """An object, of a longer one its first `most` + 1 bytes; and its size."""
-        with explained(self.place):
+    def _get(self, name: str, most: int) -> tuple[bytes, int, str | None]:
+        """An object, of a longer one its first `most` + 1 bytes; its size, and its version."""
+
+        def request():
             found = obstore.get(self._bucket, self._key(name))
             if (size := found.meta["size"]) > most:
-                return self._begin(name, most + 1)
-            return found.bytes().to_bytes(), size
+                return None
+            return found.bytes().to_bytes(), size, found.meta["e_tag"]
 
-    def _begin(self, name: str, count: int) -> tuple[bytes, int]:
-        """The first bytes of an object, and its size."""
-        with explained(self.place):
+        return asked(self.place, request) or self._begin(name, most + 1)
+
+    def _begin(self, name: str, count: int) -> tuple[bytes, int, str | None]:
+        """The first bytes of an object, its size, and its version."""
+
+        def request():
             try:
                 found = obstore.get(self._bucket, self._key(name), options={"range": (0, count)})
-                return found.bytes().to_bytes(), found.meta["size"]
+                return found.bytes().to_bytes(), found.meta["size"], found.meta["e_tag"]
             except obstore.exceptions.GenericError:
                 # An empty one has no first byte.
                 if obstore.head(self._bucket, self._key(name))["size"]:
                     raise
-                return b"", 0
+                return b"", 0, None
+
+        return asked(self.place, request)
 
     def _put(self, item: tuple[str, bytes]) -> None:
         name, content = item
-        with self._writing():
-            # In one request, so that it is there whole or not at all.
-            obstore.put(self._bucket, self._key(name), content, use_multipart=False)
+        # In one request, so that it is there whole or not at all.
+        self._change(lambda: obstore.put(self._bucket, self._key(name), content, use_multipart=False))
 
     def _copy(self, name: str, target: "ObjectFiles") -> None:
-        with target._writing():
-            obstore.copy(self._bucket, self._key(name), target._key(name))
+        target._change(lambda: obstore.copy(self._bucket, self._key(name), target._key(name)))
 
     def _delete(self, names: Iterable[str]) -> None:
         """Remove objects, metadata of the whole first: without it, the others are not there."""
-        for some in ([name for name in names if name == METADATA], [name for name in names if name != METADATA]):
-            if some:
-                with self._writing(), contextlib.suppress(FileNotFoundError):
-                    obstore.delete(self._bucket, [self._key(name) for name in some])
+        parts = [[name for name in names if (name == METADATA) is first] for first in (True, False)]
+        for keys in ([self._key(name) for name in part] for part in parts if part):
+            with contextlib.suppress(FileNotFoundError):
+                self._change(lambda keys=keys: obstore.delete(self._bucket, keys))
 
-    @contextlib.contextmanager
-    def _writing(self) -> Iterator[None]:
-        """Around a request that changes something: not after another run has taken the store over."""
-        with explained(self.place):
-            check_held(str(self.place))
-            yield
+    def _change(self, request: Callable[[], Any]) -> None:
+        """Make a request that changes something: not after another run has taken the store over."""
+
+        def checked():
+            check_held(self.place)
+            request()
+
+        asked(self.place, checked)
 
     def _remove_all(self, known: re.Pattern) -> None:
         names = [name for name, _ in self._listed()]

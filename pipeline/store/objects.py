@@ -5,18 +5,26 @@ What an object store answers may quote keys and signatures: no message has any o
 
 import contextlib
 import re
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from datetime import timedelta
 from functools import lru_cache
 from typing import Any
 
+import obstore
+from obstore.store import MemoryStore, from_url
+
 from pipeline.config.places import ObjectPlace, place_of
 from pipeline.errors import ConfigurationError, Unreachable
 
-__all__ = ["explained", "object_store", "of_bucket", "said_of"]
+__all__ = ["asked", "explained", "object_store", "of_bucket", "said_of"]
 
 #: Options that are sections of their own, with those of their keys that are times: seconds.
 _SECTIONS = {"client_options": ("timeout", "connect_timeout"), "retry_config": ("retry_timeout",)}
+#: What is missing where a list is.
+_NO_BUCKET = ", there is no such bucket"
+#: Seconds before a request is made again whose answer was cut.
+_WAITS = (0.1, 0.3, 1.0, 3.0, 9.0)
 #: Buckets in this process.
 _MEMORY: dict[str, Any] = {}
 
@@ -38,7 +46,7 @@ def object_store(url: str, options: Mapping) -> Any:
     Raises
     ------
     ConfigurationError
-        If obstore is not installed, or does not know an option.
+        If obstore does not know an option.
     """
     place = place_of("store.root", url, options)
     return _opened(place)
@@ -51,14 +59,6 @@ def of_bucket(place: ObjectPlace) -> Any:
 
 @lru_cache(maxsize=32)
 def _opened(place: ObjectPlace) -> Any:
-    try:
-        import obstore
-        from obstore.store import MemoryStore, from_url
-    except ImportError:
-        raise ConfigurationError(
-            f"store.root = {str(place)!r} is not allowed: an object store needs obstore, which pip install "
-            "'bevelmap[objects]' installs"
-        ) from None
     if place.scheme == "memory":
         return _MEMORY.setdefault(place.bucket, MemoryStore())
     options = place.storage_options
@@ -112,19 +112,37 @@ def explained(place: ObjectPlace) -> Iterator[None]:
         raise Unreachable(f"{place} {said}") from None
 
 
+def asked(place: ObjectPlace, request: Callable[[], Any]) -> Any:
+    """What a request gives; raises as `explained`.
+
+    obstore tries again what fails with 5xx or is not answered, and goes on with an object that was cut in the middle.
+    Of lists and refusals that are cut it does not, which is done here: every request may be made twice.
+    """
+    waits = iter(_WAITS)
+    while True:
+        with explained(place):
+            try:
+                return request()
+            except Exception as error:
+                wait = next(waits, None)
+                if wait is None or "body error" not in str(error):
+                    raise
+        time.sleep(wait)
+
+
 def said_of(error: BaseException) -> str | None:
     """What an error of obstore means, without what it quotes; None of any other error."""
     if not type(error).__module__.startswith("obstore"):
         return None
     name, text = type(error).__name__, str(error)
-    if name in ("PermissionDeniedError", "UnauthenticatedError"):
+    status = re.search(r"\b[45]\d\d [A-Z][A-Za-z]+(?: [A-Z][A-Za-z]+)*", text)
+    if name in ("PermissionDeniedError", "UnauthenticatedError") or (status and status[0][:3] in ("401", "403")):
         return (
             "may not be used: the object store refuses access; the keys in store.storage_options or the environment "
             "must allow it to be listed, read and written"
         )
-    status = re.search(r"\b(?:status(?: code)?:? |HTTP error: )?([45]\d\d) [A-Z][A-Za-z ]+", text)
     if status:
-        return f"cannot be used: the object store answers {status[0].rpartition(': ')[2].strip()}"
+        return f"cannot be used: the object store answers {status[0]}{_NO_BUCKET if status[0][:3] == '404' else ''}"
     if "timed out" in text or "Timeout" in text:
         return "cannot be used: the object store does not answer in time"
     return "cannot be used: the object store does not answer as it should"

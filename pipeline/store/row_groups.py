@@ -6,6 +6,7 @@ be, whatever interrupts; when all blocks are done, they become the chunks of the
 group is damaged, the group goes back there (`set_aside`), and what is sound of it is kept.
 """
 
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from pipeline.plan.row_blocks import Block, RowBlocks
 from pipeline.store.array_layout import MOST_TEXT, ArrayLayout
 from pipeline.store.chunk_files import ChunkError, decoded, encoded, read_chunk
 from pipeline.store.codecs import COMPRESSORS
+from pipeline.store.damage import damaged
 from pipeline.store.documents import document, listed_in
 from pipeline.store.files import Files, files_at
 from pipeline.store.groups import remove_group, unfinished, unlist
@@ -151,6 +153,11 @@ class RowGroup:
         except DamagedError:
             return False
 
+    @cached_property
+    def _fingerprint(self) -> str:
+        """What it is made from, in short."""
+        return hashlib.sha256(json.dumps(self._told(), sort_keys=True).encode()).hexdigest()[:32]
+
     def _told(self) -> dict:
         named = [name for name, (dims, *_) in self.places.items() if dims != (name,)]
         return {**({"coordinates": " ".join(named)} if named else {}), **self.attributes}
@@ -219,17 +226,26 @@ class RowGroup:
             Name -> (rows, ...) array.
         """
         chunks = {name: self._encoded(name, values[name]) for name in self.arrays}
-        head = json.dumps({name: len(chunk) for name, chunk in chunks.items()}).encode()
+        # Whose block it is: a task may outlive its run, and write into the group of another.
+        head = json.dumps({"of": self._fingerprint, "sizes": {name: len(one) for name, one in chunks.items()}}).encode()
         self.folder.write({self._pack(block): b"".join([head, b"\n", *chunks.values()])})
 
     def _pack(self, block: Block) -> str:
         return "/".join([_PACKED, "c", *map(str, self.rows.chunk_of(block))])
 
     def _packed(self, block: Block) -> dict[str, bytes]:
-        """The chunks that the file of a block has."""
+        """The chunks that the file of a block has.
+
+        Raises
+        ------
+        ChunkError
+            If it is of a group that was made from something else.
+        """
         head, _, content = self.folder.read(self._pack(block), _MOST_PACKED).partition(b"\n")
-        chunks, start = {}, 0
-        for name, size in json.loads(head).items():
+        told, chunks, start = json.loads(head), {}, 0
+        if told["of"] != self._fingerprint:
+            raise ChunkError("is of another group")
+        for name, size in told["sizes"].items():
             chunks[name] = content[start : start + size]
             start += size
         return chunks
@@ -267,7 +283,11 @@ class RowGroup:
         read_layout(self.store)
         for block in self.rows.all:
             if self.folder.has(self._pack(block)):
-                self.folder.write({self._file(block, name): chunk for name, chunk in self._packed(block).items()})
+                try:
+                    chunks = self._packed(block)
+                except ChunkError as error:
+                    raise damaged(self.store, f"{self._pack(block)} of {self.name} {error}") from None
+                self.folder.write({self._file(block, name): chunk for name, chunk in chunks.items()})
         files, contents = {}, {}
         group = zarr.create_group(MemoryStore(files), zarr_format=3)
         for name, (array, values) in summary.items():

@@ -142,13 +142,11 @@ class Plane:
         return [0.1 * (high - low) for low, high in (self.x_range, self.p_range)]
 
 
-def checked_events(name: str, events, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Kinds (k,) and points (k, size) of events.
+def checked_events(events, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Kinds (k,) and points (k, size) of starts.
 
     Parameters
     ----------
-    name : str
-        The parameter as the user knows it.
     events : iterable of (Event, (size,) array_like)
     size : int
 
@@ -157,14 +155,14 @@ def checked_events(name: str, events, size: int) -> tuple[np.ndarray, np.ndarray
     ParameterError
         If one is no pair of a kind and so many finite numbers.
     """
-    events = instances_of(name, events, object)
+    events = instances_of("starts", events, object)
     for event in events:
         if list_length(event) != 2 or not isinstance(event[0], int | np.integer) or event[0] not in _KINDS:
-            raise ParameterError(name, event, "pairs of an Event and a point")
+            raise ParameterError("starts", event, "pairs of an Event and a point")
     if not events:
         return np.empty(0, np.int64), np.empty((0, size))
     kinds, points = zip(*events, strict=True)
-    return np.array(kinds, dtype=np.int64), finite_array(name, points, (None, size))
+    return np.array(kinds, dtype=np.int64), finite_array("starts", points, (None, size))
 
 
 def plane_parameters(plane: Plane, order: int, period: int) -> tuple[np.ndarray, np.ndarray]:

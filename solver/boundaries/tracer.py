@@ -205,7 +205,7 @@ def _sorted(plane: Plane, unknowns: int, starts) -> tuple[np.ndarray, np.ndarray
     singular point (b = 0).
     """
     size, allowed = unknowns + 2, (*FOLDS_AND_GRAZINGS, *SPECTRAL)
-    kinds, points = checked_events("starts", starts, size)
+    kinds, points = checked_events(starts, size)
     for kind in np.unique(kinds):
         if kind not in allowed:
             raise ParameterError("starts", int(kind), f"of the kinds {', '.join(k.name for k in allowed)}")

@@ -31,7 +31,7 @@ from solver.enumeration.interval import (
     cosine,
     exact,
     multiply,
-    sine,
+    phasor,
     square,
     subtract,
 )
@@ -93,11 +93,6 @@ def _receptance(parameters, omega, omega_squared, cone_cos, pressure_cos, pressu
     return complex_scale(omega_squared, total_t), complex_scale(omega_squared, total_u)
 
 
-@kernel(COMPLEX(INTERVAL, _F), inline=True)
-def _phasor(amplitude, phase):
-    return multiply(amplitude, cosine(exact(phase))), multiply(amplitude, sine(exact(phase)))
-
-
 @kernel(types.Tuple((types.UniTuple(COMPLEX, 6), INTERVAL))(ARRAY, ARRAY, _F), inner=True)
 def enclosed_coefficients(parameters, parameter_slope, p):
     """Enclosures of the numbers that the balance depends on at one axis value.
@@ -129,8 +124,8 @@ def enclosed_coefficients(parameters, parameter_slope, p):
     c = exact(x[ROTATION])
     if x[ROTATION_GEOMETRIC] != 0.0:
         c = add(c, pressure_cos)
-    S_1, S_2 = _phasor(exact(x[ALPHA]), x[ALPHA_PHASE]), _phasor(exact(x[ALPHA_2]), x[ALPHA_2_PHASE])
-    error = _phasor(multiply(exact(x[F_E]), omega_squared), x[F_E_PHASE])
+    S_1, S_2 = phasor(exact(x[ALPHA]), x[ALPHA_PHASE]), phasor(exact(x[ALPHA_2]), x[ALPHA_2_PHASE])
+    error = phasor(multiply(exact(x[F_E]), omega_squared), x[F_E_PHASE])
     damping = complex_subtract((multiply(c, exact(x[XI_MESH])), exact(0.0)), U)
     twice = multiply(exact(2.0), omega)
     rotating = multiply(c, exact(x[VARIATION_R]))

@@ -33,6 +33,7 @@ __all__ = [
     "intersect",
     "length",
     "multiply",
+    "phasor",
     "sine",
     "square",
     "subtract",
@@ -197,3 +198,9 @@ def complex_reciprocal(x):
     size = add(square(x[0]), square(x[1]))
     conjugate = complex_conjugate(x)
     return divide(conjugate[0], size), divide(conjugate[1], size)
+
+
+@kernel(COMPLEX(INTERVAL, _F), inline=True)
+def phasor(amplitude, phase):
+    """amplitude exp(i phase), the phase a number."""
+    return multiply(amplitude, cosine(exact(phase))), multiply(amplitude, sine(exact(phase)))

@@ -32,11 +32,10 @@ from solver.enumeration.interval import (
     complex_multiply,
     complex_scale,
     complex_subtract,
-    cosine,
     divide,
     exact,
     multiply,
-    sine,
+    phasor,
     square,
     subtract,
 )
@@ -103,8 +102,7 @@ def _receptances(numbers, omega, l, closed):
 
 @kernel(COMPLEX(ARRAY, _I), inline=True)
 def _stiffness_phasor(numbers, l):
-    amplitude, phase = numbers[stiffness_slot(l)], numbers[stiffness_slot(l) + 1]
-    return multiply(exact(amplitude), cosine(exact(phase))), multiply(exact(amplitude), sine(exact(phase)))
+    return phasor(exact(numbers[stiffness_slot(l)]), numbers[stiffness_slot(l) + 1])
 
 
 @kernel(types.Tuple((INTERVAL, INTERVAL, INTERVAL, INTERVAL, _B, _B))(ARRAY), inner=True)

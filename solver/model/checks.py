@@ -316,27 +316,14 @@ def finite_array(name: str, values, shape: tuple[int | None, ...] | None, kind=f
     return array
 
 
-def ascending_grid(name: str, values, at_least: int = 1) -> np.ndarray:
-    """A copy of `values` as a vector of at least so many finite ascending numbers.
-
-    Parameters
-    ----------
-    name : str
-        The parameter as the user knows it.
-    values : (X,) array_like
-    at_least : int
-
-    Raises
-    ------
-    ParameterError
-        If it is something else.
-    """
-    allowed = f"at least {at_least} finite ascending numbers"
+def ascending_grid(name: str, values) -> np.ndarray:
+    """A copy of `values` as a vector of at least two finite ascending numbers; raises ParameterError otherwise."""
+    allowed = "at least 2 finite ascending numbers"
     try:
         grid = finite_array(name, values, (None,))
     except ParameterError as error:
         raise ParameterError(name, error.value, allowed) from None
-    if grid.size < at_least or not np.all(grid[1:] > grid[:-1]):
+    if grid.size < 2 or not np.all(grid[1:] > grid[:-1]):
         raise ParameterError(name, f"array of shape {grid.shape}" if grid.size > 4 else grid.tolist(), allowed)
     return grid
 
@@ -344,7 +331,7 @@ def ascending_grid(name: str, values, at_least: int = 1) -> np.ndarray:
 def value_range(name: str, value) -> tuple[float, float]:
     """A range (low, high) of finite numbers, low below high; raises ParameterError otherwise."""
     try:
-        low, high = ascending_grid(name, value, 2)
+        low, high = ascending_grid(name, value)
     except ValueError:
         raise ParameterError(name, value, "two finite ascending numbers") from None
     return float(low), float(high)

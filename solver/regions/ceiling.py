@@ -31,9 +31,7 @@ class _CeilingProblem(FirstOrderProblem):
         return problem
 
 
-def ceiling_curve(
-    plane: Plane, ceiling: float, point: np.ndarray, continuation: Continuation | None = None
-) -> BoundaryCurve | None:
+def ceiling_curve(plane: Plane, ceiling: float, point: np.ndarray) -> BoundaryCurve | None:
     """The curve lambda_a = ceiling through a point.
 
     Parameters
@@ -43,7 +41,6 @@ def ceiling_curve(
         Amplitude.
     point : (5,) array
         lambda_m, lambda_c, lambda_s, x, p of a solution next to it.
-    continuation : Continuation, optional
 
     Returns
     -------
@@ -51,5 +48,5 @@ def ceiling_curve(
         Of kind NONE, as nothing happens to the motion; None if none could be followed.
     """
     problem = _CeilingProblem(plane, float(ceiling))
-    chain = Tracer(problem, Event.NONE, continuation or Continuation()).boundary(point)
+    chain = Tracer(problem, Event.NONE, Continuation()).boundary(point)
     return None if chain is None else assembled(problem, Event.NONE, chain.directed())

@@ -186,7 +186,7 @@ def sweep_row(
     RowError
         If at a grid value the balance leaves the mean open, so that there is a continuum of solutions.
     """
-    grid = ascending_grid("grid", grid, 2)
+    grid = ascending_grid("grid", grid)
     balance = DescribingFunction() if balance is None else has_methods("balance", balance, "problem", "extremes")
     continuation = Continuation() if continuation is None else instance_of("continuation", continuation, Continuation)
     seeds = ProvenSeeds() if seeds is None else has_methods("seeds", seeds, "branches")

@@ -129,7 +129,7 @@ class ProvenSeeds:
 def _checked(span: RowSpan, grid: np.ndarray) -> np.ndarray:
     """The grid; raises ParameterError where it is not ascending, or what seeds are asked for is no row of one."""
     instance_of("span", span, RowSpan)
-    return ascending_grid("grid", grid, 2)
+    return ascending_grid("grid", grid)
 
 
 def spread_columns(grid: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ import pytest
     "module",
     [
         "pipeline.run.workforce",
+        "pipeline.run.slurm_settings",
         "pipeline.cli.completion",
         "pipeline.store.listing",
         "pipeline.api",

@@ -9,9 +9,10 @@ import pytest
 import pipeline
 from pipeline.__main__ import main
 from pipeline.errors import ConfigurationError
+from pipeline.multirun.index import Index
 from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
-from tests.pipeline.planes import small_plan, traced_store
+from tests.pipeline.planes import small_plan, small_store, traced_store
 from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, array, assert_wrong_calls_are_refused, optional, public
 
 PUBLIC = public(("pipeline", "pipeline.api"))
@@ -19,8 +20,8 @@ PUBLIC = public(("pipeline", "pipeline.api"))
 PUBLIC |= public(("pipeline.figures.plots",))
 PUBLIC |= public(("pipeline.store",), "read_plan") | public(("pipeline.study.statements",), "evaluate", "evaluate_all")
 #: Made by `open_plane`; the others are given by both names.
-RESULTS = {"pipeline.api.OpenPlane", "pipeline.figures.plots.Plots"}
-TWICE = {"pipeline.api.compute", "pipeline.api.open_plane"}
+RESULTS = {"pipeline.api.OpenPlane", "pipeline.api.OpenVolume", "pipeline.api.Study", "pipeline.figures.plots.Plots"}
+TWICE = {"pipeline.api.compute", "pipeline.api.open_plane", "pipeline.api.open_study"}
 
 PATHS = (None, 1, True, [], {}, b"omega_fe", "", "a\0b", "x" * 5000, "nowhere.zarr")
 WRONG_PLANES = (None, 1, "omega_fe", ["omega_fe"], *({"omega_fe": path} for path in PATHS[:-1]))
@@ -39,6 +40,7 @@ def plane(tmp_path_factory):
     few = ["attractors.columns=3", "attractors.rows=2", "attractors.starts=1", "attractors.branches=2"]
     folders = [f"store.root={path.parent}", f"output.root={path.parent / 'outputs'}"]
     assert main([*words, *few, *folders]) == 0
+    Index(path.parent, (), {}).write()
     return pipeline.open_plane(path)
 
 
@@ -76,6 +78,15 @@ def physical():
 
 
 WRONG_WORDS = ("foo", "", None, 1, True, [])
+
+
+def volume(plane):
+    """A volume beside the plane."""
+    path = plane.path.parent / "omega_b_fe.zarr"
+    if not path.exists():
+        small_store(path, small_plan("plane=omega_b_fe", "plane.parameter2.num=2", columns=9, rows=3))
+    return pipeline.open_plane(path)
+
 
 CALLS = {
     "pipeline.compute": lambda plane: {
@@ -135,6 +146,10 @@ CALLS = {
         "root": argument("outputs", PATHS[:-1]),
         "storage_options": argument(None, (1, "region", True, [], {"region": "x"})),
     },
+    "pipeline.open_study": lambda plane: {
+        "root": argument(plane.path.parent, PATHS, "nowhere.zarr"),
+        "storage_options": argument(None, (1, "region", True, [], {"region": "x"})),
+    },
     "pipeline.scales_of": lambda plane: {"plan": argument(plane.plan, OBJECT)},
     "pipeline.store.read_plan": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr")},
     "pipeline.study.statements.evaluate": lambda plane: {
@@ -143,6 +158,10 @@ CALLS = {
     },
     "pipeline.study.statements.evaluate_all": lambda plane: {"planes": argument({}, WRONG_PLANES)},
     "pipeline.thresholds": lambda plane: {"path": argument(plane.path, PATHS, "nowhere.zarr"), **window(plane)},
+    "pipeline.api.OpenVolume.layer": lambda plane: {
+        "self": volume(plane),
+        "value": argument(0.2, (*NUMBER, -0.1, 5.0), "f_e"),
+    },
     "pipeline.api.OpenPlane.attractors_at": lambda plane: {"self": plane, **place()},
     "pipeline.api.OpenPlane.isolated_branches": lambda plane: {"self": plane, **row()},
     "pipeline.api.OpenPlane.basin_share": lambda plane: {

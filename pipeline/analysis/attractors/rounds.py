@@ -17,6 +17,7 @@ from pipeline.analysis.attractors.tasks import Gains, Receipt, Spec, continue_bl
 from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.row_blocks import Block
 from pipeline.run.workforce import Task, Workforce
+from pipeline.store.lock import check_held
 from pipeline.store.row_groups import RowGroup
 from pipeline.store.tries import MOST_TRIES, forget_tries
 
@@ -171,6 +172,7 @@ def _run(function: Callable, tasks: dict[Block, tuple], workforce: Workforce) ->
 
     for task, result in workforce.serve(function, take):
         block = task.arguments[1]
+        check_held(task.arguments[0].group.store)
         if isinstance(result, WorkerLost) and losses[block] < MOST_TRIES * (block.stop - block.start):
             losses[block] += 1
             waiting.append(block)

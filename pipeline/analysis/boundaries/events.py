@@ -88,10 +88,12 @@ def dead_zone_at(plan: Plan, x, p) -> tuple[np.ndarray, np.ndarray]:
 _GAPS = ("b", "gap", "gap_scale")
 
 
-def read_events(path: Path, plan: Plan) -> RowEvents:
-    """Read the events of the complete rows of a store."""
+def read_events(path: Path, plan: Plan, layer: int | None = None) -> RowEvents:
+    """Read the events of the complete rows of a store, or of one layer of a volume."""
+    plane = StoredPlane(path, plan)
+    plane = plane if layer is None else plane.layer_at(layer)
     # Part by part, so that memory does not depend on the number of rows.
-    parts = [_events_of(part) for part in StoredPlane(path, plan).parts]
+    parts = [_events_of(part) for part in plane.parts]
     arrays = ("kind", "points", "motions", "ahead", "contradictory")
     return RowEvents(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in arrays), sum(part.rows for part in parts)

@@ -1,5 +1,6 @@
 """The group `boundaries` of a store as it is written: curves one after the other, CF's contiguous ragged arrays."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,9 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
     def flags(members, long_name):
         return {"long_name": long_name, **store.flags(members)}
 
+    of_volume = {"long_name": f"number of the layer along {plan.parameter2.name}"} if plan.parameter2 else {}
     return {
+        **({"layer": (curve, "int32", of_volume)} if of_volume else {}),
         "row_size": (curve, "int32", {"long_name": "number of points of the boundary", "sample_dimension": point[0]}),
         "kind": (curve, "int8", flags(Event, "what happens along the boundary")),
         "closed": (
@@ -75,9 +78,22 @@ def _arrays(plan: Plan) -> dict[str, tuple]:
     }
 
 
-def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> None:
-    """Put the boundaries of a plane into its store, in place of what was there."""
-    curves, names = boundaries.curves, (*COMPONENTS, plan.sweep.name, plan.parameter.name)
+def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries | Sequence[StoredBoundaries | None]) -> None:
+    """Put the boundaries of a plane into its store, in place of what was there.
+
+    Parameters
+    ----------
+    path : Path
+    plan : Plan
+        Of the store.
+    boundaries : StoredBoundaries or sequence of StoredBoundaries or None
+        Of a volume those of every layer, None where they have not been traced.
+    """
+    volume = plan.parameter2 is not None
+    layers = list(boundaries) if volume else [boundaries]
+    digests = ["" if one is None else one.digest for one in layers]
+    numbered = [(number, curve) for number, one in enumerate(layers) if one is not None for curve in one.curves]
+    curves, names = [curve for _, curve in numbered], (*COMPONENTS, plan.sweep.name, plan.parameter.name)
     points = np.concatenate([np.empty((0, 5)), *(curve.points for curve in curves)])
     slopes = np.concatenate([np.empty((0, 5)), *(curve.slopes for curve in curves)])
 
@@ -94,11 +110,13 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries) -> No
         **{f"{name}_slope": column for name, column in zip(names, slopes.T, strict=True)},
         **{name: along(name) for name in ("amplitude", "arclength", "stable", "special")},
     }
+    if volume:
+        values["layer"] = [number for number, _ in numbered]
     variables = {
         name: groups.Variable(dims, np.asarray(values[name], kind), described)
         for name, (dims, kind, described) in _arrays(plan).items()
     }
     # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
     places = (plan.sweep.name, plan.parameter.name)
-    attributes = {"configuration_hash": plan.digest, "events_hash": boundaries.digest}
+    attributes = {"configuration_hash": plan.digest, "events_hash": digests if volume else digests[0]}
     groups.write_group(path, GROUP, groups.Arrays(variables, places, attributes))

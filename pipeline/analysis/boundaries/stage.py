@@ -20,6 +20,10 @@ __all__ = ["STAGE"]
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     path = job.store_path
     note_unfinished(job, reporter, "boundaries start from the others")
+    if job.plan.parameter2 is not None:
+        from pipeline.analysis.boundaries.layers import run_layers
+
+        return run_layers(job, workforce, reporter)
     begin = perf_counter()
     try:
         summary = _traced(job, workforce, reporter)
@@ -52,7 +56,7 @@ def _traced(job: Job, workforce: Workforce, reporter: Reporter):
         return boundaries.trace(path, plan, lambda: warm_up_for(job, reporter))
     if (summary := boundaries.stored_summary(path, plan)) is not None:
         return summary
-    warm_up_for(job, reporter)
+    warm_up_for(job, reporter, workforce)
     ((_, result),) = workforce.run(boundaries.trace, [(path, plan)])
     if isinstance(result, Exception):
         raise result
@@ -62,6 +66,11 @@ def _traced(job: Job, workforce: Workforce, reporter: Reporter):
 def _write_sheets(job: Job, reporter: Reporter) -> None:
     from pipeline.analysis import boundaries
 
+    if job.plan.parameter2 is not None:
+        from pipeline.analysis.boundaries.layers import write_layer_sheets
+
+        write_layer_sheets(job, reporter)
+        return
     folder, name = job.settings.output_root / "boundaries", job.settings.store_name
     record, origin = folder / f".{name}.json", made_from(job.store_path)
     if (names := still_made(record, origin)) is None:
@@ -73,4 +82,4 @@ def _write_sheets(job: Job, reporter: Reporter) -> None:
     reporter.line(f"boundaries: {', '.join(file.name for file in names)} in {folder.resolve()}")
 
 
-STAGE = Stage("boundaries", _run, writes=True, finish=_write_sheets)
+STAGE = Stage("boundaries", _run, on_workers=True, writes=True, of_volumes=True, finish=_write_sheets)

@@ -20,7 +20,7 @@ from solver.boundaries.problem import SAME
 from solver.continuation.problem import Balance
 from solver.kernels.threads import side_by_side
 
-__all__ = ["Summary", "curves_through", "stored_summary", "to_store", "trace"]
+__all__ = ["Summary", "curves_through", "layer_boundaries", "stored_summary", "summary_of", "to_store", "trace"]
 
 # Steps so short that a cubic between two points is exact for every purpose; the default ones would do to 1e-5.
 _LARGEST_ANGLE, _LARGEST_STEP, _MOST_POINTS = 0.02, 0.05, 2**17
@@ -67,8 +67,28 @@ def trace(path: Path, plan: Plan, get_ready: Callable[[], None] = lambda: None) 
     events = read_events(path, plan)
     stored = read_boundaries(path, plan)
     if stored is not None and stored.digest == events.digest:
-        return _summary(plan, stored, True)
+        return summary_of(plan, stored, True)
     get_ready()
+    fresh = _boundaries_of(plan, events)
+    write_boundaries(path, plan, fresh)
+    return summary_of(plan, fresh, False)
+
+
+def layer_boundaries(path: Path, volume: Plan, layer: int) -> StoredBoundaries:
+    """Trace the boundaries of one layer of a stored volume.
+
+    Parameters
+    ----------
+    path : Path
+        The store. Only its complete rows count.
+    volume : Plan
+        The store's own.
+    layer : int
+    """
+    return _boundaries_of(volume.layer(layer), read_events(path, volume, layer))
+
+
+def _boundaries_of(plan: Plan, events: RowEvents) -> StoredBoundaries:
     balance = balance_of(plan.solver)
     traced = curves_through(plan, events.starts(FOLDS_AND_GRAZINGS), balance)
     bifurcations, starts = side_by_side(
@@ -83,9 +103,7 @@ def trace(path: Path, plan: Plan, get_ready: Callable[[], None] = lambda: None) 
     # What is sought may be no boundary.
     traced += (*bifurcations, *(curve for curve in contradictions if len(curve.points) > 1))
     curves = [to_store(curve, _side(curve, plan, events)) for curve in traced]
-    fresh = StoredBoundaries(tuple(curves), events.digest)
-    write_boundaries(path, plan, fresh)
-    return _summary(plan, fresh, False)
+    return StoredBoundaries(tuple(curves), events.digest)
 
 
 def stored_summary(path: Path, plan: Plan) -> Summary | None:
@@ -93,7 +111,7 @@ def stored_summary(path: Path, plan: Plan) -> Summary | None:
     stored = read_boundaries(path, plan)
     if stored is None or stored.digest != read_events(path, plan).digest:
         return None
-    return _summary(plan, stored, True)
+    return summary_of(plan, stored, True)
 
 
 def curves_through(plan: Plan, starts, balance: Balance | None = None) -> tuple[BoundaryCurve, ...]:
@@ -141,7 +159,8 @@ def _side(curve: BoundaryCurve, plan: Plan, events: RowEvents) -> int:
     return int(-np.sign(curve.slopes[vertex[steep], 4]) * ahead[steep])
 
 
-def _summary(plan: Plan, boundaries: StoredBoundaries, found_done: bool) -> Summary:
+def summary_of(plan: Plan, boundaries: StoredBoundaries, found_done: bool) -> Summary:
+    """Boundaries of a plane in numbers."""
     curves = Counter(_WORDS.get(curve.kind, "grazing") for curve in boundaries.curves)
     first_order = balance_of(plan.solver).truncated
     special: Counter[str] = Counter()

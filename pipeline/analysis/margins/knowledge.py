@@ -1,6 +1,6 @@
 """What is known of a design point and of its box, with its source, and what keeps a label from being verified."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -139,7 +139,7 @@ def _cells_in_doubt(plane: StoredPlane, rectangles) -> tuple[int, int]:
         columns, rows = cells_in(plan.sweep, *x), cells_in(plan.parameter, *p)
         if not (rows.size and columns.size):
             continue
-        part = StoredPlane(plane.path, plan, block=Block(int(rows[0]), int(rows[-1]) + 1))
+        part = replace(plane, block=Block(int(rows[0]), int(rows[-1]) + 1))
         for number, kind in enumerate((Instability.CONTRADICTORY, Instability.UNDECIDED)):
             flags = np.any((part.stable == 1) & (part.instability == kind), axis=-1)[:, columns]
             places = {(number, *cell) for cell in (np.argwhere(flags) + [rows[0], columns[0]]).tolist()}

@@ -106,6 +106,7 @@ def words(path, *further):
         *WORDS,
         "stages=[page]",
         "cluster=none",
+        "cluster.address=tcp://10.0.0.7:8786",
         "store.name=plane",
         f"store.root={path.parent}",
         f"output.root={path.parent}/outputs",
@@ -122,7 +123,10 @@ def test_the_stage_writes_one_file_and_makes_it_anew_only_if_something_changed(p
     assert main(words(path)) == 0
     said, first, stat = capsys.readouterr().out, made.read_bytes(), made.stat()
     assert "plane.html" in said and "up to date" not in said and len(first) < 5e6
-    assert str(tmp_path) not in first.decode()
+    command = re.search(r"Made by <code>(.*?)</code>", first.decode())[1]
+    assert "plane.sweep.min=1.0" in command and "store.name=plane" in command and "stages=[page]" in command
+    # Where it was made is nothing to who gets it.
+    assert "cluster" not in command and not any(one in first.decode() for one in (str(tmp_path), "10.0.0.7"))
     assert main(words(path)) == 0
     assert "up to date" in capsys.readouterr().out and made.stat().st_mtime_ns == stat.st_mtime_ns
     assert main(words(path, "page.rows=1")) == 0

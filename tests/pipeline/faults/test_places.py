@@ -127,9 +127,12 @@ def test_the_home_folder_is_expanded(tmp_path, monkeypatch, undisturbed, capsys)
     assert code == 2 and "store.root" in err and err.count("\n") == 1
 
 
-@pytest.mark.parametrize("key", ["store.root", "output.root"])
 @pytest.mark.parametrize(
-    "url", ["s3://bucket/store", "file:///stores", "memory://x", "https://host/stores", "simplecache::s3://x"]
+    ("key", "url"),
+    [
+        *(("output.root", url) for url in ("s3://bucket/store", "file:///stores", "memory://x", "https://host/stores")),
+        *(("store.root", url) for url in ("https://host/stores", "simplecache::s3://x", "s3:///x", "file://host/x")),
+    ],
 )
 def test_a_url_is_never_made_as_a_folder(key, url, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -1,5 +1,6 @@
 """Runs in jobs of a real SLURM: one command, jobs that end in the middle, and none that outlives its run."""
 
+import contextlib
 import re
 import signal
 
@@ -7,6 +8,9 @@ import numpy as np
 import pytest
 
 from pipeline import store
+from pipeline.config.compose import compose
+from pipeline.run.slurm_cluster import slurm_cluster as jobs_of_a_run
+from pipeline.run.slurm_jobs import give_back
 from tests.pipeline.faults.runs import INJECTED, KEPT, ROWS, complete, finished, same, start, until
 from tests.pipeline.schedulers import wait_until
 from tests.slurm_cluster import MISSING, slurm_cluster
@@ -31,6 +35,17 @@ def environment(slurm):
     """What a run needs to find it; the jobs of a test end with the test."""
     yield slurm.environment
     slurm.ask("scancel", *slurm.jobs())
+
+
+@contextlib.contextmanager
+def jobs_of(folder, environment, monkeypatch, *wishes):
+    """Jobs of this process, the first ones submitted, and what is said of them."""
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    said, settings = [], compose([*SLURM, f"output.root={folder}", *wishes]).config.cluster
+    with jobs_of_a_run(settings, said.append) as jobs:
+        jobs.begin()
+        yield jobs, said
 
 
 def given_back(slurm, folder):
@@ -106,6 +121,50 @@ def test_jobs_are_given_back_when_a_run_is_ended(number, tmp_path, slurm, enviro
     name = "" if number == signal.SIGINT else f" by {number.name}"
     assert (run.code, run.err) == (128 + number, f"error: interrupted{name}{KEPT}\n")
     assert 0 < complete(run.path) < ROWS
+    assert given_back(slurm, tmp_path)
+
+
+@pytest.mark.slow
+def test_a_queue_that_takes_no_jobs_for_a_while_is_waited_for(tmp_path, slurm, environment, undisturbed):
+    run = start(tmp_path, *ONE_CORE, "cluster.maximum_jobs=1", environment={**environment, **SLOW})
+    until(run, 3)
+    try:
+        slurm.ask("scontrol", "update", "PartitionName=main", "State=DRAIN")
+        slurm.ask("scancel", *slurm.jobs())
+        said = [run.process.stdout.readline()]
+        while "0 jobs for now: sbatch says: " not in said[-1]:
+            said.append(run.process.stdout.readline())
+            assert said[-1], said
+    finally:
+        slurm.ask("scontrol", "update", "PartitionName=main", "State=UP")
+    run.end(240.0)
+    assert (run.code, run.err) == (0, ""), run.err
+    same(run.path, undisturbed)
+
+
+@pytest.mark.slow
+def test_what_ends_a_process_in_a_moment_gives_its_jobs_back_first(tmp_path, slurm, environment, monkeypatch):
+    """As where Python has no turn any more, and a thread hears of the signal."""
+    with jobs_of(tmp_path, environment, monkeypatch, "cluster.minimum_jobs=5") as (jobs, said):
+        assert len(slurm.jobs()) == 5 and "5 jobs" in said[0]
+        give_back()
+        wait_until(lambda: not slurm.jobs(), 30.0)
+    assert not (tmp_path / "jobs").exists()
+
+
+@pytest.mark.slow
+def test_jobs_are_given_back_while_there_is_nothing_to_do(tmp_path, slurm, environment, monkeypatch):
+    """As while figures are drawn; some are kept if that is asked for."""
+    monkeypatch.setattr("pipeline.run.slurm_jobs._IDLE", 2.0)
+    wishes = ("cluster.minimum_jobs=1", "cluster.maximum_jobs=4")
+    with jobs_of(tmp_path, environment, monkeypatch, *wishes) as (jobs, said):
+        jobs.fit(None)
+        wait_until(lambda: len(slurm.jobs()) == 4, 30.0)
+        jobs.rest()
+        wait_until(lambda: len(slurm.jobs()) == 1, 30.0)
+        jobs.fit(8)
+        wait_until(lambda: len(slurm.jobs()) == 2, 30.0)
+    assert any("3 jobs" in text and "given back" in text for text in said)
     assert given_back(slurm, tmp_path)
 
 

@@ -36,7 +36,7 @@ def run(folder, *arguments):
 def swept(tmp_path_factory):
     """The outputs of one run of the stages sweep and figures."""
     folder = tmp_path_factory.mktemp("volume") / "outputs"
-    assert run(folder, "figures.formats=[png]", "figures.dpi=30") == 0
+    assert run(folder, "stages=[sweep,figures]", "figures.formats=[png]", "figures.dpi=30") == 0
     return folder
 
 
@@ -212,7 +212,7 @@ def test_a_layer_that_is_not_computed_yet_is_computed_alone(volume, tmp_path):
             "plane.parameter2.num = 30 x 5000 x 3 is not allowed: up to",
         ),
         (["plane=omega_fe"], "plane.parameter2.num is not allowed here: this plane has no third axis"),
-        (["stages=[boundaries]"], "stages = 'boundaries' is not allowed for a volume: with plane.layer=VALUE"),
+        (["stages=[margins]"], "stages = 'margins' is not allowed for a volume: with plane.layer=VALUE"),
         (["figures.window=[0.5,0.7,0.1,0.3]"], "figures.window = [0.5, 0.7, 0.1, 0.3] is not allowed for a volume"),
         (["figures.curves=[0.5]"], "figures.curves = [0.5] is not allowed for a volume"),
         (["plane.layer=0.7"], "plane.layer = 0.7 is not allowed: it must lie within f_e = 0 ... 0.5"),

@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 
 from pipeline.errors import WorkerLost
 from pipeline.plan.plan import Block
-from pipeline.run.dispatch import Batches, dispatch
+from pipeline.run.dispatch import Batches, Pace, dispatch
 from pipeline.run.rows import Outcome, Receipt
-from pipeline.run.workforce import Task
+from pipeline.run.workforce import Task, Workforce
 from pipeline.store.tries import MOST_TRIES
-from tests.pipeline.planes import small_plan
+from tests.pipeline.planes import cluster, small_plan
 
 WORKERS = 2
 
@@ -22,9 +22,9 @@ def blocks_of(count, rows=2):
 
 
 def batches(count, seconds=None):
-    made = Batches(blocks_of(count), SimpleNamespace(size=WORKERS))
+    made = Batches(blocks_of(count), SimpleNamespace(size=WORKERS, task_seconds=1.0), Pace())
     if seconds is not None:
-        made.learn(Receipt(Block(0, 2), (), 0, seconds))
+        made.pace.learn(Receipt(Block(0, 2), (), 0, seconds))
     return made
 
 
@@ -50,8 +50,8 @@ def test_before_anything_is_known_batches_are_single_blocks():
 @settings(max_examples=50, deadline=None)
 def test_workers_end_together(count, seconds, workers):
     """Whichever worker takes the next batch when free, none waits longer at the end than a batch, or a block, lasts."""
-    made = Batches(blocks_of(count), SimpleNamespace(size=workers))
-    made.learn(Receipt(Block(0, 2), (), 0, seconds))
+    made = Batches(blocks_of(count), SimpleNamespace(size=workers, task_seconds=1.0), Pace())
+    made.pace.learn(Receipt(Block(0, 2), (), 0, seconds))
     free, last = [0.0] * workers, 0
     while chosen := made.take()[0]:
         free.sort()
@@ -66,8 +66,30 @@ def test_workers_end_together(count, seconds, workers):
 def test_sizes_follow_the_mean_of_the_receipts():
     made = batches(4000, 0.02)
     assert len(made.take()[0]) == 50
-    made.learn(Receipt(Block(2, 4), (), 0, 0.18))
+    made.pace.learn(Receipt(Block(2, 4), (), 0, 0.18))
     assert len(made.take()[0]) == 10
+
+
+def test_a_plane_learns_from_another_of_its_kind(tmp_path):
+    """Whose first batches hold a second of work, where nothing was known those of the first plane are single blocks."""
+    plan = small_plan(columns=9, rows=64)
+
+    def answer(blocks):
+        return Outcome(tuple(Receipt(block, (), 1, 0.01) for block in blocks), None)
+
+    workforce = Scripted(answer)
+    workforce.size = 1
+    first = [list(dispatch(tmp_path, plan, plan.blocks, workforce)), len(workforce.tasks[0].arguments[2])]
+    count = len(workforce.tasks)
+    list(dispatch(tmp_path, plan, plan.blocks, workforce))
+    assert first[1] == 1 and len(workforce.tasks[count].arguments[2]) == len(plan.blocks) // 2
+
+
+@pytest.mark.parametrize(("threads", "seconds"), [(1, 1.0), (250, 1.0), (1000, 4.0)])
+def test_more_workers_are_given_longer_tasks(threads, seconds):
+    workforce = Workforce(cluster("scheduler"))
+    workforce._workers = SimpleNamespace(size=threads)
+    assert workforce.task_seconds == seconds
 
 
 def test_blocks_that_failed_come_again_alone_and_elsewhere_until_their_tries_are_used_up():
@@ -83,11 +105,11 @@ def test_blocks_that_failed_come_again_alone_and_elsewhere_until_their_tries_are
 class Scripted:
     """A workforce that answers as told: one answer per task, by the task's blocks."""
 
-    size = WORKERS
+    size, task_seconds = WORKERS, 1.0
     config = SimpleNamespace(kind="local", row_seconds=60.0)
 
     def __init__(self, answer):
-        self.answer, self.tasks = answer, []
+        self.answer, self.tasks, self.paces = answer, [], {}
 
     def serve(self, function, take):
         while (task := take()) is not None:

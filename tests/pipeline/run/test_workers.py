@@ -14,6 +14,7 @@ from pipeline.run.admission import Ready, Unequal, get_ready
 from pipeline.run.environment import facts
 from pipeline.run.workers import Task, Workers
 from pipeline.run.workforce import Workforce
+from tests.pipeline.faults.runs import finished, same, start
 from tests.pipeline.planes import cluster
 from tests.pipeline.schedulers import ROOT, Scheduler, there
 
@@ -92,6 +93,13 @@ def test_one_that_differs_or_cannot_is_refused_and_the_others_go_on():
         served(Played(a=Unequal("a", other)))
 
 
+def test_where_those_that_are_left_were_refused_before_the_run_ends():
+    workers = Workers(Played(a=None), print)
+    workers._admission.learn("a", {**facts(), "numpy": "1.0"})
+    with pytest.raises(OSError, match=r"numpy is 1\.0"):
+        next(workers.serve(pow, lambda: Task((3, 2))))
+
+
 def test_workers_that_are_lost_again_and_again_before_they_are_ready_end_the_run(monkeypatch):
     monkeypatch.setattr("pipeline.run.workers._COUNT_EVERY", 0.0)
     with pytest.raises(OSError, match="lost before they had their kernels"):
@@ -150,3 +158,18 @@ def test_cold_workers_compile_once_and_a_suspended_one_holds_nobody_up(tmp_path)
             pids = {result for _, result in workforce.run(_pid, [(n,) for n in range(40)])}
             assert third.pid not in pids and len(said) == 1
             third.send_signal(signal.SIGCONT)
+
+
+@pytest.mark.slow
+def test_cold_workers_of_a_run_say_that_they_compiled_and_store_the_same(tmp_path):
+    """All that rows need, from nothing."""
+    cold = tmp_path / "cache"
+    cold.mkdir(mode=0o700)
+    with Scheduler(tmp_path) as scheduler:
+        for _ in range(2):
+            scheduler.add_worker(NUMBA_CACHE_DIR=str(cold))
+        there(scheduler, 2)
+        run = start(tmp_path / "cold", "cluster=scheduler", f"cluster.address={scheduler.address}").end(900.0)
+    assert (run.code, run.err) == (0, ""), run.err
+    assert run.out.count("kernels: compiled on ") == 1
+    same(run.path, finished(tmp_path / "here", "cluster=none").path)

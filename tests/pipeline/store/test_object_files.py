@@ -4,6 +4,8 @@ import contextlib
 import itertools
 import math
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import obstore
@@ -12,7 +14,7 @@ import xarray as xr
 
 from pipeline import store
 from pipeline.config.places import ObjectPlace, place_of
-from pipeline.errors import StoreError
+from pipeline.errors import ConfigurationError, StoreError
 from pipeline.plan.row_blocks import RowBlocks
 from pipeline.run.rows import sweep_block
 from pipeline.store import groups
@@ -379,3 +381,18 @@ def test_options_that_no_object_store_has(options, name):
     with pytest.raises(Exception, match=name) as refused:
         files_at(ObjectPlace("s3://bucket/a", place_of("x", "s3://bucket/a", options).options)).exists()
     assert "abracadabra" not in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "obstore", None)
+    monkeypatch.delitem(sys.modules, "pipeline.store.object_files")
+    with pytest.raises(ConfigurationError, match=r"bevelmap\[objects\]"):
+        files_at(new_root())
+
+
+def test_a_folder_loads_nothing_that_object_stores_need(folder, tmp_path):
+    words = [f"store.root={folder.parent}", f"output.root={tmp_path}", "stages=[list,check]", "store.name=plane"]
+    code = f"import sys; from pipeline.__main__ import main; assert main({words!r}) == 0; "
+    code += "print([name for name in sys.modules if name.startswith('obstore') or 'object_files' in name])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout.splitlines()[-1] == "[]"

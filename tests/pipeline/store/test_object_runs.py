@@ -16,9 +16,12 @@ import pipeline
 from pipeline import store
 from pipeline.__main__ import main
 from pipeline.config.places import place_of
-from pipeline.errors import StoreError, Unreachable
+from pipeline.errors import ConfigurationError, StoreError, Unreachable
+from pipeline.explorer.background_run import new_plane
+from pipeline.explorer.opened import Opened
+from pipeline.store import groups
 from pipeline.store.files import files_at
-from pipeline.store.names import METADATA
+from pipeline.store.names import METADATA, STORE_FILE
 from tests.object_server import FaultKind
 from tests.pipeline.store.test_object_files import contents_of
 
@@ -82,6 +85,15 @@ def whole(object_server, tmp_path_factory):
     return remote
 
 
+@pytest.fixture(scope="module")
+def swept(object_server, tmp_path_factory):
+    """Rows and boundaries alone, for tests that harm a copy."""
+    remote = Remote(object_server, "swept")
+    words = [*SIZES, *remote.words(), "stages=[sweep,boundaries]", f"output.root={tmp_path_factory.mktemp('runs')}"]
+    assert main(words) == 0
+    return remote
+
+
 def test_every_object_has_the_bytes_of_the_file(whole, folder):
     expected, found = contents_of(files_at(folder)), contents_of(whole.files)
     assert found.keys() == expected.keys()
@@ -98,17 +110,18 @@ def test_what_is_there_is_kept(whole, tmp_path, capsys):
     assert out.count("nothing to do") > 1 and whole.files.versions() == before
 
 
-def test_secrets_are_in_no_text(whole, tmp_path, capsys):
-    out, _ = run(whole, capsys, tmp_path, "--cfg", "job")
+def test_secrets_are_in_no_text(swept, tmp_path, capsys):
+    out, _ = run(swept, capsys, tmp_path, "--cfg", "job")
     assert "secret_access_key: '***'" in out and "endpoint: '***'" in out
-    assert not any(SECRET.encode() in content for content in contents_of(whole.files).values())
-    _, err = run(whole, capsys, tmp_path, "gear.b=0.7", expected=2)
+    assert not any(SECRET.encode() in content for content in contents_of(swept.files).values())
+    _, err = run(swept, capsys, tmp_path, "gear.b=0.7", expected=2)
     assert "store.storage_options=***" in err and "python -m pipeline" in err
-    _, err = run(whole, capsys, tmp_path, f"store.storage_options.nothing='{SECRET}", expected=2)
+    _, err = run(swept, capsys, tmp_path, f"store.storage_options.nothing='{SECRET}", expected=2)
     assert "store.storage_options.nothing=***" in err
-    _, err = run(whole, capsys, tmp_path, f"store.storage_options={SECRET}", expected=2)
+    _, err = run(swept, capsys, tmp_path, f"store.storage_options={SECRET}", expected=2)
 
 
+@pytest.mark.costly
 def test_list_check_figures_and_page(whole, tmp_path, capsys):
     out, _ = run(whole, capsys, tmp_path, "stages=[list,check,figures,page]", "figures.formats=[png]", "page.rows=2")
     assert re.search(r"plane +omega 9 x f_e 4 .* complete .* attractors boundaries", out)
@@ -121,6 +134,7 @@ def test_list_check_figures_and_page(whole, tmp_path, capsys):
     assert "up to date" in out
 
 
+@pytest.mark.costly
 def test_margins_motion_and_a_row(whole, tmp_path, capsys):
     out, _ = run(whole, capsys, tmp_path, "stages=[margins]", "margins.point=[0.9,0.1]")
     assert "margins" in out
@@ -142,6 +156,20 @@ def test_python_opens_it_by_its_url(whole, folder, monkeypatch):
         pipeline.open_plane("nothing", root=whole.url)
 
 
+def test_a_page_sees_it_change_and_go(swept):
+    remote = swept.copy_to("shown")
+    opened = Opened(remote.place, "python -m pipeline plane=omega_fe 'store.storage_options=***'")
+    first = opened.content()
+    assert first.plane.domain.shape == (4, 9) and opened.content() is first
+    groups.remove_group(remote.place, "boundaries")
+    assert opened.content() is not first
+    with pytest.raises(ConfigurationError, match="environment"):
+        new_plane(opened.command, first.plan, {"b": 0.5})
+    remote.files.clear(STORE_FILE)
+    with pytest.raises(StoreError, match="is gone"):
+        opened.content()
+
+
 def test_xarray_alone_reads_it(whole, folder):
     objects = ObjectStore(from_url(str(whole.place), **whole.options), read_only=True)
     for group in (None, "branches", "boundaries", "attractors"):
@@ -149,24 +177,22 @@ def test_xarray_alone_reads_it(whole, folder):
             assert told.drop_attrs().load().identical(reference.drop_attrs().load()), group
 
 
-def test_a_plane_that_was_interrupted_is_gone_on_with(whole, folder, tmp_path, capsys):
-    remote = whole.copy_to("interrupted")
+def test_a_plane_that_was_interrupted_is_gone_on_with(swept, tmp_path, capsys):
+    remote = swept.copy_to("interrupted")
     for name in [name for name in remote.files.sizes() if "/c/2" in name]:
         remote.files.remove(name)
     out, _ = run(remote, capsys, tmp_path, "stages=[sweep]")
     assert "continues: 1 rows" in out
-    found, expected = contents_of(remote.files), contents_of(whole.files)
+    found, expected = contents_of(remote.files), contents_of(swept.files)
     # What was computed from the rows as they were is gone.
-    expected = {
-        name: content for name, content in expected.items() if name.split("/")[0] not in ("boundaries", "attractors")
-    }
-    assert {name for name in expected if found.get(name) != expected[name]} <= {METADATA}
+    assert {name for name in expected if found.get(name) != expected[name] and "boundaries/" not in name} <= {METADATA}
+    assert not any(name.startswith("boundaries/") for name in found)
 
 
 @pytest.mark.parametrize("harm", ["removed", "truncated", "empty"])
-def test_what_was_harmed_is_found_and_mended(whole, tmp_path, capsys, harm):
-    remote = whole.copy_to(f"harmed-{harm}")
-    names = ["amplitude/c/1/0/0", "boundaries/curve/c/0", "omega/c/0", "stable/zarr.json"]
+def test_what_was_harmed_is_found_and_mended(swept, tmp_path, capsys, harm):
+    remote = swept.copy_to(f"harmed-{harm}")
+    names = ["amplitude/c/1/0/0", "boundaries/kind/c/0", "omega/c/0", "stable/zarr.json"]
     for name in names:
         if harm == "removed":
             remote.files.remove(name)
@@ -180,10 +206,11 @@ def test_what_was_harmed_is_found_and_mended(whole, tmp_path, capsys, harm):
     out, _ = run(remote, capsys, tmp_path, "stages=[check]", "check.repair=true")
     assert "mended" in out and store.find_damage(remote.place) == []
     run(remote, capsys, tmp_path, "stages=[boundaries]")
-    found, expected = contents_of(remote.files), contents_of(whole.files)
+    found, expected = contents_of(remote.files), contents_of(swept.files)
     assert {name for name in expected if found.get(name) != expected[name]} <= {METADATA}
 
 
+@pytest.mark.costly
 def test_workers_write_their_blocks_themselves(object_server, folder, tmp_path):
     """Two processes that get the place with its options, and nothing of them on the terminal."""
     remote = Remote(object_server, "workers")
@@ -219,18 +246,18 @@ def test_faults_that_pass_are_got_over(object_server, folder, tmp_path, capsys, 
 IMPATIENT = {"retry_config": {"max_retries": 1, "retry_timeout": 2}}
 
 
-def test_a_bucket_without_permission_is_one_line(whole, tmp_path, capsys):
-    remote = Remote(whole.server, "denied")
-    with whole.server.denied():
+def test_a_bucket_without_permission_is_one_line(swept, tmp_path, capsys):
+    remote = Remote(swept.server, "denied")
+    with swept.server.denied():
         _, err = run(remote, capsys, tmp_path, "stages=[sweep]", expected=2)
         assert len(err.splitlines()) == 1 and remote.url in err and "refuses access" in err
         with pytest.raises(Unreachable, match="refuses access"):
-            pipeline.open_plane(str(whole.place), storage_options=whole.options)
-    with whole.server.fault(FaultKind.DENIED, methods="PUT POST DELETE"):
+            pipeline.open_plane(str(swept.place), storage_options=swept.options)
+    with swept.server.fault(FaultKind.DENIED, methods="PUT POST DELETE"):
         # It can be read, and nothing is begun.
         _, err = run(remote, capsys, tmp_path, "stages=[sweep]", expected=2)
         assert len(err.splitlines()) == 1 and remote.url in err and "refuses access" in err
-        run(whole, capsys, tmp_path, "stages=[list]")
+        run(swept, capsys, tmp_path, "stages=[list]")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -253,20 +280,20 @@ def test_a_server_that_is_gone_in_the_middle_loses_nothing(object_server, folder
     assert {name for name in found if found[name] != expected[name]} <= DATED
 
 
-def test_a_server_that_does_not_answer_is_one_line(whole, tmp_path, capsys):
-    remote = Remote(whole.server, "whole", **IMPATIENT)
+def test_a_server_that_does_not_answer_is_one_line(swept, tmp_path, capsys):
+    remote = Remote(swept.server, "swept", **IMPATIENT)
     remote.options["client_options"] = {"allow_http": True, "timeout": 1}
-    with whole.server.fault(FaultKind.HANG):
+    with swept.server.fault(FaultKind.HANG):
         _, err = run(remote, capsys, tmp_path, "stages=[check]", expected=2)
     assert len(err.splitlines()) == 1 and "in time" in err
 
 
 @pytest.mark.parametrize("name", ["boundaries/zarr.json", "zarr.json"])
-def test_a_store_or_group_appears_when_the_server_says_so(whole, tmp_path, capsys, name):
+def test_a_store_or_group_appears_when_the_server_says_so(swept, tmp_path, capsys, name):
     """The last put of each is the one that counts."""
-    remote = Remote(whole.server, f"appears-{name.count('/')}", **IMPATIENT)
+    remote = Remote(swept.server, f"appears-{name.count('/')}", **IMPATIENT)
     words = ["stages=[sweep,boundaries]"]
-    with whole.server.fault(FaultKind.UNAVAILABLE, name=f"plane.zarr/{name}", methods="PUT"):
+    with swept.server.fault(FaultKind.UNAVAILABLE, name=f"plane.zarr/{name}", methods="PUT"):
         _, err = run(remote, capsys, tmp_path, *words, expected=1)
     assert "503" in err
     assert store.exists(remote.place) == ("/" in name)
@@ -274,7 +301,7 @@ def test_a_store_or_group_appears_when_the_server_says_so(whole, tmp_path, capsy
         assert store.find_damage(remote.place) == []
         assert "boundaries" not in zarr.open_group(remote.files.zarr(), mode="r")
     run(remote, capsys, tmp_path, *words)
-    found, expected = contents_of(remote.files), contents_of(whole.files)
+    found, expected = contents_of(remote.files), contents_of(swept.files)
     assert {name for name in found if found[name] != expected[name]} <= DATED
 
 

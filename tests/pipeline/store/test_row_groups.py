@@ -8,6 +8,7 @@ import pytest
 import zarr
 
 from pipeline import store
+from pipeline.errors import DamagedError
 from pipeline.plan.row_blocks import RowBlocks
 from pipeline.store import groups
 from pipeline.store.folder_files import FolderFiles
@@ -170,3 +171,16 @@ def test_a_sweep_takes_away_what_is_unfinished(path):
     write_all(group)
     groups.remove_added(path)
     assert not group.folder.exists()
+
+
+def test_a_block_of_another_group_is_none_of_this_one(path):
+    """A task may outlive its run, and write where another run makes a group from something else."""
+    late, group = group_of(path, made="a"), group_of(path, made="b")
+    write_all(group)
+    late.write(ROWS.all[0], values_of(ROWS.all[0]))
+    assert group.read(ROWS.all[0]) is None and group.read(ROWS.all[1]) is not None
+    with pytest.raises(DamagedError, match="another group"):
+        finish(group)
+    group.write(ROWS.all[0], values_of(ROWS.all[0]))
+    finish(group)
+    assert group.is_finished and store.find_damage(path) == []

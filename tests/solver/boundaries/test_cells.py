@@ -61,8 +61,8 @@ class Plane(NamedTuple):
     def span(self) -> tuple[float, float]:
         return OMEGA if self.sweep == "omega" else RANGES[self.sweep]
 
-    def row(self, value: float, columns: int, columns_of_seeds: int = 41):
-        seeds = None if self.order == 1 else LiftedSeeds(columns_of_seeds)
+    def row(self, value: float, columns: int):
+        seeds = None if self.order == 1 else LiftedSeeds(41)
         grid = np.linspace(*self.span, columns)
         return sweep_row(self.at(value), self.sweep, grid, omega=self.omega, balance=self.balance, seeds=seeds)
 

@@ -80,9 +80,9 @@ def test_arrays_are_copies_of_the_right_shape():
 
 @pytest.mark.parametrize("bad", [[], [1.0], [1.0, 1.0], [2.0, 1.0], [1.0, np.nan], [[1.0, 2.0]], "ab", None])
 def test_grids_ascend(bad):
-    np.testing.assert_array_equal(checks.ascending_grid("grid", [1, 2], 2), [1.0, 2.0])
+    np.testing.assert_array_equal(checks.ascending_grid("grid", [1, 2]), [1.0, 2.0])
     with pytest.raises(ParameterError, match="grid = "):
-        checks.ascending_grid("grid", bad, 2)
+        checks.ascending_grid("grid", bad)
     with pytest.raises(ParameterError, match="range = "):
         checks.value_range("range", bad)
     assert checks.value_range("range", (0, 1)) == (0.0, 1.0)

@@ -20,7 +20,7 @@ from pipeline.plane.stored import read_stored
 from pipeline.run.rows import sweep_block
 from pipeline.store import groups
 from solver import Event, all_solutions, domain_code, impact_state
-from solver.boundaries import FOLDS_AND_GRAZINGS, SPECTRAL, SpecialPoint
+from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SPECTRAL, SpecialPoint
 from solver.regions.labelling import static_code
 from tests.pipeline.planes import contents, small_plan, small_store, traced_store
 
@@ -97,6 +97,35 @@ def test_every_event_of_the_rows_lies_on_a_stored_curve(made):
             if curve.kind == kind
         ]
         assert np.min(np.max(np.abs(np.concatenate(found) - point), axis=1)) < 1e-6
+
+
+def check_bifurcations(path, plan) -> int:
+    """Rows between the first and the last one have located what stored bifurcation curves cross there, and no more."""
+    events, rows = read_events(path, plan), plan.parameter.values[1:-1]
+    wanted = np.isin(events.kind, BIFURCATIONS) & np.isin(events.points[:, 4], rows)
+    seen = np.zeros(events.kind.size, dtype=int)
+    for curve in read_boundaries(path, plan).curves:
+        for point in curve.arcs.crossings(4, rows).points if curve.kind in BIFURCATIONS else ():
+            # Where a curve turns round in the row parameter its place along the row is not as exact.
+            near = np.max(np.abs(events.points - point), axis=1) < 1e-5
+            assert np.sum(near & (events.kind == curve.kind)) == 1, (curve.kind.name, point)
+            seen += near & (events.kind == curve.kind)
+    np.testing.assert_array_equal(seen, wanted)
+    return int(seen.sum())
+
+
+def test_rows_locate_what_stored_bifurcation_curves_cross(made):
+    assert check_bifurcations(made[1], made[0]) > 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gear", ["published", "antiphase"])
+@pytest.mark.parametrize("name", PLANES)
+def test_rows_locate_what_stored_bifurcation_curves_cross_in_all_planes(tmp_path, name, gear):
+    plan = small_plan(f"plane={name}", f"gear={gear}", columns=200, rows=60)
+    path = small_store(tmp_path / "plane.zarr", plan)
+    boundaries.trace(path, plan)
+    assert check_bifurcations(path, plan) > 50
 
 
 def along_rows(curve, plan):
