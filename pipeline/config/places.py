@@ -129,7 +129,7 @@ def place_of(key: str, text: str, options: Mapping | None = None) -> Place:
     ('results/store', 's3://bucket/store')
     >>> place_of("store.root", "file:///data/store").as_posix()
     '/data/store'
-    >>> place_of("store.root", "ftp://host/store")
+    >>> place_of("store.root", "ftp://host/store")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
     pipeline.errors.ConfigurationError: store.root = 'ftp://host/store' is not allowed: ...

@@ -15,9 +15,11 @@ import xarray as xr
 from pipeline import store
 from pipeline.config.places import ObjectPlace, place_of
 from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan.layers import Layer
 from pipeline.plan.row_blocks import RowBlocks
 from pipeline.run.rows import sweep_block
 from pipeline.store import groups
+from pipeline.store.extraction import extract_layer
 from pipeline.store.files import files_at
 from pipeline.store.groups import Arrays, Variable
 from pipeline.store.listing import listing
@@ -254,6 +256,24 @@ def test_a_group_is_taken_away_as_a_whole(monkeypatch, folder):
         groups.remove_added(place)
         assert which(place) is None
         assert not [name for name in files_at(place).sizes() if name.startswith("boundaries/")]
+
+
+def test_a_layer_is_taken_out_as_a_whole(monkeypatch, tmp_path):
+    volume = small_plan("plane=omega_b_fe", "plane.parameter2.num=2", columns=9, rows=3)
+    source, plan = small_store(tmp_path / "volume.zarr", volume), volume.layer(1)
+    extract_layer(Layer(source, 1), tmp_path / "layer.zarr", plan, "layer", "")
+    expected = contents_of(files_at(tmp_path / "layer.zarr"))
+
+    def take_out(place):
+        extract_layer(Layer(source, 1), place, plan, "layer", "")
+
+    for place in every_end(monkeypatch, lambda: new_root() / "layer.zarr", take_out, 60):
+        if not store.exists(place):
+            assert listing(place.parent).entries == ()
+            take_out(place)
+        found = contents_of(files_at(place))
+        assert found.keys() == expected.keys() and store.find_damage(place) == []
+        assert {name for name in found if found[name] != expected[name]} <= {METADATA, f"branches/{METADATA}"}
 
 
 ROWS = RowBlocks((4,), 2)
