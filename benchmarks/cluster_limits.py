@@ -10,6 +10,7 @@ and the same shared out to planes of a study.
 """
 
 import argparse
+import importlib
 import os
 import subprocess
 import sys
@@ -78,16 +79,17 @@ def measured(workforce, scheduler: psutil.Process, block: float, seconds: float 
     from pipeline.plan.planning import plan
     from pipeline.run import dispatch
 
-    # Of this process alone: workers find `pretend` by its name.
-    dispatch.sweep_blocks = pretend
+    # Of this process alone. Workers find it by its name, which of a script is another one.
+    dispatch.sweep_blocks = importlib.import_module("benchmarks.cluster_limits").pretend
     planned, tasks = plan(compose([])), []
     held = workforce.task_seconds if seconds is None else seconds
     total = int(rounds * workforce.size * held / block)
     blocks = [Block(number, number + 1) for number in range(-(-total // planes))]
 
     def give(shared) -> None:
-        for _ in dispatch.dispatch(Path(str(block)), planned, blocks, shared, tasks.append):
-            pass
+        for _, result in dispatch.dispatch(Path(str(block)), planned, blocks, shared, tasks.append):
+            if isinstance(result, Exception):
+                raise result
 
     fixed = workforce if seconds is None else _Sized(workforce, seconds)
     begin, client, before = time.perf_counter(), time.process_time(), scheduler.cpu_times()

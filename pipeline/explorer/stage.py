@@ -47,12 +47,12 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     reporter.line(f"explore: http://{ADDRESS}:{server.port}/{query} shows {job.store_path}; Ctrl-C ends it")
 
     def load() -> None:
+        # A page shows cells at first: its clicks can be answered before its map is divided.
         warm_up_for(job, reporter)
-        # What every page shows first takes longer than to type its address.
-        with contextlib.suppress(Exception):
-            opened.content().layer("domains", physical=False)
         answers.ready(job.plan)
         opened.ready.set()
+        with contextlib.suppress(Exception):
+            opened.content().layer("domains", physical=False)
 
     threading.Thread(target=load, name="kernels", daemon=True).start()
     try:

@@ -45,15 +45,24 @@ def run_planes(all_settings: Sequence[Settings], jobs: Sequence[Job], workforce:
     statuses: list[int] = []
     progress = StudyProgress(reporter, {name: sum(map(_due, here)) for name, here in by_store.items()})
 
+    begun: set[str] = set()
+
     def body(name: str, shared: SharedWorkforce) -> None:
+        begun.add(name)
         found = [_plane(job, shared, PlaneReporter(reporter, name, progress)) for job in by_store[name]]
         statuses.extend(found)
         progress.ends(name)
+        begun.discard(name)
         if index is not None:
             index.learn(name, failed=any(found))
 
-    with progress:
-        run_side_by_side(workforce, [functools.partial(body, name) for name in by_store])
+    try:
+        with progress:
+            run_side_by_side(workforce, [functools.partial(body, name) for name in by_store])
+    finally:
+        # Whatever ended them, part of their rows may be stored.
+        for name in begun if index is not None else ():
+            index.learn(name, failed=False)
     if index is not None:
         reporter.line(f"study: {len(index.planes)} planes in {index.path}")
     return min(max(statuses, default=0), 1)

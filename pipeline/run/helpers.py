@@ -6,6 +6,7 @@ was ended is done here.
 """
 
 import contextlib
+import gc
 import importlib
 import multiprocessing
 import os
@@ -48,6 +49,9 @@ def _begin(modules: Iterable[str]) -> None:
 
     threading.Thread(target=wait, daemon=True).start()
     load(modules)
+    # Nothing of what has been loaded is garbage, ever.
+    gc.freeze()
+    gc.enable()
 
 
 def _end_server() -> None:
@@ -98,7 +102,7 @@ class Helpers:
         self._starter = ThreadPoolExecutor(1)
         self._ends_server = _FORKS and forkserver._forkserver._forkserver_pid is None
         if _FORKS:
-            context.set_forkserver_preload(["pipeline.run.helpers", *modules])
+            context.set_forkserver_preload(["pipeline.run.preloading", "pipeline.run.helpers", *modules])
             with deaf_to_interrupts(), main_module_hidden():
                 forkserver.ensure_running()
         # The first one tells when all is loaded.

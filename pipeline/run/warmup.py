@@ -34,8 +34,9 @@ def warm_up_for(job: Job, reporter: Reporter, workforce: Workforce | None = None
     """
     solver, stages = job.plan.solver, job.settings.config.stages
     if job.settings.config.cluster.kind in REMOTE:
-        # Either side has its own; a stage that would keep other planes waiting is done by a worker.
-        there = {*_ON_WORKERS, "boundaries"} if workforce is not None and workforce.planes > 1 else _ON_WORKERS
+        # Either side has its own; a stage that would keep other planes or layers waiting is done by workers.
+        shared = workforce is not None and (workforce.planes > 1 or job.plan.parameter2 is not None)
+        there = {*_ON_WORKERS, "boundaries"} if shared else _ON_WORKERS
         stages = [stage for stage in stages if (stage in there) == (workforce is not None)]
     warm_up_where(workforce, kernels_for(stages, solver["balance"], job.plan.kind), reporter)
 

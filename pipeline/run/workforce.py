@@ -225,6 +225,9 @@ class Workforce:
     def needs(self, kernels: Iterable[str]) -> None:
         """Which kernels the next tasks need: workers elsewhere are given none before they have them."""
         self._kernels = tuple(dict.fromkeys([*self._kernels, *kernels]))
+        if self._workers is not None:
+            # Tasks of another plane may be under way.
+            self._workers.needs(self._kernels)
 
     def expect(self, modules: Sequence[str]) -> None:
         """Have processes of this machine load modules that `run_beside` will need, while this one goes on.

@@ -53,7 +53,7 @@ def _trace(
     job: Job, layers: list[StoredBoundaries | None], due: list[int], workforce: Workforce, reporter: Reporter
 ) -> list[str]:
     """Trace some layers into `layers`; why others could not be."""
-    warm_up_for(job, reporter)
+    warm_up_for(job, reporter, workforce)
     path, plan, failures = job.store_path, job.plan, []
     for layer in due:
         layers[layer] = None

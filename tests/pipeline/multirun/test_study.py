@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
+import pipeline
 from pipeline import store
 from pipeline.__main__ import main
 from pipeline.errors import StoreError
@@ -134,7 +135,7 @@ def test_what_is_stored_is_kept_when_it_is_interrupted(alone, tmp_path, capsys, 
     assert np.all(store.statuses(here / "omega_fe-b=0.5.zarr") == store.COMPLETE)
     assert np.sum(store.statuses(here / "omega_fe-b=0.6.zarr") == store.COMPLETE) == 1
     assert not list(here.glob(".*.lock"))
-    assert [line["status"] for line in lines_of(here / "study.csv")] == ["complete", "pending"]
+    assert [line["status"] for line in lines_of(here / "study.csv")] == ["complete", "incomplete"]
     assert main(["-m", "gear.b=0.5,0.6", *SWEPT]) == 0
     wanted = files_of(alone)
     # What a store says of itself has the stages that were asked for.
@@ -229,3 +230,16 @@ def test_one_bar_over_all_planes():
         total = progress._bar
         assert (total.what, total.done, total.failed, total.total) == ("3/3 planes", 22, 1, 22)
     assert stream.getvalue().splitlines() == ["a: said", "a: more"]
+
+
+def test_a_study_in_an_object_store(tmp_path, capsys):
+    pytest.importorskip("obstore")
+    command = ["-m", "gear.b=0.5,0.6", *SWEPT, "store.root=memory://bucket/study"]
+    assert main(command) == 0
+    study = pipeline.open_study("memory://bucket/study")
+    assert "2 complete" in repr(study) and not (tmp_path / "outputs/store").exists()
+    whole = study.to_xarray()
+    assert whole.b.values.tolist() == [0.5, 0.6] and np.all(whole.status == store.COMPLETE)
+    assert study.planes["omega_fe-b=0.6"].label_near(omega=0.6, f_e=0.2) != ""
+    capsys.readouterr()
+    assert main(command) == 0 and capsys.readouterr().out.count("nothing to do") == 2

@@ -207,21 +207,21 @@ def test_two_between_neighbouring_cells_are_seen(model, event):
 
 
 @pytest.mark.parametrize(
-    "model",
+    ("model", "grid"),
     [
         # A pair passes the circle, meets on the real axis, and one of the two passes +1, within one step.
-        published(b=0.8157788944723618),
+        (published(b=0.8157788944723618), np.linspace(0.05, 2.0, 400)),
         # A multiplier passes -1 and comes back where det(M + I) falls steeply and rises again.
-        antiphase(b=0.3169120095394401),
+        (antiphase(b=0.3169120095394401), np.linspace(0.3, 2.0, 150)),
         # Rounding brackets the same event twice.
-        published(xi_mesh=0.0423210988549282),
-        published(xi_support=0.004379435600792549),
+        (published(xi_mesh=0.0423210988549282), np.linspace(0.3, 2.0, 150)),
+        (published(xi_support=0.004379435600792549), np.linspace(0.3, 2.0, 150)),
     ],
 )
-def test_bifurcations_do_not_depend_on_the_steps_of_the_branch(model):
+def test_bifurcations_do_not_depend_on_the_steps_of_the_branch(model, grid):
     found = []
     for continuation in (Continuation(), Continuation(largest_step=0.02, largest_angle=0.03)):
-        row = sweep_row(model, "omega", np.linspace(0.3, 2.0, 150), continuation=continuation)
+        row = sweep_row(model, "omega", grid, continuation=continuation)
         found.append([np.concatenate([at(curve, event) for curve in row.curves]) for event in KINDS])
     for coarse, fine in zip(*found, strict=True):
         assert len(coarse) == len(fine)
