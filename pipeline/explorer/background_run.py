@@ -84,7 +84,7 @@ def new_plane(command: str, plan: Plan, fixed: Mapping[str, float]) -> NewPlane:
     settings = compose(typed, config_dir)
     made = plan_of(settings)
     check_same(made, meant, fixed)
-    if made.digest == plan.digest:
+    if made.fingerprint == plan.fingerprint:
         raise ConfigurationError(f"{', '.join(sorted(fixed))}: that changes nothing in this plane")
     own = [f"--config-dir={config_dir}"] if config_dir else []
     return NewPlane((*own, *typed), settings.store_path.resolve())

@@ -119,15 +119,15 @@ def fill_curves(
 
 
 def _lines(row: RowCurves, x: np.ndarray, y: np.ndarray) -> dict:
-    """The pieces of every kind as one line with gaps, by impact state and stability."""
+    """The segments of every kind as one line with gaps, by impact state and stability."""
     kinds: dict[tuple, list[slice]] = {}
-    for piece, lasts in zip(row.pieces, row.lasting.tolist(), strict=True):
-        kinds.setdefault((piece.impact, line_of(piece, lasts)), []).append(piece.slice)
+    for segment, lasts in zip(row.segments, row.lasting.tolist(), strict=True):
+        kinds.setdefault((segment.impact, line_of(segment, lasts)), []).append(segment.slice)
     styles = [LINES[line] for _, line in kinds]
     dashes = [screen_dashes(style["linestyle"], _WIDTH) for _, style in styles]
     return {
-        "xs": [_with_gaps(x, pieces) for pieces in kinds.values()],
-        "ys": [_with_gaps(y, pieces) for pieces in kinds.values()],
+        "xs": [_with_gaps(x, segments) for segments in kinds.values()],
+        "ys": [_with_gaps(y, segments) for segments in kinds.values()],
         "colour": [hex_colour(state_colour(ImpactState(impact).symbol)) for impact, _ in kinds],
         "dash": ["" if dash == "solid" else dash for dash in dashes],
         "standing": [words for words, _ in styles],
@@ -135,8 +135,8 @@ def _lines(row: RowCurves, x: np.ndarray, y: np.ndarray) -> dict:
     }
 
 
-def _with_gaps(values: np.ndarray, pieces: Sequence[slice]) -> np.ndarray:
-    parts = [part for piece in pieces for part in (values[piece], [np.nan])]
+def _with_gaps(values: np.ndarray, segments: Sequence[slice]) -> np.ndarray:
+    parts = [part for segment in segments for part in (values[segment], [np.nan])]
     return numbers(np.concatenate(parts[:-1]))
 
 

@@ -45,5 +45,11 @@ def _command(path: Path, plan: Plan) -> str:
         usual, sized = (plan_of(compose([*words, *more])) for more in ([], sizes))
     except ConfigurationError:
         return ""
-    found = words if usual.digest == plan.digest else [*words, *sizes] if sized.digest == plan.digest else []
+    found = (
+        words
+        if usual.fingerprint == plan.fingerprint
+        else [*words, *sizes]
+        if sized.fingerprint == plan.fingerprint
+        else []
+    )
     return " ".join(["python -m pipeline", *map(shlex.quote, found)]) if found else ""

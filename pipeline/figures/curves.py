@@ -18,7 +18,7 @@ from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
 from pipeline.plan.traits import is_loaded_pair
 from pipeline.plane.row_curves import RowCurves, curves_at
-from pipeline.plane.segments import Piece
+from pipeline.plane.segments import BranchSegment
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED, PENDING
 from solver import EndReason, Event, ImpactState, backbone
@@ -31,7 +31,7 @@ _HEIGHT, _BETWEEN, _TOP, _BOTTOM, _PITCH, _COLUMNS = 1.85, 0.34, 0.24, 0.45, 0.1
 _ASIDE = 0.35
 
 _UNSTABLE, _UNLASTING = (0, (2.6, 1.3)), (0, (0.9, 0.9))
-#: Whether a piece is statically and dynamically stable -> its line.
+#: Whether a segment is statically and dynamically stable -> its line.
 LINES = {
     (True, True): ("stable", {"linestyle": "solid", "zorder": 4}),
     (True, False): ("dynamically unstable", {"linestyle": _UNLASTING, "zorder": 4}),
@@ -65,9 +65,9 @@ _AMPLITUDES = 60
 _CROWDED, _INSET, _MOST = 0.07, (0.72, 0.56), 2
 
 
-def line_of(piece: Piece, lasting: bool) -> tuple[bool, bool]:
-    """The key of `LINES` of a piece that is dynamically stable or not."""
-    return piece.stable, bool(lasting)
+def line_of(segment: BranchSegment, lasting: bool) -> tuple[bool, bool]:
+    """The key of `LINES` of a segment that is dynamically stable or not."""
+    return segment.stable, bool(lasting)
 
 
 def chosen_values(plane: StoredPlane, values: list[float] | None) -> list[float]:
@@ -129,7 +129,7 @@ def draw_curves(
                 axes.set_xlabel(axis_label(sweep.name, plane.attributes[sweep.name]))
             if plane.over_frequency:
                 _draw_frequencies(axes, row, name, limits[line].get("amplitude", (0.0, 0.0))[1])
-            if row.pieces:
+            if row.segments:
                 _draw_row(axes, row, name)
                 if found is not None:
                     found.draw(axes, name)
@@ -161,14 +161,16 @@ _NOTHING = {PENDING: "row not computed", COMPLETE: "no branch found", FAILED: "r
 def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None:
     x, y = row.points["position"], row.values(name)
     for kind, (_, style) in LINES.items():
-        pieces = [
-            piece for piece, lasting in zip(row.pieces, row.lasting, strict=True) if line_of(piece, lasting) == kind
+        segments = [
+            segment
+            for segment, lasting in zip(row.segments, row.lasting, strict=True)
+            if line_of(segment, lasting) == kind
         ]
-        # Round ends, as lines of neighbouring pieces would gape between flat ones.
+        # Round ends, as lines of neighbouring segments would gape between flat ones.
         axes.add_collection(
             LineCollection(
-                [np.column_stack([x[piece.slice], y[piece.slice]]) for piece in pieces],
-                colors=[_state_colour(ImpactState(piece.impact)) for piece in pieces],
+                [np.column_stack([x[segment.slice], y[segment.slice]]) for segment in segments],
+                colors=[_state_colour(ImpactState(segment.impact)) for segment in segments],
                 linewidth=width,
                 capstyle="round" if all(kind) else "butt",
                 joinstyle="round",
@@ -295,7 +297,7 @@ def _limits(
     rows: list[RowCurves], names: tuple[str, ...], isolated: list[IsolatedCurves | None]
 ) -> list[dict[str, tuple[float, float]]]:
     """Axis limits by row and quantity: the same for all rows, except where a branch runs away to the ceiling."""
-    extents = [_extent(row, names, found) if row.pieces else None for row, found in zip(rows, isolated, strict=True)]
+    extents = [_extent(row, names, found) if row.segments else None for row, found in zip(rows, isolated, strict=True)]
     shared = [extent for row, extent in zip(rows, extents, strict=True) if extent and not _runaway(row)]
     lows, highs = zip(*(np.transpose(extent) for extent in shared or [[(0.0, 1.0)] * len(names)]), strict=True)
     common = list(zip(np.fmin.reduce(lows), np.fmax.reduce(highs), strict=True))
@@ -336,8 +338,10 @@ def _extent(row: RowCurves, names: tuple[str, ...], isolated: IsolatedCurves | N
 
 def _legend_keys(plane: StoredPlane, rows: list[RowCurves], names: tuple[str, ...]) -> dict[str, Line2D]:
     """Text and key of everything that these rows show."""
-    kinds = {line_of(piece, lasting) for row in rows for piece, lasting in zip(row.pieces, row.lasting, strict=True)}
-    states = [ImpactState(code) for code in sorted({piece.impact for row in rows for piece in row.pieces})]
+    kinds = {
+        line_of(segment, lasting) for row in rows for segment, lasting in zip(row.segments, row.lasting, strict=True)
+    }
+    states = [ImpactState(code) for code in sorted({segment.impact for row in rows for segment in row.segments})]
     keys = {f"$I$ = {s.symbol}: {STATE_NAMES[s]}": Line2D([], [], color=_state_colour(s)) for s in states}
     for kind, (name, style) in LINES.items():
         if kind in kinds:

@@ -242,15 +242,17 @@ def _draw_extremes(axes: Axes, followed: Followed) -> None:
 def _draw_rms(axes: Axes, followed: Followed, curves: RowCurves) -> None:
     numbers = np.concatenate([run.quantities["rms"] for run in followed.runs.values()])
     rms, x = rms_along(curves), curves.points["position"]
-    stable = [rms[piece.slice] for piece in curves.pieces if piece.stable]
+    stable = [rms[segment.slice] for segment in curves.segments if segment.stable]
     seen = np.concatenate([numbers, *stable])
     seen = seen[np.isfinite(seen)]
     # A branch that runs away to the ceiling of amplitudes is not what is to be seen here.
     top = min(np.max(seen, initial=0.0), 1.6 * np.nanmax(numbers, initial=0.0)) or 1.0
     axes.set_ylim(0.0, 1.06 * top)
     for kind, (_, style) in LINES.items():
-        pieces = [p for p, lasting in zip(curves.pieces, curves.lasting, strict=True) if line_of(p, lasting) == kind]
-        lines = [np.column_stack([x[piece.slice], rms[piece.slice]]) for piece in pieces]
+        segments = [
+            p for p, lasting in zip(curves.segments, curves.lasting, strict=True) if line_of(p, lasting) == kind
+        ]
+        lines = [np.column_stack([x[segment.slice], rms[segment.slice]]) for segment in segments]
         more = {**style, "zorder": 2, "capstyle": "butt"}
         axes.add_collection(LineCollection(lines, colors=_MAP, linewidth=0.9, **more), autolim=False)
     _draw_runs(axes, followed, "rms")
@@ -304,7 +306,7 @@ def _legend_keys(plane: StoredPlane, followed: Followed, curves: RowCurves) -> d
         keys[_NAMES[direction]] = Line2D([], [], color=_COLOURS[direction], **style)
     if any(np.isfinite(run.jumps).any() for run in followed.runs.values()):
         keys["jump"] = Line2D([], [], color="0.3", linewidth=0.9, linestyle=_JUMP)
-    kinds = {line_of(piece, lasting) for piece, lasting in zip(curves.pieces, curves.lasting, strict=True)}
+    kinds = {line_of(segment, lasting) for segment, lasting in zip(curves.segments, curves.lasting, strict=True)}
     for kind, (name, style) in LINES.items():
         if kind in kinds:
             keys[f"map: {name}"] = Line2D([], [], color=_MAP, linewidth=0.9, linestyle=style["linestyle"])

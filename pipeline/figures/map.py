@@ -66,7 +66,7 @@ def draw_map(plane: StoredPlane) -> Drawing:
     Drawing
     """
     sweep = plane.plan.sweep
-    zooms = [panel_of(plane, window) for window in coexistence_windows(plane.pieces, sweep.low, sweep.high)]
+    zooms = [panel_of(plane, window) for window in coexistence_windows(plane.segments, sweep.low, sweep.high)]
     whole = panel_of(plane)
     below = ZOOM_HEIGHT + BETWEEN + lift(plane) if zooms else 0.0
     figure, main, labels = with_main_panel(plane, [whole, *zooms], below, True)

@@ -67,7 +67,7 @@ def draw_multipliers(plane: StoredPlane, values: list[float]) -> Drawing:
         circle.set(xlim=(-_MOST, _MOST), ylim=(-_MOST, _MOST), xlabel=r"Re $\mu$" if last else "", ylabel=r"Im $\mu$")
         for axes in (moduli, circle):
             axes.tick_params(labelbottom=last)
-        if row.pieces:
+        if row.segments:
             _draw_moduli(moduli, row)
             _draw_circle(circle, row)
         else:
@@ -89,8 +89,8 @@ def _draw_moduli(axes: Axes, row: RowCurves) -> None:
     axes.add_collection(
         LineCollection(
             [
-                np.column_stack([x[piece.slice], sizes[piece.slice, k]])
-                for piece in row.pieces
+                np.column_stack([x[segment.slice], sizes[segment.slice, k]])
+                for segment in row.segments
                 for k in range(sizes.shape[1] - 1)
             ],
             **_OTHERS,
@@ -98,10 +98,10 @@ def _draw_moduli(axes: Axes, row: RowCurves) -> None:
         autolim=False,
     )
     axes.axhline(1.0, **_UNIT)
-    for piece, lasts in zip(row.pieces, row.lasting, strict=True):
-        _, style = LINES[piece.stable, bool(lasts)]
-        colour = _colour(piece.impact)
-        axes.plot(x[piece.slice], sizes[piece.slice, -1], color=colour, linewidth=1.1, **style)
+    for segment, lasts in zip(row.segments, row.lasting, strict=True):
+        _, style = LINES[segment.stable, bool(lasts)]
+        colour = _colour(segment.impact)
+        axes.plot(x[segment.slice], sizes[segment.slice, -1], color=colour, linewidth=1.1, **style)
     for events, style in MARKS.values():
         here = np.isin(row.points["event"], [event for event in events if event in _EVENTS])
         if np.any(here):
@@ -113,9 +113,9 @@ def _draw_circle(axes: Axes, row: RowCurves) -> None:
     axes.plot(np.cos(angle), np.sin(angle), **_UNIT)
     axes.axhline(0.0, color="0.85", linewidth=0.5, zorder=0)
     axes.axvline(0.0, color="0.85", linewidth=0.5, zorder=0)
-    for piece in row.pieces:
-        if piece.stable:
-            found = row.multipliers[piece.slice].ravel()
+    for segment in row.segments:
+        if segment.stable:
+            found = row.multipliers[segment.slice].ravel()
             axes.plot(
                 found.real,
                 found.imag,
@@ -123,7 +123,7 @@ def _draw_circle(axes: Axes, row: RowCurves) -> None:
                 marker="o",
                 markersize=1.4,
                 markeredgewidth=0.0,
-                color=_colour(piece.impact),
+                color=_colour(segment.impact),
                 zorder=3,
             )
 
@@ -134,12 +134,12 @@ def _colour(impact: int) -> str:
 
 def _legend_keys(rows: list[RowCurves]) -> dict[str, Line2D]:
     """Text and key of everything that these rows show."""
-    states = sorted({piece.impact for row in rows for piece in row.pieces})
+    states = sorted({segment.impact for row in rows for segment in row.segments})
     keys = {
         f"$I$ = {ImpactState(code).symbol}: {STATE_NAMES[ImpactState(code)]}": Line2D([], [], color=_colour(code))
         for code in states
     }
-    kinds = {line_of(piece, lasts) for row in rows for piece, lasts in zip(row.pieces, row.lasting, strict=True)}
+    kinds = {line_of(segment, lasts) for row in rows for segment, lasts in zip(row.segments, row.lasting, strict=True)}
     for kind, (name, style) in LINES.items():
         if kind in kinds:
             keys[f"largest, {name}"] = Line2D([], [], color="0.3", linestyle=style["linestyle"])

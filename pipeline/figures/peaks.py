@@ -29,13 +29,15 @@ def resonance_peaks(rows: Sequence[RowCurves], dynamic: bool = False) -> np.ndar
     """
     peaks = np.full((len(rows), 2, 2), np.nan)
     for number, row in enumerate(rows):
-        pieces = row.pieces
+        segments = row.segments
         if dynamic:
-            pieces = [replace(piece, stable=bool(lasts)) for piece, lasts in zip(pieces, row.lasting, strict=True)]
-        if not pieces:
+            segments = [
+                replace(segment, stable=bool(lasts)) for segment, lasts in zip(segments, row.lasting, strict=True)
+            ]
+        if not segments:
             continue
         for mode, resonance in enumerate(resonances_of(*row.modes)):
-            peak = resonance_peak(row.points, pieces, resonance.low, resonance.high)
+            peak = resonance_peak(row.points, segments, resonance.low, resonance.high)
             if peak:
                 peaks[number, mode] = peak.omega, peak.amplitude
     return peaks

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.plane.segments import Piece, labels_at
+from pipeline.plane.segments import BranchSegment, labels_at
 
 __all__ = ["coexistence_windows"]
 
@@ -12,13 +12,13 @@ _GAP, _MARGIN, _NARROWEST, _WIDEST = 0.05, 0.012, 0.05, 0.3
 _MOST = 2
 
 
-def coexistence_windows(pieces: list[list[Piece]], low: float, high: float) -> list[tuple[float, float]]:
+def coexistence_windows(segments: list[list[BranchSegment]], low: float, high: float) -> list[tuple[float, float]]:
     """The widest stretches of `low` ... `high` with two or more stable solutions in some row, at most two, ascending.
 
     One that takes up much of the axis anyway is left out.
     """
     borders = np.linspace(low, high, _SAMPLES + 1)
-    _, n = labels_at(pieces, 0.5 * (borders[1:] + borders[:-1]))
+    _, n = labels_at(segments, 0.5 * (borders[1:] + borders[:-1]))
     several = np.flatnonzero(np.any(n >= 2, axis=0))
     if several.size == 0:
         return []

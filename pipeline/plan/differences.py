@@ -19,7 +19,7 @@ _ENDS = {"low": "min", "high": "max"}
 
 
 def by_key(numbers: Mapping) -> dict[str, object]:
-    """What `Plan.numbers` holds, by the keys of the configuration.
+    """What `Plan.inputs` holds, by the keys of the configuration.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def of_typed(settings: Settings, plan: Plan) -> str:
     """
     if not any(map(settings.overridden, ("gear", "plane", "solver", "store", "quality"))):
         return ""
-    asked, stored = by_key(asked_numbers(settings)), by_key(plan.numbers)
+    asked, stored = by_key(asked_numbers(settings)), by_key(plan.inputs)
     axes = {kind_of(plan).key(axis.name) for axis in plan.axes}
     stored, asked = _in_the_same_units(stored, asked)
     keys = [key for key in asked.keys() | stored.keys() if _asks_for(settings, key, axes)]

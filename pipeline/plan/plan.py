@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.plan.axes import ROLES, Axis
 from pipeline.plan.row_blocks import Block, RowBlocks
 
-__all__ = ["SCHEMA_VERSION", "Block", "Plan", "numbers_digest", "plan_of"]
+__all__ = ["SCHEMA_VERSION", "Block", "Plan", "fingerprint_of", "plan_of"]
 
 #: Raised when stored numbers would no longer mean the same; part of the configuration's digest. Only stores of this
 #: version are read.
@@ -61,7 +61,7 @@ class Plan:
     kind: str = "bevel"
 
     @property
-    def numbers(self) -> dict:
+    def inputs(self) -> dict:
         """Everything that changes numbers, as plain data; what they mean in physical units included, where they do."""
         numbers = json.loads(json.dumps(asdict(self)))
         usual = {"physical": None, "thermal": None, "parameter2": None, "kind": "bevel"}
@@ -71,9 +71,9 @@ class Plan:
         return numbers
 
     @property
-    def digest(self) -> str:
+    def fingerprint(self) -> str:
         """Digest of `numbers`."""
-        return numbers_digest(self.numbers)
+        return fingerprint_of(self.inputs)
 
     @property
     def row_axes(self) -> tuple[Axis, ...]:
@@ -167,13 +167,13 @@ class Plan:
         return self.rows * (self.sweep.num * (solution * self.max_solutions + 8) + (53 + extra) * self.max_points)
 
 
-def numbers_digest(numbers: dict) -> str:
+def fingerprint_of(numbers: dict) -> str:
     """Digest of what changes numbers, the same on every machine."""
     text = json.dumps({"schema": SCHEMA_VERSION, **numbers}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def plan_of(numbers: dict) -> Plan:
-    """The plan that `Plan.numbers` came from; a store keeps it, so that only the sweep needs a configuration."""
+    """The plan that `Plan.inputs` came from; a store keeps it, so that only the sweep needs a configuration."""
     axes = {role: Axis(**numbers[role]) for role in ROLES if role in numbers}
     return Plan(**{**numbers, **axes})

@@ -101,7 +101,7 @@ def _parts(settings: Settings) -> dict:
 
 
 def asked_numbers(settings: Settings) -> dict:
-    """What a configuration asks for, as `Plan.numbers` has it, whether or not it makes a plane as a whole.
+    """What a configuration asks for, as `Plan.inputs` has it, whether or not it makes a plane as a whole.
 
     The gear still has what an axis replaces.
 

@@ -67,9 +67,9 @@ class Arcs:
         lower, upper = np.minimum(first, last), np.maximum(first, last)
         begin, stop = np.searchsorted(values, lower, side="right"), np.searchsorted(values, upper, side="right")
         count = stop - begin
-        piece = np.repeat(np.arange(number.size), count)
-        line = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + begin[piece]
-        number, low, high, rises = number[piece], low[piece], high[piece], rises[piece]
+        segment = np.repeat(np.arange(number.size), count)
+        line = np.arange(segment.size) - np.repeat(np.cumsum(count) - count, count) + begin[segment]
+        number, low, high, rises = number[segment], low[segment], high[segment], rises[segment]
         a, b, u, p = self._powers(axis, number)
         level, t = values[line], 0.5 * (low + high)
         for _ in range(_MOST_STEPS):

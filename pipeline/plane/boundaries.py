@@ -97,7 +97,7 @@ def read_boundaries(path: Path, plan: Plan, layer: int | None = None) -> StoredB
         Of a volume, which has boundaries layer by layer.
     """
     group = groups.open_group(path, GROUP)
-    if group is None or group.attrs["configuration_hash"] != plan.digest:
+    if group is None or group.attrs["configuration_hash"] != plan.fingerprint:
         return None
     digest, here, inside = group.attrs["events_hash"], slice(None), slice(None)
     if plan.parameter2 is not None:

@@ -159,9 +159,10 @@ class _StoredLabels:
         """What the branches of a row say at ascending places, also of dynamic stability."""
         branches = curves_at(self.plane, float(self.plane.rows[row]))
         lasting = [
-            replace(piece, stable=bool(lasts)) for piece, lasts in zip(branches.pieces, branches.lasting, strict=True)
+            replace(segment, stable=bool(lasts))
+            for segment, lasts in zip(branches.segments, branches.lasting, strict=True)
         ]
-        static, dynamic = (labels_at([pieces], x)[0][0].astype(int) for pieces in (branches.pieces, lasting))
+        static, dynamic = (labels_at([segments], x)[0][0].astype(int) for segments in (branches.segments, lasting))
         return [int(code) for code in stability_code(static, dynamic, False)]
 
 

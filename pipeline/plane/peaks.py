@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.plane.segments import Piece
+from pipeline.plane.segments import BranchSegment
 from solver import Event, Model, enumerate_row
 
 __all__ = ["HALF_POWER", "Peak", "resonance_peak", "solved"]
@@ -30,23 +30,25 @@ class Peak:
     fold: bool
 
 
-def resonance_peak(points: dict[str, np.ndarray], pieces: list[Piece], low: float, high: float) -> Peak | None:
+def resonance_peak(
+    points: dict[str, np.ndarray], segments: list[BranchSegment], low: float, high: float
+) -> Peak | None:
     """The highest peak between two frequencies that stands out, None where there is none.
 
     Parameters
     ----------
     points : dict
         Name -> (point,) array of one row's branches: position (the frequency), amplitude, branch, event.
-    pieces : list of Piece
+    segments : list of BranchSegment
         Of the same row.
     low, high : float
         The part low <= omega < high of the axis that belongs to the resonance.
     """
-    omega, envelope = _envelope(points, pieces)
+    omega, envelope = _envelope(points, segments)
     part = np.flatnonzero((low <= omega) & (omega < high))
     if part.size == 0:
         return None
-    candidates = [peak for peak in _crests(points, pieces) if low <= peak.omega < high]
+    candidates = [peak for peak in _crests(points, segments) if low <= peak.omega < high]
     for peak in sorted(candidates, key=lambda peak: -peak.amplitude):
         first, last = _run(omega, envelope, part, peak.omega, HALF_POWER * peak.amplitude)
         inside = envelope[first : last + 1]
@@ -81,27 +83,27 @@ def solved(model: Model, peak: Peak) -> Peak:
     return Peak(float(omega), amplitude, False)
 
 
-def _envelope(points: dict[str, np.ndarray], pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
+def _envelope(points: dict[str, np.ndarray], segments: list[BranchSegment]) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies of all branch points, ascending, and the largest stable amplitude there, nan where nothing is."""
     omega = np.unique(points["position"])
     envelope = np.full(omega.size, np.nan)
-    for piece in pieces:
-        if not piece.stable:
+    for segment in segments:
+        if not segment.stable:
             continue
-        place, height = points["position"][piece.slice], points["amplitude"][piece.slice]
+        place, height = points["position"][segment.slice], points["amplitude"][segment.slice]
         order = np.argsort(place)
         here = slice(*np.searchsorted(omega, [place[order[0]], place[order[-1]]], side="left") + np.array([0, 1]))
         envelope[here] = np.fmax(envelope[here], np.interp(omega[here], place[order], height[order]))
     return omega, envelope
 
 
-def _crests(points: dict[str, np.ndarray], pieces: list[Piece]) -> list[Peak]:
+def _crests(points: dict[str, np.ndarray], segments: list[BranchSegment]) -> list[Peak]:
     """Local maxima of the stable amplitude along the branches: at folds, and between points by a parabola."""
     position, amplitude, branch = points["position"], points["amplitude"], points["branch"]
     stable = np.zeros(position.size, dtype=bool)
-    for piece in pieces:
+    for segment in segments:
         # With the fold at its end: the event point itself counts as neither stable nor unstable.
-        stable[piece.slice] |= piece.stable
+        stable[segment.slice] |= segment.stable
     before, after = np.arange(-1, position.size - 1), np.arange(1, position.size + 1)
     for first, last in zip(*(np.flatnonzero(np.diff(branch, **{s: -1})) for s in ("prepend", "append")), strict=True):
         closed = last > first + 2 and (position[first], amplitude[first]) == (position[last], amplitude[last])

@@ -9,7 +9,7 @@ from pipeline.config.quantities import QUANTITIES
 from pipeline.plan.numerics import System, balance_of, continuation_of, row_of, row_system, seeds_of, sweep_axis
 from pipeline.plan.plan import Plan
 from pipeline.plane.resonances import contact_modes
-from pipeline.plane.segments import Piece, pieces_of_row
+from pipeline.plane.segments import BranchSegment, segments_of_row
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import COMPLETE, FAILED
 from solver import EndReason, RowError
@@ -58,9 +58,9 @@ class RowCurves:
         return tuple(natural for natural, _ in contact_modes(self.system))
 
     @cached_property
-    def pieces(self) -> list[Piece]:
+    def segments(self) -> list[BranchSegment]:
         """The branches cut at their events."""
-        return pieces_of_row(self.points, *dead_zone_ends(self.system, self._axis, self.points["position"]))
+        return segments_of_row(self.points, *dead_zone_ends(self.system, self._axis, self.points["position"]))
 
     @cached_property
     def _quantities(self) -> np.ndarray:
@@ -94,15 +94,15 @@ class RowCurves:
 
     @cached_property
     def lasting(self) -> np.ndarray:
-        """Whether the motions of a piece are dynamically stable, (piece,) bool: from one in its middle.
+        """Whether the motions of a segment are dynamically stable, (segment,) bool: from one in its middle.
 
         A multiplier beyond +1 is left to static stability, as in labels.
         """
-        inner = np.array([(piece.start + piece.stop - 1) // 2 for piece in self.pieces], dtype=int)
-        stable = np.array([piece.stable for piece in self.pieces], dtype=bool)
+        inner = np.array([(segment.start + segment.stop - 1) // 2 for segment in self.segments], dtype=int)
+        stable = np.array([segment.stable for segment in self.segments], dtype=bool)
         if not np.any(stable):
             return stable
-        left, right = inner[stable], np.array([piece.stop for piece in self.pieces])[stable] - 1
+        left, right = inner[stable], np.array([segment.stop for segment in self.segments])[stable] - 1
         # Two events may be neighbours: their middle is taken.
         right = np.where(left + 1 < right, left, np.minimum(left + 1, right))
         position, motion = (

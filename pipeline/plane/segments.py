@@ -1,4 +1,4 @@
-"""Branches cut at their events: pieces along which stability and impact state are constant."""
+"""Branches cut at their events: segments along which stability and impact state are constant."""
 
 from dataclasses import dataclass
 
@@ -7,17 +7,17 @@ import numpy as np
 from solver import Event, domain_code
 from solver.contact.impact import impact_of_range
 
-__all__ = ["Piece", "labels_at", "pieces_of_row"]
+__all__ = ["BranchSegment", "labels_at", "segments_of_row"]
 
 _TURNS = (Event.FOLD, Event.BRANCH_POINT)
 
 
 @dataclass(frozen=True)
-class Piece:
-    """Points `start` ... `stop` - 1 of a row; neighbouring pieces share the event point between them.
+class BranchSegment:
+    """Points `start` ... `stop` - 1 of a row; neighbouring segments share the event point between them.
 
-    Between folds a branch is monotonic in the swept parameter, so that a stable piece is exactly one stable solution at
-    every value from `low` to `high`.
+    Between folds a branch is monotonic in the swept parameter, so that a stable segment is exactly one stable solution
+    at every value from `low` to `high`.
     """
 
     start: int
@@ -33,7 +33,7 @@ class Piece:
         return slice(self.start, self.stop)
 
 
-def pieces_of_row(points: dict[str, np.ndarray], back: np.ndarray, front: np.ndarray) -> list[Piece]:
+def segments_of_row(points: dict[str, np.ndarray], back: np.ndarray, front: np.ndarray) -> list[BranchSegment]:
     """Cut the branches of one row.
 
     Parameters
@@ -45,25 +45,25 @@ def pieces_of_row(points: dict[str, np.ndarray], back: np.ndarray, front: np.nda
 
     Returns
     -------
-    list of Piece
+    list of BranchSegment
         In the order of the points.
     """
     position, event, branch = points["position"], points["event"], points["branch"]
     first, last = (np.flatnonzero(np.diff(branch, **{side: -1})) for side in ("prepend", "append"))
     bounds = np.unique(np.concatenate([first, np.flatnonzero(event != Event.NONE), last]))
-    pieces = []
+    segments = []
     for start, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         if branch[start] != branch[end]:
             continue
-        # The state of an event point is the boundary's; a piece takes its own from a regular point of it.
+        # The state of an event point is the boundary's; a segment takes its own from a regular point of it.
         inside = next((i for i in (start + 1, start, end) if i <= end and event[i] == Event.NONE), None)
         if inside is not None:
             stable, impact = bool(points["stable"][inside]), int(points["impact"][inside])
         else:
             stable, impact = _stable_between(points, start), _impact_between(points, back, front, start)
         low, high = sorted((float(position[start]), float(position[end])))
-        pieces.append(Piece(start, end + 1, low, high, stable, impact))
-    return pieces
+        segments.append(BranchSegment(start, end + 1, low, high, stable, impact))
+    return segments
 
 
 def _stable_between(points: dict[str, np.ndarray], start: int) -> bool:
@@ -85,14 +85,14 @@ def _impact_between(points: dict[str, np.ndarray], back: np.ndarray, front: np.n
     return int(impact_of_range(mean - amplitude, mean + amplitude, low, high))
 
 
-def labels_at(pieces: list[list[Piece]], positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def labels_at(segments: list[list[BranchSegment]], positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Codes of the n/I labels at any positions on the sweep axis, not only the stored ones.
 
-    Nothing is solved or interpolated: events are located exactly, so that a piece either covers a position or does not.
+    Nothing is solved or interpolated: events are located exactly, so that a segment covers a position or does not.
 
     Parameters
     ----------
-    pieces : list of list of Piece
+    segments : list of list of BranchSegment
         Per row.
     positions : (k,) array
         Ascending.
@@ -103,12 +103,12 @@ def labels_at(pieces: list[list[Piece]], positions: np.ndarray) -> tuple[np.ndar
     n : (P, k) uint8 array
         Number of stable solutions.
     """
-    n = np.zeros((len(pieces), positions.size), dtype=np.uint8)
+    n = np.zeros((len(segments), positions.size), dtype=np.uint8)
     states = np.zeros(n.shape, dtype=np.uint8)
-    for row, row_pieces in enumerate(pieces):
-        for piece in row_pieces:
-            if piece.stable:
-                here = slice(*np.searchsorted(positions, (piece.low, piece.high)))
+    for row, row_segments in enumerate(segments):
+        for segment in row_segments:
+            if segment.stable:
+                here = slice(*np.searchsorted(positions, (segment.low, segment.high)))
                 n[row, here] += 1
-                states[row, here] |= 1 << piece.impact
+                states[row, here] |= 1 << segment.impact
     return domain_code(n, states), n

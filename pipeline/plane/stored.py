@@ -13,7 +13,7 @@ from pipeline.plan.plan import Block, Plan
 from pipeline.plan.scales import scales_of
 from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
 from pipeline.plane.resonances import contact_modes
-from pipeline.plane.segments import Piece, pieces_of_row
+from pipeline.plane.segments import BranchSegment, segments_of_row
 from pipeline.store import COMPLETE, read_plan
 from pipeline.store.files import files_at
 from solver import Scales, domain_code
@@ -244,9 +244,9 @@ class StoredPlane:
         return np.array([row + [np.nan] * (most - len(row)) for row in rows]).reshape(len(rows), most)
 
     @cached_property
-    def pieces(self) -> list[list[Piece]]:
+    def segments(self) -> list[list[BranchSegment]]:
         """Per row, its branches cut at folds and grazings."""
-        return [self.row_pieces(row) for row in range(self.rows.size)]
+        return [self.row_segments(row) for row in range(self.rows.size)]
 
     def along(self, name: str) -> np.ndarray:
         """An array of the branches, (P, point, ...), as far as any row uses the room for points; read anew."""
@@ -256,11 +256,11 @@ class StoredPlane:
         """The branch points of one row, without the unused room behind them."""
         return {name: array[row, : self.n_points[row]] for name, array in self.points.items()}
 
-    def row_pieces(self, row: int) -> list[Piece]:
+    def row_segments(self, row: int) -> list[BranchSegment]:
         """The branches of one row cut at folds and grazings."""
         points = self.row_points(row)
         system, axis = row_system(self.plan, self.rows[row]), sweep_axis(self.plan)
-        return pieces_of_row(points, *dead_zone_ends(system, axis, points["position"]))
+        return segments_of_row(points, *dead_zone_ends(system, axis, points["position"]))
 
     @property
     def _within(self) -> slice:

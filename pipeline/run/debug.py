@@ -1,4 +1,4 @@
-"""The stage debug: one row computed again in this process, with a diary of its continuation; no store is touched."""
+"""The stage debug: one row computed again in this process, with a trace of its continuation; no store is touched."""
 
 from time import perf_counter
 
@@ -22,12 +22,12 @@ def _check(job: Job) -> None:
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
-    from pipeline.run import trace_log as diary
+    from pipeline.run import trace_log
 
     warm_up_for(job, reporter)
     begin, row = perf_counter(), job.settings.config.debug.row
-    found = diary.row_diary(job.store_path, job.plan, row)
-    sheets = diary.write_sheets(found, job.settings.output_root / "debug" / job.settings.store_name)
+    found = trace_log.row_trace(job.store_path, job.plan, row)
+    sheets = trace_log.write_sheets(found, job.settings.output_root / "debug" / job.settings.store_name)
     for text in found.failed:
         reporter.line(f"debug: row {row} fails: {text}")
     reporter.line(

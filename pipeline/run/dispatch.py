@@ -1,7 +1,8 @@
 """Blocks of rows given out to workers: in batches of about a second, a few at a time, again where an attempt failed.
 
-What can fail is a row: it raises, hangs, or takes its process with it. Each attempt is noted (`pipeline.store.tries`),
-so that the third one of the same row gives up on that row alone and the rest of its block is stored.
+What can fail is a row: it raises, hangs, or takes its process with it. Each attempt is noted
+(`pipeline.store.attempts`), so that the third one of the same row gives up on that row alone and the rest of its block
+is stored.
 """
 
 from collections import deque
@@ -13,8 +14,8 @@ from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.rows import Outcome, Receipt, sweep_blocks
 from pipeline.run.workforce import Task, Workforce
+from pipeline.store.attempts import MOST_ATTEMPTS
 from pipeline.store.lock import check_held
-from pipeline.store.tries import MOST_TRIES
 
 __all__ = ["Batches", "Pace", "dispatch"]
 
@@ -130,7 +131,7 @@ class Batches:
         given_up = []
         for block in blocks:
             losses = self._losses[block] = self._losses.get(block, 0) + 1
-            if losses > MOST_TRIES * (block.stop - block.start):
+            if losses > MOST_ATTEMPTS * (block.stop - block.start):
                 given_up.append(block)
             else:
                 self._retry.append((block, avoid))

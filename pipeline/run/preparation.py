@@ -23,7 +23,7 @@ from pipeline.run.stage import Stage
 from pipeline.run.workforce import Workforce
 from pipeline.stages import STAGES
 from pipeline.store.files import files_at
-from pipeline.store.lock import holding
+from pipeline.store.lock import exclusive_lock
 
 __all__ = ["prepare", "run_plane_stages", "run_shared_stages", "stored_plan"]
 
@@ -121,7 +121,7 @@ def _refuse_other(settings: Settings, path: Place, wanted: Plan) -> None:
         store.check(path, wanted)
     except StoreError:
         # What is there may be no store at all, which is then what there is to say.
-        changes = differences(by_key(store.read_layout(path, going_on=True).plan.numbers), by_key(wanted.numbers))
+        changes = differences(by_key(store.read_layout(path, going_on=True).plan.inputs), by_key(wanted.inputs))
         raise other_numbers(settings, path, changes) from None
 
 
@@ -173,7 +173,7 @@ def run_plane_stages(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     with contextlib.ExitStack() as held:
         try:
             with workforce.aside() if wait else contextlib.nullcontext():
-                waited = held.enter_context(holding(job.store_path, wait, reporter.line))
+                waited = held.enter_context(exclusive_lock(job.store_path, wait, reporter.line))
         except Unreachable as error:
             raise StoreError(str(error)) from None
         remove_left_overs(job.store_path)

@@ -13,7 +13,7 @@ from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.plan.plan import Block, Plan
 from pipeline.run.admission import worker_address
 from pipeline.run.kernels import ready_for_rows
-from pipeline.store.tries import Tries
+from pipeline.store.attempts import AttemptLog
 from solver import Balance, Continuation, Row, RowError
 from solver.rows.seeds import Seeds
 
@@ -117,30 +117,30 @@ def sweep_block(path: Place | str, plan: Plan, block: Block, limit: float | None
         kept, lost = store.kept_rows(path, plan, block), ""
     except DamagedError as error:
         kept, lost = {}, error.what
-    with Tries(path, block.start, limit) as tries:
+    with AttemptLog(path, block.start, limit) as attempts:
         for index in range(block.start, block.stop):
             if index in kept:
                 rows.append(None)
                 continue
-            verdict = tries.verdict(index)
+            verdict = attempts.verdict(index)
             if verdict is not None:
                 rows.append(verdict)
                 continue
             try:
-                with tries.attempt(index):
+                with attempts.attempt(index):
                     rows.append(stored_row(*plan.row(index), balance, continuation, seeds))
             except RowError as error:
                 # Foreseen, and the same on every worker.
                 rows.append(str(error))
             except Exception as error:
-                tries.raised(index, f"{type(error).__name__}: {error}")
-                verdict = tries.verdict(index)
+                attempts.raised(index, f"{type(error).__name__}: {error}")
+                verdict = attempts.verdict(index)
                 if verdict is None:
                     raise RowTrouble(f"row {index}: {type(error).__name__}: {error}") from error
                 rows.append(verdict)
         values = [kept[block.start + i] if row is None else store.row_values(plan, row) for i, row in enumerate(rows)]
         store.write_block(path, plan, block, values)
-        tries.forget()
+        attempts.forget()
     failures = tuple((block.start + i, row) for i, row in enumerate(rows) if isinstance(row, str))
     points = sum(len(curve.points) for row in rows if isinstance(row, Row) for curve in row.curves)
     return Receipt(block, failures, points, perf_counter() - begin, lost)

@@ -14,12 +14,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import dask
-from dask_jobqueue.slurm import SLURMCluster
 from distributed import Scheduler, Security
 
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError
 from pipeline.run.cluster_settings import jobs_of
+from pipeline.run.jobqueue import SLURMCluster
 from pipeline.run.libraries import with_own_dask
 from pipeline.run.local_cluster import LOOPBACK, ONE_THREAD, QuietScheduler
 from pipeline.run.slurm_jobs import Job, Jobs

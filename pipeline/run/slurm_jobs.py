@@ -16,11 +16,11 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from pathlib import Path
 
-from dask_jobqueue.slurm import SLURMCluster, SLURMJob
 from distributed import Status
 
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError, shown
+from pipeline.run.jobqueue import SLURMCluster, SLURMJob
 from pipeline.run.processes import deaf_to_interrupts
 
 __all__ = ["Job", "Jobs", "give_back"]

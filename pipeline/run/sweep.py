@@ -16,10 +16,10 @@ from pipeline.run.stage import Stage
 from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
+from pipeline.store.attempts import forget_attempts
 from pipeline.store.files import files_at
 from pipeline.store.names import STORE_FILE
 from pipeline.store.repair import remove_left_overs
-from pipeline.store.tries import forget_tries
 
 __all__ = ["STAGE", "compute"]
 
@@ -102,7 +102,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
         Seconds that getting ready took, for the report.
     """
     path, rows, ready = job.store_path, sum(block.stop - block.start for block in blocks), perf_counter()
-    forget_tries(path)
+    forget_attempts(path)
     lost, points = _run_blocks(job, blocks, workforce, reporter, RowProgress(reporter, rows))
     if not lost:
         lost += [
@@ -128,7 +128,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
         count, cells = proven
         left = f", {cells - count:,} are not" if count < cells else ""
         reporter.line(f"sweep: {count:,} of {cells:,} cells proven{left}")
-    forget_tries(path)
+    forget_attempts(path)
     return 1 if failed or lost else 0
 
 

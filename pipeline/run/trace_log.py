@@ -1,4 +1,4 @@
-"""The diary of one row: its continuation step by step, as text to read and as CSV to plot."""
+"""The log of one row: its continuation step by step, as text to read and as CSV to plot."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,13 +10,13 @@ from pipeline.run.sheets import csv_text, write_files
 from solver import EndReason, Event, Row, RowError
 from solver.continuation.trace_log import LoggedContinuation, Outcome, Trace
 
-__all__ = ["RowDiary", "row_diary", "write_sheets"]
+__all__ = ["RowTrace", "row_trace", "write_sheets"]
 
 _COLUMNS = ("trace", "step", "outcome", "length", "iterations", "stray", "angle", "points", "events")
 
 
 @dataclass(frozen=True)
-class RowDiary:
+class RowTrace:
     """What happened in one row.
 
     Parameters
@@ -53,8 +53,8 @@ class RowDiary:
         return (self.result,) if isinstance(self.result, str) else ()
 
 
-def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
-    """Compute one row again, in this process, and keep a diary; nothing is written.
+def row_trace(path: Path, plan: Plan, index: int) -> RowTrace:
+    """Compute one row again, in this process, and keep a log of it; nothing is written.
 
     Parameters
     ----------
@@ -76,14 +76,14 @@ def row_diary(path: Path, plan: Plan, index: int) -> RowDiary:
     except RowError as error:
         result = str(error)
     except Exception as error:
-        # Whatever it is, the diary up to there is what was asked for.
+        # Whatever it is, the log up to there is what was asked for.
         result = f"{type(error).__name__}: {error}"
-    return RowDiary(plan, index, stored, tuple(recording.traces), result)
+    return RowTrace(plan, index, stored, tuple(recording.traces), result)
 
 
-def write_sheets(diary: RowDiary, folder: Path) -> list[Path]:
+def write_sheets(row: RowTrace, folder: Path) -> list[Path]:
     """Write `row-<n>.txt` and `row-<n>.csv`; the same bytes from the same row."""
-    return write_files(folder, {f"row-{diary.index}.txt": _text(diary), f"row-{diary.index}.csv": _csv(diary)})
+    return write_files(folder, {f"row-{row.index}.txt": _text(row), f"row-{row.index}.csv": _csv(row)})
 
 
 def _unknowns(trace: Trace) -> list[str]:
@@ -112,10 +112,10 @@ def _events(trace: Trace) -> list[str]:
     return found
 
 
-def _csv(diary: RowDiary) -> str:
+def _csv(row: RowTrace) -> str:
     """One line a step."""
-    names, lines = _unknowns(diary.traces[0]) if diary.traces else [], []
-    for number, trace in enumerate(diary.traces):
+    names, lines = _unknowns(row.traces[0]) if row.traces else [], []
+    for number, trace in enumerate(row.traces):
         steps, events = trace.steps, _events(trace)
         for k in range(steps.outcome.size):
             lines.append(
@@ -135,17 +135,17 @@ def _csv(diary: RowDiary) -> str:
     return csv_text([*_COLUMNS, "parameter", *names], lines)
 
 
-def _text(diary: RowDiary) -> str:
+def _text(row: RowTrace) -> str:
     """For a reader."""
-    plan, axis = diary.plan, diary.plan.sweep
+    plan, axis = row.plan, row.plan.sweep
     lines = [
-        f"{plan.row_text(diary.index)}: {axis.name} from {axis.low:g} to {axis.high:g}; {diary.stored}",
+        f"{plan.row_text(row.index)}: {axis.name} from {axis.low:g} to {axis.high:g}; {row.stored}",
         f"balance {plan.solver['balance']}, order {plan.solver['order']}, corrector {plan.solver['corrector']}; "
         f"seeds: certify={plan.solver['certify']}",
     ]
-    for number, trace in enumerate(diary.traces):
+    for number, trace in enumerate(row.traces):
         lines += ["", *_trace_lines(number, trace)]
-    lines += ["", *_outcome_lines(diary)]
+    lines += ["", *_outcome_lines(row)]
     return "\n".join(lines) + "\n"
 
 
@@ -179,12 +179,12 @@ def _trace_lines(number: int, trace: Trace) -> list[str]:
     ]
 
 
-def _outcome_lines(diary: RowDiary) -> list[str]:
-    if isinstance(diary.result, str):
-        return [f"the row fails: {diary.result}"]
+def _outcome_lines(row: RowTrace) -> list[str]:
+    if isinstance(row.result, str):
+        return [f"the row fails: {row.result}"]
     lines = []
-    for number, curve in enumerate(diary.result.curves):
+    for number, curve in enumerate(row.result.curves):
         events = [Event(int(kind)).name.lower() for kind in curve.event if kind != Event.NONE]
         ends = " / ".join(EndReason(end).name.lower() for end in curve.ends)
         lines.append(f"branch {number}: {len(curve.points)} points, ends {ends}; {', '.join(events) or 'no events'}")
-    return [*lines, *diary.result.notes]
+    return [*lines, *row.result.notes]

@@ -133,7 +133,7 @@ def write_block(path: Place, plan: Plan, block: Block, rows: list[RowValues]) ->
     """
     files = files_at(path)
     told = _attributes(files)
-    if told.get("configuration_hash") != plan.digest:
+    if told.get("configuration_hash") != plan.fingerprint:
         raise _other(files)
     place, contents = plan.place(block), {}
     for name, layout in row_layouts(plan).items():

@@ -197,10 +197,10 @@ def check(path: Place, plan: Plan) -> bool:
     files = files_at(path)
     if not files.exists() or _left_over(files):
         return False
-    stored = read_layout(path, going_on=True).plan.numbers
-    if stored == plan.numbers:
+    stored = read_layout(path, going_on=True).plan.inputs
+    if stored == plan.inputs:
         return True
-    old, new = _flatten(stored), _flatten(plan.numbers)
+    old, new = _flatten(stored), _flatten(plan.inputs)
     keys = [key for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
     changes = "; ".join(f"{key}: stored {old.get(key, 'nothing')}, asked {new.get(key, 'nothing')}" for key in keys)
     raise StoreError(

@@ -17,7 +17,7 @@ from pathlib import Path
 from pipeline.config.places import ObjectPlace, Place
 from pipeline.errors import StoreError
 
-__all__ = ["check_held", "holding", "let_go", "lock_path"]
+__all__ = ["check_held", "exclusive_lock", "let_go", "lock_path"]
 
 _EVERY = 0.2
 #: Lock files that this process holds.
@@ -29,7 +29,7 @@ def lock_path(path: Path) -> Path:
     return path.with_name(f".{path.name}.lock")
 
 
-def holding(path: Place, wait: bool, say: Callable[[str], None]) -> contextlib.AbstractContextManager[bool]:
+def exclusive_lock(path: Place, wait: bool, say: Callable[[str], None]) -> contextlib.AbstractContextManager[bool]:
     """Hold the store at `path` for writing, while in the block.
 
     Parameters

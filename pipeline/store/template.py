@@ -44,8 +44,8 @@ def create(path: Place, plan: Plan, name: str, configuration: str) -> None:
             "title": f"Solution domain {name}: {' x '.join(axis.name for axis in plan.axes)}",
             "bevelmap_schema": SCHEMA_VERSION,
             "configuration": configuration,
-            "numbers": json.dumps(plan.numbers, sort_keys=True),
-            "configuration_hash": plan.digest,
+            "numbers": json.dumps(plan.inputs, sort_keys=True),
+            "configuration_hash": plan.fingerprint,
             "versions": _versions(),
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
         }

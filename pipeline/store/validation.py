@@ -14,7 +14,7 @@ __all__ = ["validate_plan"]
 
 
 def validate_plan(numbers: dict) -> Plan:
-    """The plan that `Plan.numbers` came from.
+    """The plan that `Plan.inputs` came from.
 
     Raises
     ------

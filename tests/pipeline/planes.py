@@ -57,7 +57,7 @@ def small_plan(*overrides: str, columns: int = 41, rows: int = 5) -> Plan:
 def small_store(path: Path, plan: Plan, blocks=None) -> Path:
     """A store with the template and the given blocks; unless told, a copy of one with all, swept once in a session."""
     if blocks is None:
-        whole = made_once(f"swept-{plan.digest}", lambda folder: small_store(folder / _WHOLE, plan, plan.blocks))
+        whole = made_once(f"swept-{plan.fingerprint}", lambda folder: small_store(folder / _WHOLE, plan, plan.blocks))
         return shutil.copytree(whole / _WHOLE, path)
     store.create(path, plan, "plane", "configuration: test\n")
     for block in blocks:
@@ -71,7 +71,7 @@ def traced_store(path: Path, plan: Plan) -> Path:
     def trace(folder: Path) -> None:
         boundaries.trace(small_store(folder / _WHOLE, plan), plan)
 
-    return shutil.copytree(made_once(f"traced-{plan.digest}", trace) / _WHOLE, path)
+    return shutil.copytree(made_once(f"traced-{plan.fingerprint}", trace) / _WHOLE, path)
 
 
 def retold(path: Path, **changes) -> None:

@@ -27,7 +27,7 @@ def grid(plane):
 
 def test_by_name_and_by_path(plane, monkeypatch):
     assert pipeline.open_plane("omega_fe", root=plane.path.parent).plan == plane.plan
-    assert pipeline.open_plane(str(plane.path)).attributes["configuration_hash"] == plane.plan.digest
+    assert pipeline.open_plane(str(plane.path)).attributes["configuration_hash"] == plane.plan.fingerprint
     assert isinstance(plane.tree, xr.DataTree) and set(plane.tree.children) == {"branches", "boundaries"}
     monkeypatch.chdir(plane.path.parent)
     with pytest.raises(StoreError, match="there is no store at"):

@@ -107,9 +107,11 @@ def group_of(path: Path, grid: Grid, options: Attractors, made_from: bytes) -> R
         )
     }
     settings = _settings(options)
-    text = json.dumps({"numbers": plan.digest, "rows": grid.rows, "columns": grid.columns, **settings}, sort_keys=True)
+    text = json.dumps(
+        {"numbers": plan.fingerprint, "rows": grid.rows, "columns": grid.columns, **settings}, sort_keys=True
+    )
     attributes = {
-        "configuration_hash": plan.digest,
+        "configuration_hash": plan.fingerprint,
         "made_from": hashlib.sha256(text.encode() + made_from).hexdigest()[:16],
         "bound": bound(options.starts),
         **settings,

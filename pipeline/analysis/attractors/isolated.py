@@ -217,7 +217,7 @@ def _dataset(plan: Plan, found: "xarray.Dataset", results: list, order: int) -> 
         f"isolated_{parameter}": (point, column("row", "float64"), store.axis_attributes(parameter)),
         f"isolated_row_{parameter}": ("isolated_row", values, store.axis_attributes(parameter)),
     }
-    return xarray.Dataset(variables, places, {"configuration_hash": plan.digest, "order": order})
+    return xarray.Dataset(variables, places, {"configuration_hash": plan.fingerprint, "order": order})
 
 
 def read_isolated(path: Path) -> "xarray.Dataset | None":

@@ -157,7 +157,7 @@ def _nearest_motions(path: Path, plan: Plan, x: float, p: float) -> np.ndarray:
 def run_places(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     """The stage, where places are given; an exit status."""
     path, plan, options, begin = job.store_path, job.plan, job.settings.config.attractors, perf_counter()
-    text = json.dumps({"numbers": plan.digest, **_settings(options)}, sort_keys=True)
+    text = json.dumps({"numbers": plan.fingerprint, **_settings(options)}, sort_keys=True)
     origin = hashlib.sha256(text.encode() + store.statuses(path).tobytes()).hexdigest()[:16]
     found = read_places(path)
     done = found is not None and found.attrs["made_from"] == origin
@@ -254,7 +254,7 @@ def _dataset(plan: Plan, options: Attractors, points, places: list, messages: li
         for i, axis in enumerate((plan.sweep, plan.parameter))
     }
     settings = {key: value for key, value in _settings(options).items() if value is not None and key != "points"}
-    attributes = {"configuration_hash": plan.digest, "bound": bound(options.starts), **settings}
+    attributes = {"configuration_hash": plan.fingerprint, "bound": bound(options.starts), **settings}
     return xarray.Dataset(variables, coordinates, attributes)
 
 

@@ -17,9 +17,9 @@ from pipeline.analysis.attractors.tasks import Gains, Receipt, Spec, continue_bl
 from pipeline.errors import StoreError, WorkerLost
 from pipeline.plan.row_blocks import Block
 from pipeline.run.workforce import Task, Workforce
+from pipeline.store.attempts import MOST_ATTEMPTS, forget_attempts
 from pipeline.store.lock import check_held
 from pipeline.store.row_groups import RowGroup
-from pipeline.store.tries import MOST_TRIES, forget_tries
 
 __all__ = ["Progress", "run_rounds"]
 
@@ -87,15 +87,15 @@ def run_rounds(spec: Spec, workforce: Workforce, progress: Progress) -> list[str
         If the scheduler goes away, or a block cannot be read or written: the next one could not either.
     """
     group, lost = spec.group, []
-    forget_tries(group.folder.place)
+    forget_attempts(group.folder.place)
     layer = group.rows.of_layer
     for first in range(0, group.rows.rows, layer):
-        blocks = group.rows.holding(Block(first, first + layer))
+        blocks = group.rows.exclusive_lock(Block(first, first + layer))
         lost += _run_layer(spec, group, blocks, workforce, progress)
         if lost:
             break
     if not lost:
-        forget_tries(group.folder.place)
+        forget_attempts(group.folder.place)
     return lost
 
 
@@ -173,7 +173,7 @@ def _run(function: Callable, tasks: dict[Block, tuple], workforce: Workforce) ->
     for task, result in workforce.serve(function, take):
         block = task.arguments[1]
         check_held(task.arguments[0].group.store)
-        if isinstance(result, WorkerLost) and losses[block] < MOST_TRIES * (block.stop - block.start):
+        if isinstance(result, WorkerLost) and losses[block] < MOST_ATTEMPTS * (block.stop - block.start):
             losses[block] += 1
             waiting.append(block)
         elif isinstance(result, OSError | StoreError):

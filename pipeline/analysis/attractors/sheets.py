@@ -122,7 +122,7 @@ def _markdown(path: Path, plan: Plan, found, lines: list[Line], name: str) -> st
     x, p = (f"{axis.name} = {axis.low:g}–{axis.high:g}" for axis in (plan.sweep, plan.parameter))
     told = found.attrs
     notes = [
-        f"Plane: {x}, {p}; {found.n_attractors.size} cells integrated; configuration_hash {plan.digest}; balance "
+        f"Plane: {x}, {p}; {found.n_attractors.size} cells integrated; configuration_hash {plan.fingerprint}; balance "
         f"{plan.solver['balance'].replace('_', ' ')}, order {plan.solver['order']}.",
         *(
             f"{text[0].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"

@@ -21,8 +21,8 @@ from pipeline.plan.plan import Plan
 from pipeline.plan.row_blocks import Block
 from pipeline.plan.traits import contact_system
 from pipeline.run.kernels import ready_for_attractors
+from pipeline.store.attempts import AttemptLog
 from pipeline.store.row_groups import RowGroup
-from pipeline.store.tries import Tries
 from solver.timedomain import AttractorRow, continue_attractors, find_attractors
 
 __all__ = ["MAP", "Gains", "Receipt", "Spec", "continue_block", "gains_of_row", "map_motions", "search_block"]
@@ -152,7 +152,7 @@ def _computed(
     """Compute some rows of a block and write all of it; `values` is what was known of them."""
     ready_for_attractors()
     begin, gains, failures = perf_counter(), {}, []
-    with Tries(group.folder.place, block.start, spec.limit) as tries:
+    with AttemptLog(group.folder.place, block.start, spec.limit) as tries:
         for row in rows:
             plane, _, value = spec.grid.place(row)
             reason = tries.verdict(row)

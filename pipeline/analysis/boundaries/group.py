@@ -118,5 +118,5 @@ def write_boundaries(path: Path, plan: Plan, boundaries: StoredBoundaries | Sequ
     }
     # Places are coordinates; as plain variables they would be hidden by the plane's axes of the same names.
     places = (plan.sweep.name, plan.parameter.name)
-    attributes = {"configuration_hash": plan.digest, "events_hash": digests if volume else digests[0]}
+    attributes = {"configuration_hash": plan.fingerprint, "events_hash": digests if volume else digests[0]}
     groups.write_group(path, GROUP, groups.Arrays(variables, places, attributes))

@@ -44,10 +44,10 @@ def diagram_sheets(followed: Followed, curves: RowCurves, stem: str) -> dict[str
                 points.add(direction, value, point)
     branches = _Table(("branch", sweep, "rms", "stable", "lasting"), scales)
     rms = rms_along(curves)
-    for piece, lasting in zip(curves.pieces, curves.lasting, strict=True):
-        for i in range(piece.start, piece.stop):
+    for segment, lasting in zip(curves.segments, curves.lasting, strict=True):
+        for i in range(segment.start, segment.stop):
             place = int(curves.points["branch"][i]), float(curves.points["position"][i])
-            branches.add(*place, float(rms[i]), int(piece.stable), int(lasting))
+            branches.add(*place, float(rms[i]), int(segment.stable), int(lasting))
     return {f"{stem}.csv": steps.text(), f"{stem}-points.csv": points.text(), f"{stem}-branches.csv": branches.text()}
 
 

@@ -77,7 +77,7 @@ def integrated(path: Path, plan: Plan, x: tuple[float, float], p: tuple[float, f
         None where the store has no attractors of its rows as they are.
     """
     group = groups.open_group(path, GROUP)
-    if group is None or group.attrs["configuration_hash"] != plan.digest:
+    if group is None or group.attrs["configuration_hash"] != plan.fingerprint:
         return None
     axes = (plan.parameter, p), (plan.sweep, x)
     values = [group[axis.name][...] for axis, _ in axes]

@@ -59,7 +59,7 @@ def row_peaks(plane: StoredPlane, rows: np.ndarray) -> dict[int, tuple[RowPeak, 
 
 
 def _at_both(part: StoredPlane, row: int) -> tuple[RowPeak, RowPeak]:
-    value, points, pieces = float(part.rows[row]), part.row_points(row), part.row_pieces(row)
+    value, points, segments = float(part.rows[row]), part.row_points(row), part.row_segments(row)
     model = model_at(part.plan, value, part.plan.sweep.low)
     branch, last = points["branch"], points["branch"].size - 1
     first = [np.searchsorted(branch, number) for number in range(int(branch.max(initial=-1)) + 1)]
@@ -67,7 +67,7 @@ def _at_both(part: StoredPlane, row: int) -> tuple[RowPeak, RowPeak]:
     escapes = points["position"][places[part.end_reason[row][: len(places)] == EndReason.AMPLITUDE_CEILING]]
 
     def at(resonance) -> RowPeak:
-        peak = resonance_peak(points, pieces, resonance.low, resonance.high)
+        peak = resonance_peak(points, segments, resonance.low, resonance.high)
         escaped = np.any((resonance.low <= escapes) & (escapes < resonance.high))
         return RowPeak(value, resonance.natural, peak and solved(model, peak), bool(escaped))
 

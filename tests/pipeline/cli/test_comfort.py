@@ -21,7 +21,7 @@ from pipeline.config.compose import compose, conf_folder
 from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import balance_of, continuation_of, row_of, seeds_of
 from pipeline.run.progress import Reporter
-from pipeline.run.trace_log import row_diary
+from pipeline.run.trace_log import row_trace
 from pipeline.stages import STAGES
 from pipeline.store import listing as listings
 from solver import Event
@@ -162,7 +162,7 @@ def test_list_knows_groups_size_hash_and_age(folder):
     planned = store.read_plan(path)
     boundaries.trace(path, planned)
     (entry,) = listings.listing(path.parent).entries
-    assert entry.groups == ("boundaries",) and entry.digest == planned.digest
+    assert entry.groups == ("boundaries",) and entry.digest == planned.fingerprint
     assert entry.size == sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
     assert 0.0 <= entry.age < 3600.0
 
@@ -241,7 +241,7 @@ def test_a_diary_shows_why_a_row_fails(tmp_path, monkeypatch, capsys):
 def test_the_diary_is_of_the_very_row(folder):
     path = folder / "outputs/store/omega_fe.zarr"
     planned = store.read_plan(path)
-    found = row_diary(path, planned, 2)
+    found = row_trace(path, planned, 2)
     row = row_of(
         planned, found.value, balance_of(planned.solver), continuation_of(planned.solver), seeds_of(planned.solver)
     )

@@ -98,11 +98,11 @@ def test_names_that_some_system_refuses(name):
 
 
 def test_everything_a_plan_does_not_need_leaves_its_digest_alone():
-    digest = plan(compose([])).digest
+    digest = plan(compose([])).fingerprint
     for override in ("cluster=none", "output.root=x", "figures.dpi=50", "stages=[sweep]", "store.name=y"):
-        assert plan(compose([override])).digest == digest
+        assert plan(compose([override])).fingerprint == digest
     for override in ("gear.b=0.9", "plane.sweep.num=401", "solver.corrector=broyden", "store.max_points=4096"):
-        assert plan(compose([override])).digest != digest
+        assert plan(compose([override])).fingerprint != digest
 
 
 def test_any_scalar_may_be_an_axis():

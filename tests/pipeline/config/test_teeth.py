@@ -35,7 +35,7 @@ def test_the_stiffness_of_the_teeth_is_the_gears():
     teeth = found.physical["teeth"]
     assert teeth["contact_ratio"] == mesh.contact_ratio and teeth["estimate"] == iso_6336_stiffness(mesh)
     # As a store has it.
-    assert plan_of(json.loads(json.dumps(found.numbers))) == found
+    assert plan_of(json.loads(json.dumps(found.inputs))) == found
     (line,) = [line for line in warnings(found) if line.startswith("teeth")]
     for number in (f"{mesh.contact_ratio:.4g}", f"{mesh.mean_stiffness / 1e6:.4g} N/um"):
         assert number in line
@@ -75,7 +75,7 @@ def test_other_plans_keep_nothing_of_teeth():
 
 
 def test_a_difference_is_said_by_the_keys():
-    stored, asked = (by_key(drawn(*GEOMETRY, f"tooth.profile_shift=[{x},-{x}]").numbers) for x in (0.1, 0.2))
+    stored, asked = (by_key(drawn(*GEOMETRY, f"tooth.profile_shift=[{x},-{x}]").inputs) for x in (0.1, 0.2))
     assert "gear.physical.mesh_stiffness" in differences(stored, asked)
 
 

@@ -197,7 +197,7 @@ def test_a_store_keeps_the_physical_gear(tmp_path):
     path = small_store(tmp_path / "plane.zarr", found, blocks=[])
     read = store.read_plan(path)
     assert read == found and scales_of(read) == scales_of(found) and store.check(path, found)
-    assert plan_of(json.loads(json.dumps(found.numbers))).digest == found.digest
+    assert plan_of(json.loads(json.dumps(found.inputs))).fingerprint == found.fingerprint
     other = small_plan("gear=differential", "gear.physical.torque=121 N*m", columns=11, rows=2)
     with pytest.raises(ConfigurationError, match="physical.gear.torque: stored 120.0, asked 121.0"):
         store.check(path, other)
@@ -205,7 +205,7 @@ def test_a_store_keeps_the_physical_gear(tmp_path):
 
 def test_dimensionless_plans_know_nothing_of_units():
     found = small_plan()
-    assert found.physical is None and "physical" not in found.numbers and scales_of(found) is None
+    assert found.physical is None and "physical" not in found.inputs and scales_of(found) is None
     code = (
         "import sys; from pipeline.config.compose import compose; from pipeline.plan.planning import plan, warnings; "
     )
@@ -274,4 +274,4 @@ def test_a_mistake_is_one_line_status_2_and_nothing_written(typed, said, tmp_pat
 def test_several_gears_at_once_have_stores_of_their_own():
     names = [compose([f"gear={gear}"]).store_name for gear in EXAMPLES]
     assert names == ["omega_fe-miter", "omega_fe-differential"]
-    assert plan(compose(["gear=miter"])).digest != plan(compose(["gear=differential"])).digest
+    assert plan(compose(["gear=miter"])).fingerprint != plan(compose(["gear=differential"])).fingerprint

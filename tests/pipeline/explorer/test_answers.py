@@ -90,8 +90,12 @@ def test_what_was_asked_is_kept_and_what_is_changed_is_another_answer():
 
 
 def test_a_changed_plan_is_the_one_that_a_user_would_configure():
-    for name, value in (("b", 0.5), ("f_pm", 0.7), ("variation_rotation", 0.5), ("xi_mesh", 0.02)):
-        key = next(one.key for one in fixed_parameters(PLAN) if one.name == name)
+    for name, key, value in (
+        ("b", "gear.b", 0.5),
+        ("f_pm", "gear.f_pm", 0.7),
+        ("variation_rotation", "gear.variation.rotation", 0.5),
+        ("xi_mesh", "gear.xi_mesh", 0.02),
+    ):
         typed = small_plan("plane=omega_fe", f"{key}={value}", columns=20, rows=3)
         model, _ = point_of(changed_plan(PLAN, {name: value}), 0.2, 0.6)
         assert dataclasses.asdict(model) == dataclasses.asdict(point_of(typed, 0.2, 0.6)[0]), name

@@ -38,7 +38,7 @@ def test_branches_have_their_values_colours_and_dashes(plane, row, quantity, phy
     entries = fill_curves(found, [row], frame.x, quantity=quantity, scales=frame.scales)
     data = source_of(found, "branches").data
     scale = frame.scales[QUANTITIES[quantity].scale].shown if physical and QUANTITIES[quantity].scale else 1.0
-    # Every piece is a part of the line of its kind, between gaps.
+    # Every segment is a part of the line of its kind, between gaps.
     drawn = {}
     for state, standing, colour, dash, *line in zip(
         *(data[name] for name in ("state", "standing", "colour", "dash", "xs", "ys")), strict=True
@@ -47,13 +47,13 @@ def test_branches_have_their_values_colours_and_dashes(plane, row, quantity, phy
         drawn[state, standing] = np.split(points, np.flatnonzero(np.isnan(points[:, 1])))
         assert dash == "" if standing == LINES[True, True][0] else dash
         assert colour == hex_colour(state_colour(state[4 : state.index(":")]))
-    for piece, lasts in zip(row.pieces, row.lasting.tolist(), strict=True):
-        symbol = ImpactState(piece.impact).symbol
-        (kind,) = (one for one in drawn if one[0][4:].startswith(symbol) and one[1] == LINES[piece.stable, lasts][0])
+    for segment, lasts in zip(row.segments, row.lasting.tolist(), strict=True):
+        symbol = ImpactState(segment.impact).symbol
+        (kind,) = (one for one in drawn if one[0][4:].startswith(symbol) and one[1] == LINES[segment.stable, lasts][0])
         part = drawn[kind].pop(0)
         part = part[np.isfinite(part[:, 0])]
-        np.testing.assert_allclose(part[:, 0], row.points["position"][piece.slice] * frame.x.size, rtol=1e-6)
-        np.testing.assert_allclose(part[:, 1], row.values(quantity)[piece.slice] * scale, rtol=1e-6)
+        np.testing.assert_allclose(part[:, 0], row.points["position"][segment.slice] * frame.x.size, rtol=1e-6)
+        np.testing.assert_allclose(part[:, 1], row.values(quantity)[segment.slice] * scale, rtol=1e-6)
     assert not any(drawn.values()) and len({standing for _, standing in drawn}) >= 2
     events = source_of(found, "events").data
     folds = np.array(events["x"])[np.array(events["marker"]) == "circle"]

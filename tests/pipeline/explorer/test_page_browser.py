@@ -113,7 +113,7 @@ def test_curves_are_those_of_the_row_next_to_a_click(page, plane):
         f"Array.from({drawn}.data_source.data.xs, line => Array.from(line)).flat().filter(Number.isFinite).length"
     )
     number = int(np.argmin(np.abs(plane.rows - values[row])))
-    assert points == sum(piece.stop - piece.start for piece in stored_row(plane, number).pieces)
+    assert points == sum(segment.stop - segment.start for segment in stored_row(plane, number).segments)
     assert page.evaluate(f"{MAP}.center.find(one => one.name === 'row').location") == values[row]
     page.locator("#rows [data-row='0']").click()
     assert page.evaluate(f"{drawn}.tags") == [0]

@@ -1,6 +1,5 @@
 """The server of pages: for this machine and its own pages alone; what happens to its store is a line of text."""
 
-import asyncio
 import html
 import json
 import re
@@ -8,7 +7,6 @@ import shutil
 import socket
 import time
 import urllib.request
-from concurrent.futures import ThreadPoolExecutor
 
 import psutil
 import pytest
@@ -18,6 +16,7 @@ from tornado.websocket import websocket_connect
 from pipeline.__main__ import main
 from pipeline.explorer import stage
 from tests.pipeline.explorer.serving import SIZES, served_plane
+from tests.pipeline.talk import done
 
 #: Seconds until a page shows what it was asked for.
 _PATIENCE = 60
@@ -41,12 +40,6 @@ def told_by(url: str, page: str) -> str:
 
     gather(json.loads(content))
     return "\n".join(found)
-
-
-def done(talk):
-    """What comes of talking with the server; in a thread, as a browser of other tests has a loop in this one."""
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, talk).result()
 
 
 async def pulled(url: str, page: str) -> str:

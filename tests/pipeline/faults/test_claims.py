@@ -314,7 +314,7 @@ def test_a_thermal_plane_of_many_rows_is_checked_at_some_of_them(monkeypatch):
     from pipeline.plan import planning
 
     plan = small_plan("plane=omega_temperature", "gear=miter", columns=9, rows=4)
-    numbers = plan.numbers
+    numbers = plan.inputs
     numbers["parameter"]["num"] = 5000
     many: Plan = plan_of(numbers)
     seen, honest = [], planning.model_at

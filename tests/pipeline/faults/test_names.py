@@ -197,7 +197,7 @@ def test_known_names_are_those_that_zarr_makes(copy):
         "c",
     ):
         assert not STORE_FILE.fullmatch(name) and not GROUP_FILE.fullmatch(name)
-    assert all(map(is_name, (*store.read_plan(copy).numbers["gear"], "mean")))
+    assert all(map(is_name, (*store.read_plan(copy).inputs["gear"], "mean")))
 
 
 def test_removal_stops_before_anything_unknown(tmp_path):

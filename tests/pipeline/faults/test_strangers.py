@@ -1,6 +1,5 @@
 """Who can reach the processes of `cluster=local`: nobody without the key of the run, and on no port too many."""
 
-import asyncio
 import os
 import socket
 import ssl
@@ -14,6 +13,7 @@ from distributed.comm import connect
 
 from pipeline.run.workforce import Workforce
 from tests.pipeline.planes import cluster
+from tests.pipeline.talk import done
 
 WORKERS = 1
 #: The scheduler's port, and for each worker its own and its nanny's.
@@ -60,7 +60,7 @@ def answers(address: str, security: Security) -> bool:
         await comm.close()
         return True
 
-    return asyncio.run(shake_hands())
+    return done(shake_hands())
 
 
 def said(place, words: bytes, context: ssl.SSLContext | None = None) -> bytes:
@@ -115,7 +115,7 @@ def test_a_worker_without_the_key_cannot_join(started, stranger):
         await Worker(workforce._connection.address, security=stranger, nthreads=1, death_timeout=2)
 
     with pytest.raises((OSError, TimeoutError)):
-        asyncio.run(join())
+        done(join())
     assert workforce._connection.workers() == before
 
 

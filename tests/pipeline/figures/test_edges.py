@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from pipeline.figures.edges import curves_along, label_edges
-from pipeline.plane.segments import pieces_of_row
+from pipeline.plane.segments import segments_of_row
 from solver import Event
 
 # Edges
@@ -87,7 +87,7 @@ def test_pieces_share_event_points_and_ignore_their_state():
         impact=[0, 0, 1, 1, 1, 2, 2],
         mean=[2.0, 2.0, 1.0, 1.0, 1.0, 0.0, 0.0],
     )
-    pieces = pieces_of_row(points, -np.ones(7), np.ones(7))
+    pieces = segments_of_row(points, -np.ones(7), np.ones(7))
     assert [(p.start, p.stop, p.low, p.high, p.stable, p.impact) for p in pieces] == [
         (0, 2, 0.0, 1.0, True, 0),
         # Between two events: stability from before the fold, impact state from half-way.
@@ -95,9 +95,9 @@ def test_pieces_share_event_points_and_ignore_their_state():
         (2, 5, 1.0, 2.0, False, 1),
         (5, 7, 3.0, 4.0, True, 2),
     ]
-    assert pieces_of_row({name: array[:0] for name, array in points.items()}, np.empty(0), np.empty(0)) == []
+    assert segments_of_row({name: array[:0] for name, array in points.items()}, np.empty(0), np.empty(0)) == []
 
 
 def test_pieces_between_two_folds():
     points = row(position=[0.0, 2.0, 1.0, 3.0], stable=[1, 0, 0, 1], event=[0, Event.FOLD, Event.FOLD, 0])
-    assert [piece.stable for piece in pieces_of_row(points, -np.ones(4), np.ones(4))] == [True, False, True]
+    assert [piece.stable for piece in segments_of_row(points, -np.ones(4), np.ones(4))] == [True, False, True]

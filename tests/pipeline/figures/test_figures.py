@@ -120,22 +120,22 @@ def test_options_not_allowed(made, tmp_path, curves, formats, dpi, message):
 
 def test_pieces_give_the_stored_raster(plane):
     """Labels from the exactly located events are those of the solved cells."""
-    code, n = labels_at(plane.pieces, plane.plan.sweep.values)
-    # The last column is the end of every piece.
+    code, n = labels_at(plane.segments, plane.plan.sweep.values)
+    # The last column is the end of every segment.
     np.testing.assert_array_equal(code[:, :-1], plane.domain[:, :-1])
     np.testing.assert_array_equal(n[:, :-1], plane.n_stable[:, :-1])
 
 
 def test_windows(plane):
     low, high = plane.plan.sweep.low, plane.plan.sweep.high
-    windows = coexistence_windows(plane.pieces, low, high)
+    windows = coexistence_windows(plane.segments, low, high)
     assert len(windows) == 2
     x = np.linspace(low, high, 3001)
-    several = x[np.any(labels_at(plane.pieces, x)[1] >= 2, axis=0)]
+    several = x[np.any(labels_at(plane.segments, x)[1] >= 2, axis=0)]
     assert all(any(left <= value <= right for left, right in windows) for value in several)
-    assert coexistence_windows([[] for _ in plane.pieces], low, high) == []
+    assert coexistence_windows([[] for _ in plane.segments], low, high) == []
     # Two everywhere is no narrow region.
-    assert coexistence_windows([pieces + pieces for pieces in plane.pieces], low, high) == []
+    assert coexistence_windows([segments + segments for segments in plane.segments], low, high) == []
 
 
 # Figures
@@ -192,14 +192,14 @@ def test_a_row_that_is_solved_is_the_stored_one(plane):
     assert stored.points.keys() == solved.points.keys() and stored.ends == solved.ends
     for name, array in stored.points.items():
         np.testing.assert_allclose(solved.points[name], array, rtol=0.0, atol=1e-9, err_msg=name)
-    assert [piece.impact for piece in stored.pieces] == [piece.impact for piece in solved.pieces]
+    assert [segment.impact for segment in stored.segments] == [segment.impact for segment in solved.segments]
     np.testing.assert_array_equal(stored.lasting, solved.lasting)
     x, looked = plane.plan.sweep.values, 0
-    for piece, lasting in zip(stored.pieces, stored.lasting, strict=True):
-        inside = np.flatnonzero((x > piece.low) & (x < piece.high))
-        if not piece.stable or not inside.size:
+    for segment, lasting in zip(stored.segments, stored.lasting, strict=True):
+        inside = np.flatnonzero((x > segment.low) & (x < segment.high))
+        if not segment.stable or not inside.size:
             continue
-        place, height = (stored.points[name][piece.slice] for name in ("position", "amplitude"))
+        place, height = (stored.points[name][segment.slice] for name in ("position", "amplitude"))
         order = np.argsort(place)
         for column in inside:
             amplitude = np.interp(x[column], place[order], height[order])
@@ -378,12 +378,12 @@ def test_backbones_are_drawn_once_at_round_values(tmp_path):
     for axes in figure.axes[:2]:
         lines = [line for line in axes.lines if line.get_linewidth() > 1.0]
         assert len(lines) == 3
-        pieces = {
+        segments = {
             tuple(np.round(end, 9))
             for line in lines
             for end in zip(line.get_xdata()[:-1], line.get_ydata()[:-1], line.get_xdata()[1:], strict=True)
         }
-        assert len(pieces) == sum(len(line.get_xdata()) - 1 for line in lines)
+        assert len(segments) == sum(len(line.get_xdata()) - 1 for line in lines)
         dots = np.concatenate([found.get_offsets() for found in axes.collections])
         assert len(np.unique(np.round(dots, 6), axis=0)) == len(dots) > 0
     titles = [axes.get_title(loc="left") or axes.get_title() for axes in figure.axes[:2]]

@@ -23,7 +23,9 @@ DRIVE, FREE, BACK = (hex_colour(state_colour(state)) for state in ("0", "1", "2"
 def drawn(place, physical=False, cards=None):
     """The figure of a place and, card by card, the axes of time, force, phase and spectrum."""
     plan = plan_of(*place[2:])
-    folder = made_once(f"cards-{plan.digest}", lambda folder: small_store(folder / "plane.zarr", plan, plan.blocks[:1]))
+    folder = made_once(
+        f"cards-{plan.fingerprint}", lambda folder: small_store(folder / "plane.zarr", plan, plan.blocks[:1])
+    )
     plane = read_stored(folder / "plane.zarr", physical=physical)
     with own_style():
         figure = draw_motions(plane, found_at(*place), cards)

@@ -137,7 +137,9 @@ def test_curves_are_of_the_quantity_with_its_events(traced, name):
     drawn = np.concatenate(
         [path.vertices for c in main.collections if isinstance(c, LineCollection) for path in c.get_paths()]
     )
-    expected = np.concatenate([np.column_stack([row.points["position"], values])[piece.slice] for piece in row.pieces])
+    expected = np.concatenate(
+        [np.column_stack([row.points["position"], values])[segment.slice] for segment in row.segments]
+    )
     np.testing.assert_array_equal(np.unique(drawn, axis=0), np.unique(expected, axis=0))
     folds = row.points["event"] == Event.FOLD
     marked = next(line for line in main.lines if line.get_marker() == "o")

@@ -17,7 +17,7 @@ from pipeline.multirun.index import begun_index, read_index
 from pipeline.multirun.reporting import PlaneReporter, StudyProgress
 from pipeline.run import rows
 from pipeline.run.progress import Reporter, RowProgress
-from pipeline.store.lock import holding
+from pipeline.store.lock import exclusive_lock
 from tests.made_once import made_once
 
 SMALL = ["cluster=none", "plane.sweep.num=15", "plane.parameter.num=4"]
@@ -99,7 +99,7 @@ def test_a_plane_that_fails_does_not_stop_the_others(tmp_path, capsys, monkeypat
         patch.setattr(rows, "stored_row", fails)
         patch.setattr("pipeline.multirun.running.run_plane_stages", breaks)
         (tmp_path / "outputs/store").mkdir(parents=True)
-        with holding(tmp_path / "outputs/store/omega_fe-b=0.5.zarr", False, print):
+        with exclusive_lock(tmp_path / "outputs/store/omega_fe-b=0.5.zarr", False, print):
             assert main(["-m", "gear.b=0.5,0.6,0.7,0.8", *SWEPT]) == 1
     said = capsys.readouterr()
     (in_use, broken) = said.err.splitlines()

@@ -48,7 +48,7 @@ def test_every_axis_is_a_number_of_the_system(gear, name):
         found = planned(gear)
     else:
         found = planned(gear, f"plane.parameter.name={name}", "plane.parameter.min=0.3", "plane.parameter.max=0.9")
-    assert plan_of(found.numbers) == found
+    assert plan_of(found.inputs) == found
     start, x_axis, p_axis, *_ = frame_of(found)
     same(place_on(p_axis, 0.7, start)[0], model_at(found, 0.7, 1.0))
     same(row_system(found, 0.7), model_at(found, 0.7, 1.0))

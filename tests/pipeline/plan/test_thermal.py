@@ -41,7 +41,7 @@ def stored(tmp_path_factory):
 def test_laws_are_kept_in_si_units():
     swept = small_plan(*MITER)
     laws = swept.thermal
-    assert plan_of(json.loads(json.dumps(swept.numbers))) == swept
+    assert plan_of(json.loads(json.dumps(swept.inputs))) == swept
     assert (laws["length"], laws["reference"], laws["housing_share"]) == (pytest.approx(50e-6), 40.0, 0.5)
     # To mid face: (56.57 mm - 8 mm) cos 45.
     middle = (80e-3 / math.sqrt(2.0) - 8e-3) / math.sqrt(2.0)
@@ -235,5 +235,7 @@ def test_nothing_is_written_for_a_mistake(tmp_path, capsys):
 def test_other_planes_do_not_feel_the_laws():
     """Neither numbers nor digest of a plane that is not over temperature depend on gear.thermal."""
     one = plan(compose(["plane=omega_fe", "gear=miter"]))
-    assert one.thermal is None and "thermal" not in one.numbers
-    assert plan(compose(["plane=omega_fe", "gear=miter", "gear.thermal.reference=20 degC"])).digest == one.digest
+    assert one.thermal is None and "thermal" not in one.inputs
+    assert (
+        plan(compose(["plane=omega_fe", "gear=miter", "gear.thermal.reference=20 degC"])).fingerprint == one.fingerprint
+    )

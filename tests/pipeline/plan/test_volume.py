@@ -63,8 +63,8 @@ def test_blocks_number_rows_through_and_stay_within_layers():
 def test_a_layer_is_the_plane_that_one_would_ask_for():
     planned = plan(compose(ARGUMENTS))
     plane = plan(compose(["plane=omega_b", "gear.f_e=0.25", "plane.sweep.num=30", "plane.parameter.num=8"]))
-    assert planned.layer(1) == plane and planned.layer(1).digest == plane.digest
-    assert plan_of(json.loads(json.dumps(planned.numbers))) == planned
+    assert planned.layer(1) == plane and planned.layer(1).fingerprint == plane.fingerprint
+    assert plan_of(json.loads(json.dumps(planned.inputs))) == planned
     over = plan(
         compose(
             [
@@ -234,5 +234,5 @@ def test_mistakes_are_one_line(volume, tmp_path, capsys, arguments, said):
 
 def test_a_plane_keeps_its_digest():
     """A volume must not change what planes are known by; the digest is that of a plane of schema 4."""
-    assert plan(compose(["solver.certify=columns"])).digest == "1d1f200ff1501e68"
-    assert "parameter2" not in small_plan().numbers
+    assert plan(compose(["solver.certify=columns"])).fingerprint == "1d1f200ff1501e68"
+    assert "parameter2" not in small_plan().inputs

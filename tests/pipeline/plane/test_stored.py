@@ -70,7 +70,7 @@ def test_parts_make_up_the_whole(plane, volume, layer, monkeypatch):
     for name in (*_CELLS, *_MOTIONS, "status", "rows", "unstable", "contradictory", "end_reason"):
         joined = np.concatenate([getattr(part, name) for part in parts])
         np.testing.assert_array_equal(joined, getattr(whole, name), err_msg=name)
-    assert [pieces for part in parts for pieces in part.pieces] == whole.pieces
+    assert [segments for part in parts for segments in part.segments] == whole.segments
 
 
 def test_an_array_is_read_when_it_is_asked_for_and_once(plane, tmp_path):

@@ -11,7 +11,7 @@ from pipeline.plan.plan import Block
 from pipeline.run.dispatch import Batches, Pace, dispatch
 from pipeline.run.rows import Outcome, Receipt
 from pipeline.run.workforce import Task, Workforce
-from pipeline.store.tries import MOST_TRIES
+from pipeline.store.attempts import MOST_ATTEMPTS
 from tests.pipeline.planes import cluster, small_plan
 
 WORKERS = 2
@@ -98,7 +98,7 @@ def test_blocks_that_failed_come_again_alone_and_elsewhere_until_their_tries_are
     assert made.again(chosen[:2], "tcp://there:1") == []
     assert [made.take() for _ in range(2)] == [([block], "tcp://there:1") for block in chosen[:2]]
     assert len(made.take()[0]) == 50
-    given_up = [made.again(chosen[:1], None) for _ in range(2 * MOST_TRIES)]
+    given_up = [made.again(chosen[:1], None) for _ in range(2 * MOST_ATTEMPTS)]
     assert given_up[-1] == chosen[:1] and not any(given_up[:-1])
 
 
@@ -146,4 +146,4 @@ def test_a_block_whose_workers_are_always_lost_is_given_up(tmp_path):
     assert results.keys() == set(plan.blocks) and isinstance(results.pop(plan.blocks[5]), WorkerLost)
     assert all(isinstance(result, Receipt) for result in results.values())
     tries = sum(plan.blocks[5] in task.arguments[2] for task in workforce.tasks)
-    assert tries == MOST_TRIES * (plan.blocks[5].stop - plan.blocks[5].start) + 1
+    assert tries == MOST_ATTEMPTS * (plan.blocks[5].stop - plan.blocks[5].start) + 1

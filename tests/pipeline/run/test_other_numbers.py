@@ -123,7 +123,7 @@ def test_a_missing_store_is_answered_with_the_whole_command(tmp_path, monkeypatc
 @pytest.mark.parametrize("overrides", [[], ["gear=miter"], ["plane=b_fe"], ["plane=omega_b_fe"], ["solver=hb"]])
 def test_what_is_asked_is_what_is_planned(overrides):
     settings = compose(overrides)
-    asked, planned = by_key(asked_numbers(settings)), by_key(plan(settings).numbers)
+    asked, planned = by_key(asked_numbers(settings)), by_key(plan(settings).inputs)
     assert {key: value for key, value in planned.items() if value is not None} == {
         key: value for key, value in asked.items() if key in planned and value is not None
     }

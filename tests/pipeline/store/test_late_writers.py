@@ -15,7 +15,7 @@ from pipeline.errors import LeaseLost, StoreError
 from pipeline.store.arrays import row_layouts
 from pipeline.store.files import files_at
 from pipeline.store.lease import _HELD
-from pipeline.store.lock import holding
+from pipeline.store.lock import exclusive_lock
 from pipeline.store.names import STORE_FILE
 from tests.pipeline.planes import retold, small_plan, small_store
 
@@ -161,7 +161,7 @@ def test_nothing_is_written_after_another_client_took_over(stores):
     make(template(contents), place)
     block, lines = MINE.blocks[0], []
     before = files_at(place).versions()
-    with holding(place, False, lines.append) as waited:
+    with exclusive_lock(place, False, lines.append) as waited:
         assert not waited
         bucket = files_at(place)._bucket
         (lease,) = (one["path"] for one in obstore.list(bucket).collect() if one["path"].endswith(".lease"))

@@ -343,22 +343,22 @@ def test_a_damaged_group_in_blocks_is_set_aside_and_gone_on_with(monkeypatch, fo
 
 
 def test_attempts_are_noted_where_one_was_lost(place):
-    from pipeline.store.tries import MOST_TRIES, Tries, forget_tries
+    from pipeline.store.attempts import MOST_ATTEMPTS, AttemptLog, forget_attempts
 
-    for lost in range(MOST_TRIES + 1):
-        tries = Tries(place, 2, None)
+    for lost in range(MOST_ATTEMPTS + 1):
+        tries = AttemptLog(place, 2, None)
         # The first attempt only leaves that there was one; from then on each row is noted before it begins.
         assert tries.count(3) == max(0, lost - 1)
         tries.__enter__()
         with contextlib.suppress(Ended), tries.attempt(3):
             raise Ended
-    assert Tries(place, 2, None).verdict(3)
-    raising = Tries(place, 5, None)
+    assert AttemptLog(place, 2, None).verdict(3)
+    raising = AttemptLog(place, 5, None)
     with raising:
         raising.raised(5, "no\nway")
-    assert Tries(place, 5, None).count(5) == 1
-    forget_tries(place)
-    assert Tries(place, 2, None).count(3) == 0 and Tries(place, 5, None).count(5) == 0
+    assert AttemptLog(place, 5, None).count(5) == 1
+    forget_attempts(place)
+    assert AttemptLog(place, 2, None).count(3) == 0 and AttemptLog(place, 5, None).count(5) == 0
 
 
 def test_what_is_no_file_of_this_program_is_neither_removed_nor_overwritten(place):

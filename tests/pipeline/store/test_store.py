@@ -56,7 +56,7 @@ def test_schema(made):
     assert set(plane.data_vars) == {*kinds, "message"}
     assert np.all(plane.certified == 1) and store.proven_cells(path) == (6 * 61, 6 * 61)
     assert plane.attrs["bevelmap_schema"] == 4
-    assert plane.attrs["Conventions"].startswith("CF") and plane.attrs["configuration_hash"] == plan.digest
+    assert plane.attrs["Conventions"].startswith("CF") and plane.attrs["configuration_hash"] == plan.fingerprint
     assert {"numpy", "numba", "zarr", "bevelmap"} <= set(plane.attrs["versions"])
     assert plane.omega.attrs["units"] == "1" and plane.phase.attrs["units"] == "rad"
     assert zarr.open_group(path).metadata.zarr_format == 3
@@ -188,7 +188,7 @@ def test_something_else_is_refused_and_kept(tmp_path, kind):
 def test_a_store_gives_back_its_plan(made):
     plan, path = made
     assert store.read_plan(path) == plan
-    assert json.loads(xr.open_zarr(path).attrs["numbers"]) == plan.numbers
+    assert json.loads(xr.open_zarr(path).attrs["numbers"]) == plan.inputs
 
 
 def test_a_failed_row_is_recorded_and_the_others_go_on(tmp_path):

@@ -22,7 +22,7 @@ from pipeline.plane.labels import (
 )
 from pipeline.plane.peaks import Peak, resonance_peak, solved
 from pipeline.plane.resonances import resonances_of
-from pipeline.plane.segments import Piece
+from pipeline.plane.segments import BranchSegment
 from pipeline.plane.stored import StoredPlane
 from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
 from pipeline.study.tables import claims, classes
@@ -71,7 +71,7 @@ def test_what_counts_as_a_peak():
     omega = np.linspace(0.0, 2.0, 41)
 
     def peak(height, low=0.0, high=2.5):
-        return resonance_peak(one_branch(omega, height), [Piece(0, omega.size, 0.0, 2.0, True, 0)], low, high)
+        return resonance_peak(one_branch(omega, height), [BranchSegment(0, omega.size, 0.0, 2.0, True, 0)], low, high)
 
     bell = np.exp(-(((omega - 1.03) / 0.2) ** 2))
     found = peak(bell)
@@ -81,7 +81,9 @@ def test_what_counts_as_a_peak():
     assert peak(1.0 + 0.2 * bell) is None, "it never falls to half its power"
     assert peak(1.0 - omega / 2.0 + 0.3 * np.exp(-(((omega - 0.6) / 0.05) ** 2))) is None, "a shoulder"
     assert peak(bell, 3.0, 4.0) is None, "a part that the branch does not reach"
-    assert resonance_peak(one_branch(omega, bell), [Piece(0, 41, 0.0, 2.0, False, 0)], 0.0, 2.5) is None, "unstable"
+    assert resonance_peak(one_branch(omega, bell), [BranchSegment(0, 41, 0.0, 2.0, False, 0)], 0.0, 2.5) is None, (
+        "unstable"
+    )
 
 
 def test_a_peak_on_a_fold():
@@ -91,12 +93,12 @@ def test_a_peak_on_a_fold():
     amplitude = np.concatenate([np.linspace(0.1, 2.0, 21), falling])
     event = np.zeros(omega.size, int)
     event[[20, 30]] = Event.FOLD
-    pieces = [
-        Piece(0, 21, 0.5, 1.5, True, 0),
-        Piece(20, 31, 1.2, 1.5, False, 0),
-        Piece(30, omega.size, 1.2, 2.5, True, 0),
+    segments = [
+        BranchSegment(0, 21, 0.5, 1.5, True, 0),
+        BranchSegment(20, 31, 1.2, 1.5, False, 0),
+        BranchSegment(30, omega.size, 1.2, 2.5, True, 0),
     ]
-    found = resonance_peak(one_branch(omega, amplitude, event), pieces, 0.0, 3.0)
+    found = resonance_peak(one_branch(omega, amplitude, event), segments, 0.0, 3.0)
     assert found == Peak(1.5, 2.0, True) and solved(published(), found) is found
 
 

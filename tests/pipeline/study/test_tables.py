@@ -13,7 +13,7 @@ import xarray as xr
 from pipeline.errors import StoreError
 from pipeline.plane.peaks import resonance_peak, solved
 from pipeline.plane.resonances import common_resonances, resonances
-from pipeline.plane.segments import pieces_of_row
+from pipeline.plane.segments import segments_of_row
 from pipeline.plane.stored import StoredPlane
 from pipeline.study.tables.latex import escape, latex
 from pipeline.study.tables.markdown import markdown
@@ -267,7 +267,7 @@ def test_an_isola_has_its_peak():
         "branch": np.repeat([0, 1], [len(curve.points) for curve in curves]),
     }
     peak = resonance_peak(
-        points, pieces_of_row(points, *np.multiply.outer((-gear.b, gear.b), np.ones(len(unknowns)))), 0.0, 0.9
+        points, segments_of_row(points, *np.multiply.outer((-gear.b, gear.b), np.ones(len(unknowns)))), 0.0, 0.9
     )
     stable = closed.stable == 1
     assert peak.amplitude == pytest.approx(np.max(closed.amplitude[stable]), rel=2e-3)

@@ -47,7 +47,7 @@ def labels_at(model, x):
     return [domain_label(code) for code in codes]
 
 
-def row_pieces(axis, value, window=OMEGA):
+def row_segments(axis, value, window=OMEGA):
     """Edges and labels along a row: its own folds and grazings, and the solutions enumerated between."""
     events = [point[3] for _, point in row_events(row(axis, value).curves, value)]
     edges = np.array([window[0], *sorted(x for x in events if window[0] < x < window[1]), window[1]])
@@ -90,7 +90,7 @@ def test_thresholds_of_the_published_gear(axis, label, window, place, value, dig
 
 def row_width(axis, value, label, window):
     """Largest width of a label in a row; 0 where it does not occur."""
-    ends, names = row_pieces(axis, value, window)
+    ends, names = row_segments(axis, value, window)
     return max((width for width, name in zip(np.diff(ends), names, strict=True) if name == label), default=0.0)
 
 
@@ -197,7 +197,7 @@ def test_rows_have_the_labels_of_their_slab(axis):
     whole = regions_of(axis)
     for value in rng.uniform(*RANGES[axis], 8):
         (part,) = [p for p in whole.slabs if p.slab.low < value < p.slab.high]
-        ends, names = row_pieces(axis, float(value))
+        ends, names = row_segments(axis, float(value))
         assert tuple(names) == part.labels
         edges = [
             OMEGA[arc[1]] if arc[0] < 0 else whole.curves[arc[0]].crossings([value])[1][arc[1], 3]
@@ -244,7 +244,7 @@ def test_tiny_window():
     """Where three labels meet, 1e-5 wide: as whole shares as in the large, and the same threshold."""
     whole = regions_of("alpha")
     value = whole.thresholds("2/0-1", SHAFT)[0][1]
-    ends, names = row_pieces("alpha", value - 1e-7, SHAFT)
+    ends, names = row_segments("alpha", value - 1e-7, SHAFT)
     x = ends[names.index("2/0-1")]
     corner = whole.within((x - 5e-6, x + 5e-6), (value - 5e-6, value + 5e-6))
     assert len(corner.labels) >= 3
@@ -318,7 +318,7 @@ def test_the_same_twice():
 @pytest.mark.parametrize(("axis", "value"), [("b", 0.1), ("b", 0.6), ("f_pm", 0.57), ("f_pm", 1.0)])
 def test_a_line_is_the_row(axis, value):
     (found,) = lines(regions_of(axis), [value])
-    ends, names = row_pieces(axis, value)
+    ends, names = row_segments(axis, value)
     assert list(found.labels) == names and found.ends == pytest.approx(ends, abs=1e-8)
     assert sum(found.lengths.values()) == pytest.approx(OMEGA[1] - OMEGA[0], abs=1e-12)
     assert set(found.lengths) == set(names)

@@ -62,7 +62,7 @@ def test_schema(made):
     np.testing.assert_array_equal(group.side == 0, np.isin(group.kind, SPECTRAL))
     np.testing.assert_array_equal(group.amplitude, np.hypot(group.cos, group.sin))
     assert sum(summary.curves.values()) == sizes.size and summary.points == sizes.sum() and not summary.cut_short
-    assert group.attrs["configuration_hash"] == plan.digest
+    assert group.attrs["configuration_hash"] == plan.fingerprint
     assert xr.open_zarr(path).sizes == {"f_e": 16, "omega": 60, "solution": plan.max_solutions}
     tree = xr.open_datatree(path, engine="zarr")
     assert tree["boundaries"]["omega"].dims == tree["boundaries"]["mean"].dims == ("boundary_point",)

@@ -36,5 +36,5 @@ def put_attractors(path, plan, cells, rows=None, columns=None, digest=None):
         plan.parameter.name: (plan.parameter.name, plan.parameter.values[rows]),
         plan.sweep.name: (plan.sweep.name, plan.sweep.values[columns]),
     }
-    attributes = {"configuration_hash": digest or plan.digest, "bound": BOUND}
+    attributes = {"configuration_hash": digest or plan.fingerprint, "bound": BOUND}
     groups.write_group(path, "attractors", xr.Dataset(variables, axes, attributes))

@@ -13,10 +13,10 @@ from collections.abc import Iterator
 from pipeline.config.places import Place
 from pipeline.store.files import Files, files_at
 
-__all__ = ["MOST_TRIES", "Tries", "forget_tries"]
+__all__ = ["MOST_ATTEMPTS", "AttemptLog", "forget_attempts"]
 
 #: A row is tried this often, on different workers where there are several.
-MOST_TRIES = 3
+MOST_ATTEMPTS = 3
 
 _LINE = re.compile(r"^(begin|end|raised) (\d+) ?(.*)$")
 _TIMEOUT = "Timeout ("
@@ -28,12 +28,12 @@ def _notes(path: Place) -> Files:
     return files_at(path).beside("tries")
 
 
-def forget_tries(path: Place) -> None:
+def forget_attempts(path: Place) -> None:
     """Remove the notes of all blocks of the store at `path`."""
     _notes(path).clear(_NOTE)
 
 
-class Tries:
+class AttemptLog:
     """The notes of one block.
 
     Parameters
@@ -91,7 +91,7 @@ class Tries:
     def verdict(self, row: int) -> str | None:
         """Why a row is not tried again; None if it may be."""
         reasons = self._failed.get(row, [])
-        return f"{reasons[-1]} ({len(reasons)} tries)" if len(reasons) >= MOST_TRIES else None
+        return f"{reasons[-1]} ({len(reasons)} tries)" if len(reasons) >= MOST_ATTEMPTS else None
 
     @contextlib.contextmanager
     def attempt(self, row: int) -> Iterator[None]:
