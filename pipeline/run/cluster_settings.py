@@ -174,7 +174,8 @@ def unreached(config: Cluster, address: str, security, error: Exception) -> Conf
                 f"cluster.security.ca_file = {security.tls_ca_file!r} is not allowed: it must be the authority that "
                 f"signed the certificate of the scheduler at {address}"
             )
-        if re.search(r"alert|unknown.ca|certificate.required", said, re.IGNORECASE):
+        # One that hangs up when it has shown a certificate of that authority did not like ours; it may say so or not.
+        if re.search(r"alert|unknown.ca|certificate.required|<TLS .*EOF", said, re.IGNORECASE):
             return ConfigurationError(
                 f"cluster.security.cert = {security.tls_client_cert!r} is not allowed: it must be signed by the "
                 f"authority that the scheduler at {address} goes by, which did not accept it"

@@ -84,8 +84,8 @@ def test_the_page_is_filled_and_filled_again(tmp_path):
         found = document([Measurement("new", "is measured", "s", (seconds,), {"fsolve": 30.0})], False, 1.0)
         fill(found, page)
         text = page.read_text(encoding="utf-8")
-        assert table(found) in text and text.count("| what |") == 1
-        assert text.startswith(begin.partition("| what |")[0].rstrip()) and text.endswith(end)
+        assert table(found) in text and text.count("| what | measured |") == 1
+        assert text.startswith(begin.partition("| what | measured |")[0].rstrip()) and text.endswith(end)
 
 
 @pytest.mark.slow

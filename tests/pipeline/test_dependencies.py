@@ -19,7 +19,7 @@ def plain(name: str) -> str:
 
 EXPLORER = ROOT / "pipeline/explorer"
 #: What submits jobs.
-JOBS = [ROOT / "pipeline/run/slurm_cluster.py", ROOT / "pipeline/run/slurm_jobs.py"]
+JOBS = [ROOT / "pipeline/run/jobqueue.py"]
 
 
 def imported(files) -> set[str]:

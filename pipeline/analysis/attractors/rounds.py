@@ -90,7 +90,7 @@ def run_rounds(spec: Spec, workforce: Workforce, progress: Progress) -> list[str
     forget_attempts(group.folder.place)
     layer = group.rows.of_layer
     for first in range(0, group.rows.rows, layer):
-        blocks = group.rows.exclusive_lock(Block(first, first + layer))
+        blocks = group.rows.holding(Block(first, first + layer))
         lost += _run_layer(spec, group, blocks, workforce, progress)
         if lost:
             break

@@ -33,7 +33,7 @@ def _same(row, column, system, omega):
     (group,) = row.alike
     wanted = loaded_system(reduced(system), omega)
     found = (group.numbers, group.matrices, group.vectors, group.load)
-    for array, other in zip(found, (wanted.inputs, wanted.matrices, wanted.vectors, wanted.load), strict=True):
+    for array, other in zip(found, (wanted.numbers, wanted.matrices, wanted.vectors, wanted.load), strict=True):
         np.testing.assert_allclose(array[column], other, rtol=0, atol=1e-15)
     count = len(wanted.variation)
     np.testing.assert_allclose(group.variation[column, :count], wanted.variation, rtol=0, atol=1e-15)
