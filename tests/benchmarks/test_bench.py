@@ -64,6 +64,7 @@ def check_document(found: dict, names: dict) -> None:
             assert baseline["ratio"] == pytest.approx(baseline["value"] / one["median"])
 
 
+@pytest.mark.costly
 def test_the_numerics_of_a_tiny_run_as_json_and_table(tmp_path):
     measurements, baselines = measure_numerics(TINY)
     assert baselines.fsolve > 0.0 and baselines.runge_kutta > 0.0

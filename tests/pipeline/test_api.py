@@ -47,6 +47,7 @@ def test_labels_and_motions_at_stored_places_are_those_stored(plane):
             np.testing.assert_array_equal(at[name], near[name])
 
 
+@pytest.mark.costly
 def test_motions_of_higher_order_are_those_of_their_row(tmp_path):
     planned = small_plan("plane=omega_fe", "solver=hb", "solver.order=3", columns=41, rows=5)
     plane = pipeline.open_plane(small_store(tmp_path / "third.zarr", planned))

@@ -106,6 +106,7 @@ def reader(window, served):
         one.page.close()
 
 
+@pytest.mark.costly
 def test_a_place_is_clicked_pinned_and_linked(reader, served):
     one = reader()
     one.open(served.url)

@@ -48,6 +48,7 @@ STATES = st.builds(
 )
 
 
+@pytest.mark.costly
 @given(STATES)
 @settings(max_examples=60, deadline=None)
 def test_a_view_is_its_address_its_python_lines_and_its_shell_command(state):

@@ -102,6 +102,7 @@ def _kinds_of_files(path: Path) -> dict[str, list[str]]:
 _UNSHRUNK = (Phase.explicit, Phase.generate)
 
 
+@pytest.mark.costly
 @settings(max_examples=5, phases=_UNSHRUNK)
 @given(data=st.data())
 def test_any_damage_is_found_named_and_mended(whole, tmp_path_factory, data):
@@ -166,6 +167,7 @@ def _without_group(whole: Path, folder: Path) -> Path:
     return path
 
 
+@pytest.mark.costly
 def test_check_mends_what_it_names(copy, whole, tmp_path, capsys):
     """All of it by the command line, several files at once."""
     before = _chunks(copy)

@@ -191,6 +191,7 @@ def test_rows_computed_again_are_those_that_are_stored(small, tmp_path, capsys):
     assert drawn_rows(whole, plan, 100, 0) == list(range(17))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "change"),
     [

@@ -107,6 +107,7 @@ def test_who_shows_no_certificate_is_cut_off(started):
         assert said(place, bytes(64), anyone) == b"" == said(place, b"GET / HTTP/1.0\r\n\r\n")
 
 
+@pytest.mark.costly
 def test_a_worker_without_the_key_cannot_join(started, stranger):
     workforce, _ = started
     before = workforce._connection.workers()

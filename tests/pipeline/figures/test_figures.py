@@ -268,6 +268,7 @@ def test_nothing_but_failed_rows(tmp_path):
     assert "row failed" in shown and not any(text.endswith("%") for text in shown)
 
 
+@pytest.mark.costly
 def test_tiny_and_uniform(tmp_path):
     path = small_store(tmp_path / "tiny.zarr", small_plan(columns=5, rows=4))
     assert len(drawn(path, tmp_path)) == 3
@@ -305,6 +306,7 @@ def test_without_frequency_along_the_rows(tmp_path):
         assert not any("mode" in text or "backbone" in text for text in texts(figure))
 
 
+@pytest.mark.costly
 def test_without_mean_load_there_is_no_backbone(tmp_path):
     path = small_store(tmp_path / "plane.zarr", small_plan("gear.f_pm=0", columns=5, rows=2))
     assert [p.name for p in drawn(path, tmp_path)] == ["map.png", "curves.png"]

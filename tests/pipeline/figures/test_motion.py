@@ -187,6 +187,7 @@ def test_pages_hold_all_motions_once():
     assert drawn(TORUS)[0].get_figheight() < 11.0
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("place", [TORUS, PAIR, PAIR[:-2], CHAOS, GEAR])
 def test_nothing_lies_on_anything_else(place):
     """Texts and panels."""

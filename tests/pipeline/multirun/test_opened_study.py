@@ -41,6 +41,7 @@ def same(found, wanted):
         np.testing.assert_array_equal(found, wanted)
 
 
+@pytest.mark.costly
 def test_several_keys_are_several_dimensions(study):
     assert repr(study) == f"Study({str(study.root)!r}: 6 planes over gear.b 3, gear.xi_mesh 2; 5 complete, 1 pending)"
     assert study.varied == {"gear.b": (0.5, 0.7, 0.9), "gear.xi_mesh": (0.05, 0.02)}
@@ -82,6 +83,7 @@ def test_the_index_is_what_the_maps_tell(study):
     assert "omega_fe" in study._repr_html_()
 
 
+@pytest.mark.costly
 def test_a_tree_has_every_group_of_every_plane(tmp_path):
     tree = study_of(tmp_path, "gear=published,miter").to_datatree()
     assert set(tree.children) == {"omega_fe", "omega_fe-miter"} and set(tree["omega_fe"].children) == {"branches"}

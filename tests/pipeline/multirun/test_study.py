@@ -232,6 +232,7 @@ def test_one_bar_over_all_planes():
     assert stream.getvalue().splitlines() == ["a: said", "a: more"]
 
 
+@pytest.mark.costly
 def test_a_study_in_an_object_store(tmp_path, capsys):
     pytest.importorskip("obstore")
     command = ["-m", "gear.b=0.5,0.6", *SWEPT, "store.root=memory://bucket/study"]

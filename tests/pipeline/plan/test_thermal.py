@@ -155,6 +155,7 @@ def test_every_stage_reads_the_gear_of_its_row(stored):
         assert gear_system(model).front_gap == model.b
 
 
+@pytest.mark.costly
 def test_boundaries_and_thresholds(stored):
     swept = store.read_plan(stored)
     summary = boundaries.trace(stored, swept)

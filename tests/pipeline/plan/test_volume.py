@@ -144,6 +144,7 @@ def test_failures_name_both_values(tmp_path, capsys):
     assert [row for row, _ in failed] == list(range(24)) and all("max_points" in reason for _, reason in failed)
 
 
+@pytest.mark.costly
 def test_layers_are_drawn(swept, volume):
     from pipeline.figures.volume import coexistence, draw_volume, shown_layers
 
@@ -183,6 +184,7 @@ def test_a_layer_is_taken_out_as_a_plane(volume, tmp_path, capsys):
         thresholds(volume, "1/0")
 
 
+@pytest.mark.costly
 def test_a_layer_that_is_not_computed_yet_is_computed_alone(volume, tmp_path):
     assert run(tmp_path, "plane.layer=0.5", "stages=[sweep]") == 0
     found, whole = contents(tmp_path / "store/omega_b_fe-f_e=0.5.zarr"), contents(volume)

@@ -92,6 +92,7 @@ def test_under_the_default_name_another_store_is_named_too(folder, capsys):
     assert "store.name=omega_fe-b=0.5-2" in said and "plane.sweep.num: stored 9, asked 10" in said
 
 
+@pytest.mark.costly
 def test_another_gear_has_another_store(folder, capsys):
     shutil.copytree("outputs/store/mine.zarr", "outputs/store/omega_fe-b=0.5.zarr")
     assert "omega_fe-b=0.6.zarr" in _refused(capsys, "stages=[figures]", "gear.b=0.6")

@@ -13,6 +13,8 @@ from pipeline.store.files import files_at
 from pipeline.store.lease import leased
 from pipeline.store.names import METADATA
 
+pytestmark = pytest.mark.costly
+
 SIZES = ("plane=omega_fe", "plane.sweep.num=9", "plane.parameter.num=4", "cluster=none", "store.name=plane")
 #: These two say when the store was made, and by which configuration.
 DATED = {METADATA, f"branches/{METADATA}"}

@@ -201,6 +201,7 @@ def test_a_store_appears_whole_or_is_not_there(monkeypatch):
     assert seen.count(False) > 10 and seen[-2:] == [True, True]
 
 
+@pytest.mark.costly
 def test_a_store_that_is_overwritten_goes_as_a_whole(monkeypatch, folder):
     for place in every_end(
         monkeypatch, lambda: copied(folder, new_root()), lambda place: files_at(place).clear(STORE_FILE), 23
@@ -222,6 +223,7 @@ def test_a_store_that_lost_its_root_is_damaged_and_not_gone(place):
     assert store.find_damage(place) == [] and store.check(place, PLAN)
 
 
+@pytest.mark.costly
 def test_a_group_is_replaced_as_a_whole(monkeypatch, folder):
     """Whoever reads it finds the old one, none or the new one, never a part; and the next run goes on."""
     seen = []
@@ -258,6 +260,7 @@ def test_a_group_is_taken_away_as_a_whole(monkeypatch, folder):
         assert not [name for name in files_at(place).sizes() if name.startswith("boundaries/")]
 
 
+@pytest.mark.costly
 def test_a_layer_is_taken_out_as_a_whole(monkeypatch, tmp_path):
     volume = small_plan("plane=omega_b_fe", "plane.parameter2.num=2", columns=9, rows=3)
     source, plan = small_store(tmp_path / "volume.zarr", volume), volume.layer(1)
@@ -301,6 +304,7 @@ def finish(group):
     group.finish({"label": (LABEL, np.ones((4, 3), np.int16))})
 
 
+@pytest.mark.costly
 def test_a_group_in_blocks_is_finished_as_a_whole(monkeypatch, folder):
     def begin():
         group = group_of(copied(folder, new_root()))
@@ -322,6 +326,7 @@ def test_a_group_in_blocks_is_finished_as_a_whole(monkeypatch, folder):
     assert finished.count(False) > 8 and finished[-1]
 
 
+@pytest.mark.costly
 def test_a_damaged_group_in_blocks_is_set_aside_and_gone_on_with(monkeypatch, folder):
     def begin():
         group = group_of(copied(folder, new_root()))

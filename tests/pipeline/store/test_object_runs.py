@@ -25,6 +25,9 @@ from pipeline.store.names import METADATA, STORE_FILE
 from tests.object_server import FaultKind
 from tests.pipeline.store.test_object_files import contents_of
 
+#: Whole runs; the same steps on a store in memory are in `test_object_files`.
+pytestmark = pytest.mark.costly
+
 SIZES = ("plane=omega_fe", "plane.sweep.num=9", "plane.parameter.num=4", "cluster=none", "store.name=plane")
 #: A few cells of everything that is stored.
 STAGES = ("stages=[sweep,boundaries,attractors]", "attractors.columns=2", "attractors.rows=2", "attractors.starts=1")
@@ -58,11 +61,6 @@ def _written(value) -> str:
     if isinstance(value, dict):
         return "{" + ",".join(f"{name}:{_written(one)}" for name, one in value.items()) + "}"
     return str(value).lower() if isinstance(value, bool) else f"'{value}'" if isinstance(value, str) else str(value)
-
-
-def costly_but(few, all_of_them):
-    """Values of a parameter, those costly that are not among a few."""
-    return [value if value in few else pytest.param(value, marks=pytest.mark.costly) for value in all_of_them]
 
 
 def run(remote, capsys, folder, *words, expected=0):
@@ -126,7 +124,6 @@ def test_secrets_are_in_no_text(swept, tmp_path, capsys):
     _, err = run(swept, capsys, tmp_path, f"store.storage_options={SECRET}", expected=2)
 
 
-@pytest.mark.costly
 def test_list_check_figures_and_page(whole, tmp_path, capsys):
     out, _ = run(whole, capsys, tmp_path, "stages=[list,check,figures,page]", "figures.formats=[png]", "page.rows=2")
     assert re.search(r"plane +omega 9 x f_e 4 .* complete .* attractors boundaries", out)
@@ -139,7 +136,6 @@ def test_list_check_figures_and_page(whole, tmp_path, capsys):
     assert "up to date" in out
 
 
-@pytest.mark.costly
 def test_margins_motion_and_a_row(whole, tmp_path, capsys):
     out, _ = run(whole, capsys, tmp_path, "stages=[margins]", "margins.point=[0.9,0.1]")
     assert "margins" in out
@@ -194,7 +190,7 @@ def test_a_plane_that_was_interrupted_is_gone_on_with(swept, tmp_path, capsys):
     assert not any(name.startswith("boundaries/") for name in found)
 
 
-@pytest.mark.parametrize("harm", costly_but(["truncated"], ["removed", "truncated", "empty"]))
+@pytest.mark.parametrize("harm", ["removed", "truncated", "empty"])
 def test_what_was_harmed_is_found_and_mended(swept, tmp_path, capsys, harm):
     remote = swept.copy_to(f"harmed-{harm}")
     names = ["amplitude/c/1/0/0", "boundaries/kind/c/0", "omega/c/0", "stable/zarr.json"]
@@ -215,7 +211,6 @@ def test_what_was_harmed_is_found_and_mended(swept, tmp_path, capsys, harm):
     assert {name for name in expected if found.get(name) != expected[name]} <= {METADATA}
 
 
-@pytest.mark.costly
 def test_workers_write_their_blocks_themselves(object_server, folder, tmp_path):
     """Two processes that get the place with its options, and nothing of them on the terminal."""
     remote = Remote(object_server, "workers")
@@ -236,7 +231,7 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("name", costly_but(["503 for a while", "cut in the middle of puts"], FAULTS))
+@pytest.mark.parametrize("name", FAULTS)
 def test_faults_that_pass_are_got_over(object_server, folder, tmp_path, capsys, name):
     kind, hits = FAULTS[name]
     remote = Remote(object_server, f"fault-{kind.value}-{hits.get('methods', 'any')}")
@@ -293,7 +288,7 @@ def test_a_server_that_does_not_answer_is_one_line(swept, tmp_path, capsys):
     assert len(err.splitlines()) == 1 and "in time" in err
 
 
-@pytest.mark.parametrize("name", costly_but(["boundaries/zarr.json"], ["boundaries/zarr.json", "zarr.json"]))
+@pytest.mark.parametrize("name", ["boundaries/zarr.json", "zarr.json"])
 def test_a_store_or_group_appears_when_the_server_says_so(swept, tmp_path, capsys, name):
     """The last put of each is the one that counts."""
     remote = Remote(swept.server, f"appears-{name.count('/')}", **IMPATIENT)

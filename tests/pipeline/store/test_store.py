@@ -227,6 +227,7 @@ def test_an_unforeseen_error_in_a_row_is_recorded_by_name(tmp_path, monkeypatch)
     assert xr.open_zarr(path).status.values.tolist() == [1, 2, 1]
 
 
+@pytest.mark.costly
 def test_results_do_not_depend_on_blocks_or_order(tmp_path):
     plan = small_plan(columns=41, rows=12)
     forward = small_store(tmp_path / "forward.zarr", plan)
@@ -241,6 +242,7 @@ def test_results_do_not_depend_on_blocks_or_order(tmp_path):
             assert values.tobytes() == expected[name].tobytes() if values.dtype.kind != "T" else True, name
 
 
+@pytest.mark.costly
 def test_only_rows_that_are_not_complete_are_computed(tmp_path, monkeypatch):
     import solver
 

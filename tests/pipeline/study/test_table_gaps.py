@@ -44,6 +44,7 @@ def test_a_band_that_the_plane_does_not_cover_says_so(tmp_path):
     assert "not covered by this plane: b = 0.02–0.15" in markdown(table) and latex(table).isascii()
 
 
+@pytest.mark.costly
 def test_a_plane_without_rows_in_the_bands_still_has_regions(tmp_path):
     coarse = make(tmp_path, "omega_fpm", "plane.parameter.min=0.3", "plane.parameter.max=1.2", rows=2)
     lines = build_table(PLANES["omega_fpm"], coarse).lines
@@ -69,6 +70,7 @@ def test_boundaries_that_do_not_divide_the_plane_are_said(tmp_path):
     assert list(csv.DictReader(io.StringIO(tidy(table))))[0]["jump_ends"] == "nan"
 
 
+@pytest.mark.costly
 def test_failed_rows_are_left_out_and_counted(tmp_path):
     path = make(tmp_path, "omega_fpm", "plane.parameter.min=0.5", "plane.parameter.max=1.0", rows=7)
     rows = band_rows(PLANES["omega_fpm"].bands[1], store.read_plan(path).parameter)

@@ -332,6 +332,7 @@ def test_a_claim_holds_at_one_of_its_resonances():
         assert judge(Entry("", unclear="too vague"), here, {}) == Verdict(NOT_COMPARED, "too vague")
 
 
+@pytest.mark.costly
 def test_stability_is_by_integration_where_there_is_one_else_by_curves_else_by_cells(tmp_path):
     """At the shaft resonance, b from 0.98 on, a tenth of the region has no stable motion of one period."""
     plan = small_plan("plane=omega_b", "plane.parameter.min=0.98", "plane.parameter.max=1.5", columns=160, rows=5)

@@ -105,6 +105,7 @@ def test_every_event_of_every_row_lies_on_a_curve(gear, axis):
         assert distance(crossed.get(point[4], []), kind, point) < 1e-7 * size
 
 
+@pytest.mark.costly
 @all_planes
 def test_slices_are_the_events_of_rows_that_nobody_started_from(gear, axis):
     curves = curves_of(gear, axis)

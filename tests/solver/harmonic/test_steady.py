@@ -88,6 +88,7 @@ def test_motions_that_hit_a_stiff_stop(stiffness):
     assert len(hits) >= 10 and solved == len(hits)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("stiffness", [1e2, 1e3, 1e4, 1e5])
 def test_the_motion_without_the_stop_leads_to_the_one_that_hits_it(stiffness):
     """It goes up to three times as far, and Newton's method alone does not settle; against the traced curve."""

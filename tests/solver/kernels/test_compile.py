@@ -177,6 +177,7 @@ print(json.dumps([found.tolist(), _many_literals(5.0), type(_squares.callable)._
     assert found == [[8.0, 18.0]] * 2 and number == 37.0 and kind == "function"
 
 
+@pytest.mark.costly
 def test_solutions_without_the_compiler_are_the_same():
     code = """
 from tests.conftest import published

@@ -102,6 +102,7 @@ def filled(cheap):
     return cheap
 
 
+@pytest.mark.costly
 def test_entries_are_found_again_and_nobody_else_can_read_them(cheap):
     assert cheap.run() == (BOTH, [])
     assert cheap.run() == ([], [])
@@ -156,6 +157,7 @@ print(json.dumps([*outcomes, made()]))
     assert filled.run(harms) == ([BOTH] * 4 + [[]], []) and filled.entries == pristine
 
 
+@pytest.mark.costly
 def test_an_entry_under_another_name_is_not_believed(filled):
     """A sound file in the place of another one would be the wrong machine code."""
     first, second = filled.entries
@@ -163,6 +165,7 @@ def test_an_entry_under_another_name_is_not_believed(filled):
     assert filled.run()[0] in (["cube"], ["hypotenuse"])
 
 
+@pytest.mark.costly
 def test_a_folder_in_the_place_of_an_entry(filled):
     first = filled.entries[0]
     first.unlink()
@@ -185,6 +188,7 @@ def _planted(entry: Path, content: bytes) -> None:
     entry.write_bytes(KernelStore._head(KernelStore, entry.name, content) + content)
 
 
+@pytest.mark.costly
 def test_what_is_planted_as_intended_here_would_run(filled):
     """The other tests plant entries that are believed when they are this user's own: the trace shows it."""
     trace = filled.folder / "trace"
@@ -262,6 +266,7 @@ def test_a_folder_that_others_can_change_is_not_used(tmp_path, monkeypatch, capl
     assert KernelStore().read("y.kernel") == b"content"
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("place",), slow_but([("/dev/null/x",)], [("/proc/self/fdinfo",), ("/dev/null/x",), (__file__,)])
 )
@@ -299,6 +304,7 @@ def test_a_full_disk(cheap, small_disk):
     assert cheap.entries == [] and list(cheap.temporary.iterdir()) == []
 
 
+@pytest.mark.costly
 def test_a_full_disk_everywhere(cheap, small_disk):
     cheap.home, cheap.temporary = small_disk, small_disk / "temporary"
     cheap.temporary.mkdir()

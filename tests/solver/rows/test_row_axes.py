@@ -32,6 +32,7 @@ RANGES = {
 }
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "omega"),
     slow_but([("published", 0.6), ("antiphase", 1.3)], [(name, omega) for name in MODELS for omega in (0.6, 1.3)]),

@@ -47,6 +47,7 @@ def test_the_order_of_rows_changes_nothing():
         assert digest(name) == ahead[name] == digest(name)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", ["finer", "order 5"])
 def test_a_row_of_a_new_process_is_the_same(name):
     for other in ROWS:

@@ -55,6 +55,7 @@ def _events(system, axis, values, grid):
     ]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("system", "axis", "x_range", "p_range"),
     [
@@ -149,6 +150,7 @@ def test_quantities_are_those_of_sampled_motions(system, omega, share):
         assert np.isnan(found[Slot.SUPPORT_FORCE])
 
 
+@pytest.mark.costly
 def test_many_degrees_of_freedom_damped_in_no_proportion():
     rng, n = np.random.default_rng(0), 10
     root, contact = rng.normal(size=(n, n)), rng.normal(size=n)

@@ -82,6 +82,7 @@ def test_hysteresis_is_where_attractors_have_it():
     assert apart.sum() == 6 and np.all(several[apart])
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("way, i", [(0, 10), pytest.param(1, 14, marks=pytest.mark.slow), (1, 16)])
 def test_motions_are_those_of_another_integration(way, i):
     """From the state before, over 250 periods, SciPy comes to the same extremes, mean and RMS: also over the jump."""

@@ -183,6 +183,7 @@ def test_raster_and_curves_agree_on_the_reference_planes(tmp_path, name):
     np.testing.assert_array_equal(said, plane.stability_codes[:, 1:-1])
 
 
+@pytest.mark.costly
 def test_regions_are_what_enumeration_finds(made):
     plan, path, _ = made
     x, p = np.linspace(0.52, 0.69, 7), np.linspace(0.013, 0.491, 8)
@@ -339,6 +340,7 @@ SMALL = [
 ]
 
 
+@pytest.mark.costly
 def test_the_stage(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main([*SMALL, "stages=[sweep,boundaries]"]) == 0

@@ -75,6 +75,7 @@ def test_a_diagram_is_drawn_and_told_the_same_every_time(copy, capsys):
     assert files(copy) == first
 
 
+@pytest.mark.costly
 def test_the_tables_have_every_step_and_point(copy):
     assert run(copy, *QUICK["diagram"], "figures.formats=[png]") == 0
     folder = copy / "diagram/omega_fe"
@@ -160,6 +161,7 @@ def test_what_other_settings_refuse(copy, capsys, stage, words):
     assert said.err.count("\n") == 1 and words[0].partition("=")[0] in said.err
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("stage", ["diagram", "spectrum"])
 def test_of_a_volume_there_is_none(tmp_path, capsys, stage):
     volume = ("plane=omega_b_fe", "plane.parameter2.num=2")
@@ -188,6 +190,7 @@ def test_a_gear_in_physical_units_is_drawn_in_them(tmp_path, capsys, stage):
     np.testing.assert_allclose(ratios, ratios[0], rtol=1e-8)
 
 
+@pytest.mark.costly
 def test_an_opened_plane_draws_them(copy):
     plane = pipeline.open_plane(copy / "store/omega_fe.zarr")
     diagram = plane.plot.diagram(f_e=0.3, columns=12, max_periods=800)

@@ -151,6 +151,7 @@ def test_a_group_that_is_no_group(made, tmp_path):
     assert integrated(path, plan, (0.8, 1.0), (0.1, 0.2)) is None
 
 
+@pytest.mark.costly
 def test_an_unstable_motion_has_no_box(tmp_path):
     """docs/physics.md, section 8: one solution, statically stable; its multiplier is -1.047, and a 2T motion is met."""
     words = ("plane=omega_fe", "gear=consistent", f"gear.rotation_coupling={np.cos(np.radians(20.0))}")
