@@ -292,10 +292,6 @@ def warnings(plan: Plan, settings: Settings | None = None) -> list[str]:
         lines += _mesh_damping(plan, settings, corners[0])
     if plan.physical is not None:
         lines += [*cycle_note(plan), *teeth_note(plan)]
-    if plan.parameter2 is not None:
-        lines.append(
-            "a volume has no boundaries of its own: plane.layer=VALUE takes out the plane of one layer, which has"
-        )
     return lines
 
 

@@ -120,7 +120,7 @@ class Workers:
         """As `pipeline.run.workforce.Workforce.serve`."""
         connection, finished, again = self._connection, SimpleQueue(), deque()
         running: dict[object, Task] = {}
-        asked: dict[object, str] = {}
+        asked: dict[object, str | None] = {}
         left: int | None = None
 
         def next_task() -> Task | None:
@@ -181,14 +181,20 @@ class Workers:
             if not self._kernels and worker in self._admission.equal:
                 self._ready.add(worker)
                 continue
-            payload = pickle.dumps((get_ready, (self._kernels,)))
-            place = {"workers": [worker], "allow_other_workers": False}
-            asked[self._connection.submit(finished, call_if_equal, self._admission.digest, payload, **place)] = worker
+            asked[self._get_ready(finished, workers=[worker], allow_other_workers=False)] = worker
+        if not workers and self._jobs is None and None not in waiting:
+            # A cluster that adapts itself starts no worker before something waits for one.
+            asked[self._get_ready(finished)] = None
         self._counted = workers
         self._threads = sum(threads for worker, threads in workers.items() if worker in self._ready)
 
-    def _learn(self, worker: str, answer) -> None:
-        """Note what a worker answers that was to get ready.
+    def _get_ready(self, finished: SimpleQueue, **places):
+        """The future of what makes a worker ready."""
+        payload = pickle.dumps((get_ready, (self._kernels,)))
+        return self._connection.submit(finished, call_if_equal, self._admission.digest, payload, **places)
+
+    def _learn(self, worker: str | None, answer) -> None:
+        """Note what a worker answers that was to get ready; None is whichever came first, which is asked again itself.
 
         Raises
         ------
@@ -196,9 +202,12 @@ class Workers:
             If there is no other worker, or they are lost time and again.
         """
         self._counted = None
+        if worker is None:
+            self.present(now=True)
         if isinstance(answer, Ready):
-            self._admission.equal.add(worker)
-            self._ready.add(worker)
+            if worker is not None:
+                self._admission.equal.add(worker)
+                self._ready.add(worker)
             if answer.compiled and answer.host not in self._hosts:
                 self._hosts.add(answer.host)
                 self._say(f"kernels: compiled on {answer.host} in {answer.seconds:.0f} s, once for all its workers")
@@ -206,8 +215,10 @@ class Workers:
             self._lost += 1
             if self._lost >= _MOST_UNREADY and not self._ready:
                 raise OSError(f"{self._lost} workers were lost before they had their kernels: {answer}")
-        else:
-            self._refuse(worker, answer.facts if isinstance(answer, Unequal) else answer)
+        elif isinstance(answer, Unequal):
+            self._refuse(answer.worker, answer.facts)
+        elif worker is not None:
+            self._refuse(worker, answer)
 
     def _refuse(self, worker: str, answer) -> None:
         self._ready.discard(worker)

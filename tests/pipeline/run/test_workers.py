@@ -93,6 +93,23 @@ def test_one_that_differs_or_cannot_is_refused_and_the_others_go_on():
         served(Played(a=Unequal("a", other)))
 
 
+class Adapting(Played):
+    """Workers that come when something waits for one."""
+
+    def submit(self, finished, function, digest, payload, **places):
+        if pickle.loads(payload)[0] is get_ready and not places:
+            assert not self.ready
+            future, self.ready = object(), {"first": Ready("one", 0, 0.1)}
+            self.answers.append((future, self.ready["first"]))
+            return future
+        return super().submit(finished, function, digest, payload, **places)
+
+
+def test_a_cluster_that_adapts_itself_is_asked_for_its_first_worker():
+    connection = Adapting()
+    assert served(connection) == [] and connection.ready and len(connection.given) == 6
+
+
 def test_where_those_that_are_left_were_refused_before_the_run_ends():
     workers = Workers(Played(a=None), print)
     workers._admission.learn("a", {**facts(), "numpy": "1.0"})
