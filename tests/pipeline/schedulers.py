@@ -44,7 +44,7 @@ class Scheduler:
 
     def __init__(self, folder: Path, *options: str, **environment: str):
         self.file, self.options, self.processes = folder / "scheduler.json", options, []
-        self.process = self._start("scheduler", "--host", "127.0.0.1", "--port", "0", **environment)
+        self.process = self._start("scheduler", "--host", "127.0.0.1", "--port", "0", sources=folder, **environment)
         wait_until(lambda: self.file.exists() and self.file.stat().st_size)
         self.address = json.loads(self.file.read_text())["address"]
 
