@@ -2,6 +2,8 @@
 
 import importlib.util
 import shutil
+import subprocess
+import sys
 
 import pytest
 from hypothesis import given
@@ -11,6 +13,7 @@ from pipeline.__main__ import main
 from pipeline.config.compose import compose
 from pipeline.errors import ConfigurationError
 from pipeline.run.cluster_settings import check_cluster, jobs_of
+from tests.pipeline.schedulers import ROOT
 
 
 @pytest.fixture
@@ -103,3 +106,21 @@ def test_without_dask_jobqueue_the_extra_is_named(commands, monkeypatch):
     )
     with pytest.raises(ConfigurationError, match=r"pip install 'bevelmap\[slurm\]'"):
         check_cluster(settings())
+
+
+_INTERRUPTED = """
+import signal, threading
+signal.signal(signal.SIGINT, handler := lambda *_: None)
+def load():
+    import pipeline.run.jobqueue
+    print("loaded")
+thread = threading.Thread(target=load)
+thread.start()
+thread.join()
+print(signal.getsignal(signal.SIGINT) is handler)
+"""
+
+
+def test_dask_jobqueue_loads_in_any_thread_and_leaves_interrupts_to_the_run():
+    done = subprocess.run([sys.executable, "-c", _INTERRUPTED], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert done.stdout == "loaded\nTrue\n"
