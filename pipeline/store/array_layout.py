@@ -102,8 +102,13 @@ class ArrayLayout:
 
     def files(self, *place: int | slice) -> Iterator[str]:
         """Names of the chunks that a place along the first axes touches; of all chunks unless told."""
+        return (name for name, _ in self.touched(*place))
+
+    def touched(self, *place: int | slice) -> Iterator[tuple[str, tuple[int, ...]]]:
+        """The same chunks: name, and index of the first entry."""
         ends = [(at.start, at.stop) if isinstance(at, slice) else (at, at + 1) for at in place]
         ends += [(0, size) for size in self.shape[len(place) :]]
         along = (range(low // chunk, -(-high // chunk)) for (low, high), chunk in zip(ends, self.chunks, strict=True))
         for numbers in product(*along):
-            yield "/".join((self.name, "c", *map(str, numbers)))
+            first = tuple(number * chunk for number, chunk in zip(numbers, self.chunks, strict=True))
+            yield "/".join((self.name, "c", *map(str, numbers))), first

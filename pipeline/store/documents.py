@@ -6,7 +6,7 @@ from pipeline.errors import Unreachable
 from pipeline.store.files import Files
 from pipeline.store.names import METADATA
 
-__all__ = ["document", "document_of", "listed_in", "read_json"]
+__all__ = ["document", "document_of", "gathered", "listed_in", "read_json"]
 
 #: Three times what the widest plane of this program needs.
 _MOST_BYTES = 2**21
@@ -39,10 +39,16 @@ def listed_in(files: Files) -> dict[str, dict | None]:
 
     None stands for what is no metadata. The names are as they are in the file: nothing may be opened by them.
     """
-    gathered = (read_json(files, METADATA) or {}).get("consolidated_metadata")
-    known = isinstance(gathered, dict) and (gathered.get("kind"), gathered.get("must_understand")) == ("inline", False)
-    listed = gathered.get("metadata") if known else None
-    return {name: _alone(told) for name, told in listed.items()} if isinstance(listed, dict) else {}
+    return gathered(files)[1]
+
+
+def gathered(files: Files) -> tuple[dict | None, dict[str, dict | None]]:
+    """The root's own metadata, None if it cannot be read, and what it gathers as `listed_in`."""
+    root = read_json(files, METADATA)
+    inside = (root or {}).get("consolidated_metadata")
+    known = isinstance(inside, dict) and (inside.get("kind"), inside.get("must_understand")) == ("inline", False)
+    listed = inside.get("metadata") if known else None
+    return _alone(root), {name: _alone(told) for name, told in listed.items()} if isinstance(listed, dict) else {}
 
 
 def _alone(told) -> dict | None:

@@ -18,14 +18,14 @@ from pipeline.store.codecs import COMPRESSORS, every_chunk
 from pipeline.store.documents import listed_in
 from pipeline.store.files import Files, files_at
 from pipeline.store.identity import read_layout
-from pipeline.store.names import ADDED, GROUP_FILE, IN_BLOCKS, METADATA, refuse_unknown
+from pipeline.store.names import ADDED, GROUP_FILE, IN_BLOCKS, refuse_unknown
 from pipeline.store.template import consolidate
 
 if TYPE_CHECKING:
     # It takes a third of a second to load, which who only reads need not wait for.
     import xarray
 
-__all__ = ["Arrays", "Variable", "open_group", "remove_added", "remove_group", "unfinished", "unlist", "write_group"]
+__all__ = ["Arrays", "Variable", "remove_added", "remove_group", "unfinished", "unlist", "write_group"]
 
 #: Arrays of two and more dimensions are cut into chunks of at most this many entries along each.
 _CHUNK = 1024
@@ -141,14 +141,6 @@ def remove_added(path: Place) -> None:
         remove_group(path, name)
     for name in IN_BLOCKS:
         unfinished(path, name).clear(GROUP_FILE)
-
-
-def open_group(path: Place, name: str) -> zarr.Group | None:
-    """A group for reading; None if there is none."""
-    # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
-    files = files_at(path)
-    root = zarr.open_group(files.zarr(), mode="r", zarr_format=3)
-    return root[name] if name in root and files.has(f"{name}/{METADATA}") else None
 
 
 def unfinished(path: Place, name: str) -> Files:
