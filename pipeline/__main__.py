@@ -149,12 +149,6 @@ def _run_all(all_settings, reporter) -> int:
 
 def _run_each(all_settings, reporter, helpers) -> int:
     from pipeline.errors import ConfigurationError
-    from pipeline.run.libraries import load_zarr
-    from pipeline.stages import STAGES
-
-    asked = {stage for settings in all_settings for stage in settings.config.stages}
-    if any(entry.reads_arrays for entry in STAGES if entry.name in asked):
-        load_zarr()
     from pipeline.run.attempt import attempt
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce

@@ -74,3 +74,12 @@ class ComputationError(RuntimeError):
 
 class WorkerLost(RuntimeError):
     """The process that ran a task ended before the task did."""
+
+
+def unusable(library: str, error: Exception) -> ConfigurationError:
+    """What is said where a library cannot be used as the user has configured it."""
+    reason = " ".join(str(error).split())
+    return ConfigurationError(
+        f"{library}'s own configuration, of files and of variables {library.upper()}_..., is not allowed: "
+        f"{type(error).__name__}: {reason[:300]}"
+    )

@@ -6,7 +6,6 @@ from pipeline import store
 from pipeline.config.places import Place
 from pipeline.errors import KEPT, ConfigurationError, Unreachable
 from pipeline.run.job import Job
-from pipeline.run.libraries import load_zarr
 from pipeline.run.progress import Reporter
 from pipeline.run.workforce import Workforce
 from pipeline.store.files import files_at
@@ -56,7 +55,6 @@ def _explained(error: Exception, job: Job, beside: bool) -> str:
         from pipeline.store.objects import said_of
 
         return f"{job.store_path} {said_of(error)}{KEPT}"
-    load_zarr()
     for path in _read(job, beside):
         if store.exists(path) and (found := store.damage_error(path)) is not None:
             return str(found)

@@ -1,12 +1,13 @@
-"""Metadata of a store as plain data, read without zarr: it may be damaged, and it may come from someone else."""
+"""Metadata of a store as plain data: what is read may be damaged, and may come from someone else."""
 
 import json
+from collections.abc import Mapping
 
 from pipeline.errors import Unreachable
 from pipeline.store.files import Files
 from pipeline.store.names import METADATA
 
-__all__ = ["document", "document_of", "gathered", "listed_in", "read_json"]
+__all__ = ["content_of", "document", "document_of", "gathered", "gathering", "group_document", "listed_in", "read_json"]
 
 #: Three times what the widest plane of this program needs.
 _MOST_BYTES = 2**21
@@ -53,3 +54,28 @@ def gathered(files: Files) -> tuple[dict | None, dict[str, dict | None]]:
 
 def _alone(told) -> dict | None:
     return {key: told[key] for key in told if key != "consolidated_metadata"} if isinstance(told, dict) else None
+
+
+def group_document(attributes: dict) -> dict:
+    """The metadata of a group."""
+    return {"attributes": attributes, "zarr_format": 3, "node_type": "group"}
+
+
+def gathering(root: dict, others: Mapping[str, dict]) -> dict:
+    """The metadata of a root that gathers that of all others in the store, by which zarr and xarray open it."""
+    ordered = sorted(others, key=lambda name: (name.count("/"), name))
+    # Groups in it say that they gather nothing: otherwise zarr would look for what is in them.
+    listed = {
+        name: others[name] | ({"consolidated_metadata": _inline({})} if others[name]["node_type"] == "group" else {})
+        for name in ordered
+    }
+    return root | {"consolidated_metadata": _inline(listed)}
+
+
+def _inline(listed: dict) -> dict:
+    return {"kind": "inline", "must_understand": False, "metadata": listed}
+
+
+def content_of(document: dict) -> bytes:
+    """What the file of a document holds."""
+    return json.dumps(document, indent=2).encode()

@@ -1,6 +1,5 @@
 """What is stored in arrays, read without zarr: chunk by chunk, each looked over before it is believed."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -98,7 +97,7 @@ class StoredArrays:
                 start, stop = max(low, first), min(high, first + chunk)
                 at.append(slice(start - low, stop - low))
                 within.append(slice(start - first, stop - first))
-            values[*at] = read_chunk(files, file, layout)[*within] if files.has(file) else _fill(layout)
+            values[*at] = read_chunk(files, file, layout)[*within] if files.has(file) else layout.fill_value
         single = tuple(0 if isinstance(at, int) else slice(None) for at in place)
         return values[single]
 
@@ -108,10 +107,6 @@ def _ends(at: int | slice, size: int) -> tuple[int, int]:
         return at, at + 1
     low, high, _ = at.indices(size)
     return low, max(low, high)
-
-
-def _fill(layout: ArrayLayout) -> int | float | str:
-    return math.nan if layout.fill == "NaN" else layout.fill
 
 
 def open_arrays(path: "Place | str") -> StoredArrays:
