@@ -141,7 +141,10 @@ def _check_names(all_settings) -> None:
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
     from pipeline.run.early import early_helpers
+    from pipeline.store.zarr_library import check_assertions
 
+    # Before hours of computing, and not when their results are read.
+    check_assertions()
     _check_names(all_settings)
     with early_helpers(all_settings) as helpers:
         return _run_each(all_settings, reporter, helpers)

@@ -8,7 +8,7 @@ import sys
 
 from pipeline.errors import ConfigurationError, unusable
 
-__all__ = ["check_zarr", "load_zarr"]
+__all__ = ["check_assertions", "check_zarr", "load_zarr"]
 
 
 def load_zarr() -> None:
@@ -32,14 +32,21 @@ def load_zarr() -> None:
         raise unusable("zarr", error) from None
 
 
+def check_assertions() -> None:
+    """Raise ConfigurationError if Python leaves out assertions, without which zarr reads nothing."""
+    if sys.flags.optimize:
+        raise ConfigurationError("python -O (PYTHONOPTIMIZE) is not allowed: zarr does not work with it; leave it out")
+
+
 def check_zarr() -> None:
     """Leave zarr's settings as they are in a process that is the user's own, if it can be used with them.
 
     Raises
     ------
     ConfigurationError
-        If it would wait for ever.
+        If it would wait for ever, or as `check_assertions`.
     """
+    check_assertions()
     import zarr
 
     concurrency = zarr.config.get("async.concurrency", None)
