@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 
 from pipeline import store
 from pipeline.config.places import Place
-from pipeline.errors import KEPT, ConfigurationError, Unreachable
+from pipeline.errors import KEPT, ConfigurationError, DamagedError, Unreachable
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
 from pipeline.run.workforce import Workforce
@@ -38,6 +38,10 @@ def attempt(
     """
     try:
         return run(job, workforce, reporter)
+    except DamagedError as error:
+        # Whoever reads a file does not know which rows are lost with it.
+        reporter.error(_explained(error, job, beside))
+        return error.status
     except ConfigurationError as error:
         reporter.error(str(error))
         return error.status
@@ -58,6 +62,8 @@ def _explained(error: Exception, job: Job, beside: bool) -> str:
     for path in _read(job, beside):
         if store.exists(path) and (found := store.damage_error(path)) is not None:
             return str(found)
+    if isinstance(error, DamagedError):
+        return str(error)
     if isinstance(error, OSError):
         return f"{error}{KEPT}"
     raise error
