@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.config.gear_schema import System
 from pipeline.config.harmonics import pairs_of
 from pipeline.config.matrix_files import MOST_DEGREES, MatrixError, numbers_of, read_matrix, read_npz
-from pipeline.config.schema import System
 from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["system_numbers"]

@@ -4,8 +4,8 @@ import math
 import sys
 from dataclasses import asdict, fields
 
+from pipeline.config.gear_schema import PhysicalGear
 from pipeline.config.mesh_cycle import read_mesh_cycle
-from pipeline.config.schema import PhysicalGear
 from pipeline.config.teeth import METHODS, DrawnMesh, drawn_mesh
 from pipeline.config.units import quantities, quantity, speed
 from pipeline.errors import ConfigurationError, shown

@@ -2,8 +2,8 @@
 
 import math
 
+from pipeline.config.gear_schema import Rotor
 from pipeline.config.harmonics import pairs_of
-from pipeline.config.schema import Rotor
 from pipeline.config.units import quantity
 from pipeline.errors import ConfigurationError, shown
 from solver import ParameterError

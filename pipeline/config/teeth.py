@@ -50,7 +50,7 @@ def drawn_mesh(
     ----------
     method : str
         Of `METHODS`.
-    tooth : pipeline.config.schema.Teeth
+    tooth : pipeline.config.gear_schema.Teeth
     cones : PitchCones
     pressure_angle : float
         Degrees.

@@ -27,7 +27,7 @@ def thermal_numbers(thermal, pair: GearPair) -> dict:
 
     Parameters
     ----------
-    thermal : pipeline.config.schema.Thermal
+    thermal : pipeline.config.gear_schema.Thermal
     pair : GearPair
 
     Returns
