@@ -11,6 +11,7 @@ __all__ = [
     "StoreError",
     "Unreachable",
     "WorkerLost",
+    "refused",
     "shown",
 ]
 
@@ -49,6 +50,26 @@ class ConfigurationError(Exception):
 
 class StoreError(ConfigurationError):
     """A store cannot be used as asked; the message names it and the way on."""
+
+
+def refused(key: str, value, allowed: str) -> ConfigurationError:
+    """That a key may not have a value: the one sentence that says so.
+
+    Parameters
+    ----------
+    key : str
+        As the user typed it.
+    value
+        As typed; a long one is shortened.
+    allowed : str
+        What it must be, as the end of the sentence.
+
+    Examples
+    --------
+    >>> print(refused("cluster.workers", -1, "from 1 to 1024"))
+    cluster.workers = -1 is not allowed: it must be from 1 to 1024
+    """
+    return ConfigurationError(f"{key} = {shown(repr(value))} is not allowed: it must be {allowed}")
 
 
 class DamagedError(StoreError):
