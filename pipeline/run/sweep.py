@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from time import perf_counter
 
 from pipeline import store
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, counted
 from pipeline.plan.axes import ROLES
 from pipeline.plan.plan import Block
 from pipeline.plan.planning import warnings
@@ -68,7 +68,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
-    reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")
+    reporter.line(f"sweep: {state}{counted(rows, 'row')} of {job.plan.sweep.num} columns into {path}; {where}")
     status = compute(job, blocks, workforce, reporter, perf_counter() - begin)
     if not alone:
         _expect_figures(job, everybody)
@@ -120,8 +120,8 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     # A chunk that went missing while the others were computed would be read as fill values.
     store.read_layout(path)
     reporter.line(
-        f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
-        f"(after {waited:.2f} s to get ready)" + (f", {len(failed)} rows failed" if failed else "")
+        f"sweep: {counted(rows - len(failed), 'row')}, {points:,} branch points in {seconds:.2f} s "
+        f"(after {waited:.2f} s to get ready)" + (f", {counted(len(failed), 'row')} failed" if failed else "")
     )
     proven = store.proven_cells(path)
     if proven is not None:
