@@ -179,9 +179,11 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
         chosen, typed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
         plain = pickle.loads(chosen)
         ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
+        # Where types are merged, a value that is left open would count as not given.
+        left_open = OmegaConf.missing_keys(plain) if any("???" in override for override in values) else set()
         typed = _typed(plain, typed, values)
         OmegaConf.resolve(typed)
-        missing = OmegaConf.missing_keys(typed)
+        missing = left_open | OmegaConf.missing_keys(typed)
         if missing:
             raise ConfigurationError(f"{min(missing)} has no value")
         return OmegaConf.to_object(typed), dict(choices)

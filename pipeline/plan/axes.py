@@ -80,7 +80,7 @@ def _axis(role: str, axis, kind: GearKind, scales) -> Axis:
     allowed = ("omega", *kind.axes, *(PATHS if role == "parameter" and kind is BEVEL else ()))
     if name not in allowed:
         raise ConfigurationError(
-            f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
+            f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)} with this gear"
         )
     low, high = (value_of(f"plane.{role}.{end}", name, getattr(axis, end), scales) for end in ("min", "max"))
     shown_low, shown_high = (

@@ -185,7 +185,7 @@ class RowProgress:
         rate = self.done / elapsed
         if self._bar is not None:
             self._bar.update(self._task, completed=self.done, rate=_rate(rate, self.unit), failed=self.failed)
-        elif self.reporter is not None and 0 < self.done < self.total and now - self._said >= self.every:
+        elif self.reporter is not None and 0 < self.done < self.total and now - self._said >= self._pause(elapsed):
             # The last one is the stage's own to say.
             self._said = now
             failed = f", {self.failed} failed" if self.failed else ""
@@ -193,6 +193,10 @@ class RowProgress:
                 f"  {self._before}{self.done}/{self.total} {self.unit}, {_rate(rate, self.unit)}, "
                 f"{(self.total - self.done) / rate:.0f} s left{failed}"
             )
+
+    def _pause(self, elapsed: float) -> float:
+        """Seconds between lines: more and more, up to a minute, so that a long run has no page of them."""
+        return max(self.every, min(0.1 * elapsed, 60.0))
 
 
 def _rate(rate: float, unit: str) -> str:

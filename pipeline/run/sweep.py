@@ -111,7 +111,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
         ]
     seconds = perf_counter() - ready
     failed = store.failures(path)
-    _list_rows(job, reporter, failed, "failed: ")
+    _list_rows(job, reporter, failed, " failed")
     _list_rows(job, reporter, store.notes(path), "")
     for text in lost:
         reporter.error(text)
@@ -135,7 +135,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
 def _list_rows(job: Job, reporter: Reporter, rows: Sequence[tuple[int, str]], verb: str) -> None:
     """The first rows of a list with what is said of them."""
     for row, text in rows[:_LISTED]:
-        reporter.line(f"  {job.plan.row_text(row)} {verb}{text}")
+        reporter.line(f"  {job.plan.row_text(row)}{verb}: {text}")
     if len(rows) > _LISTED:
         reporter.line(f"  and {len(rows) - _LISTED} more; `message` in the store has every reason")
 
