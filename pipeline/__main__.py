@@ -122,6 +122,7 @@ def _run_overrides(asked, reporter) -> int:
 
 def _check_names(all_settings) -> None:
     """Raise ConfigurationError unless every plane of a multirun has a store of its own."""
+    from pipeline.config.secrets import without_secrets
     from pipeline.config.typed import key_of
     from pipeline.errors import ConfigurationError
 
@@ -130,6 +131,10 @@ def _check_names(all_settings) -> None:
         other = by_path.setdefault(settings.store_path.resolve(), settings)
         if other is settings or not ("sweep" in settings.config.stages or "sweep" in other.config.stages):
             continue
+        if other.config == settings.config:
+            raise ConfigurationError(
+                f"-m {' '.join(map(without_secrets, settings.overrides))} is not allowed: it asks for one plane twice"
+            )
         varied = [key_of(mine) for mine, its in zip(settings.overrides, other.overrides, strict=True) if mine != its]
         name = "-".join([other.default_name, *(f"${{{key}}}" for key in varied if key != "store.name")])
         raise ConfigurationError(
