@@ -90,13 +90,21 @@ class StoredPlane:
     def array(self, name: str, *within: slice) -> np.ndarray:
         """An array that has rows, read anew; `within` cuts it along its further dimensions."""
         place = (self._within, *within)
-        return self._root[name][place if self.layer is None else (self.layer, *place)]
+        if name not in self._arrays:
+            self._arrays[name] = self._root[name]
+        return self._arrays[name][place if self.layer is None else (self.layer, *place)]
 
     @property
     def parts(self) -> Iterator["StoredPlane"]:
         """The plane in parts of some rows, each a few chunks of the store."""
-        for block in self.plan.parts:
-            yield self._as(block=block)
+        return map(self.part, self.plan.parts)
+
+    def part(self, block: Block) -> "StoredPlane":
+        """Some rows of the plane."""
+        part = self._as(block=block)
+        # One number a row: read for all rows at once.
+        vars(part).update(status=self.status[part._within], n_points=self.n_points[part._within])
+        return part
 
     def layer_at(self, index: int) -> "StoredPlane":
         """One layer of a volume."""
@@ -115,7 +123,7 @@ class StoredPlane:
     def _as(self, **changes) -> "StoredPlane":
         """Another part of the same store, which is not opened again: that takes longer than to read a block of it."""
         part = replace(self, **changes)
-        vars(part)["_root"] = self._root
+        vars(part).update(_root=self._root, _arrays=self._arrays)
         return part
 
     @cached_property
@@ -196,9 +204,14 @@ class StoredPlane:
     @cached_property
     def motions(self) -> np.ndarray:
         """All unknowns of the balance in every cell, (P, X, S, n)."""
+        return self.motions_in(...)
+
+    def motions_in(self, *cells) -> np.ndarray:
+        """All unknowns of the balance in some cells, (k, S, n), by the numbers (k,) of their rows and columns."""
         if self.plan.motion_size:
-            return self.motion
-        return np.stack([self.mean, self.amplitude * np.cos(self.phase), -self.amplitude * np.sin(self.phase)], -1)
+            return self.motion[cells]
+        mean, amplitude, phase = (values[cells] for values in (self.mean, self.amplitude, self.phase))
+        return np.stack([mean, amplitude * np.cos(phase), -amplitude * np.sin(phase)], -1)
 
     @cached_property
     def stability_codes(self) -> np.ndarray:
@@ -269,6 +282,11 @@ class StoredPlane:
     @cached_property
     def _root(self) -> zarr.Group:
         return zarr.open_group(files_at(self.path).zarr(), mode="r", zarr_format=3)
+
+    @cached_property
+    def _arrays(self) -> dict[str, zarr.Array]:
+        """Those that have been read."""
+        return {}
 
     @cached_property
     def _kept(self) -> np.ndarray:
