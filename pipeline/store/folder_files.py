@@ -4,7 +4,7 @@ import contextlib
 import os
 import re
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,32 +41,23 @@ class FolderFiles:
 
     def sizes(self) -> dict[str, int]:
         """Raises StoreError where there is a link: what is behind it is outside."""
-        found, waiting = {}, [("", self.place)]
-        while waiting:
-            prefix, folder = waiting.pop()
-            for entry in _entries(folder, missing_ok=bool(prefix)):
-                name = prefix + entry.name
-                if entry.is_dir(follow_symlinks=False):
-                    waiting.append((f"{name}/", entry.path))
-                elif entry.is_file(follow_symlinks=False):
-                    # A run may rename a file that it has written, or take a group away, meanwhile.
-                    with contextlib.suppress(FileNotFoundError):
-                        found[name] = entry.stat(follow_symlinks=False).st_size
-                else:
-                    kind = "a link" if entry.is_symlink() else "neither a file nor a folder"
-                    raise StoreError(
-                        f"{self.place} is not allowed: {name!r} is {kind}; a store has files and folders only"
-                    )
+        found = {}
+        for name, entry in _files(self.place):
+            if not entry.is_file(follow_symlinks=False):
+                kind = "a link" if entry.is_symlink() else "neither a file nor a folder"
+                raise StoreError(f"{self.place} is not allowed: {name!r} is {kind}; a store has files and folders only")
+            # A run may rename a file that it has written, or take a group away, meanwhile.
+            with contextlib.suppress(FileNotFoundError):
+                found[name] = entry.stat(follow_symlinks=False).st_size
         return found
 
     def versions(self) -> dict[str, tuple]:
         found = {}
-        for file in self.place.rglob("*"):
+        for name, entry in _files(self.place) if self.place.is_dir() else ():
             # A run may rename it meanwhile.
             with contextlib.suppress(FileNotFoundError):
-                if not file.is_dir():
-                    status = file.lstat()
-                    found[file.relative_to(self.place).as_posix()] = status.st_size, status.st_mtime_ns
+                status = entry.stat(follow_symlinks=False)
+                found[name] = status.st_size, status.st_mtime_ns
         return found
 
     def folders(self) -> list[str]:
@@ -178,6 +169,18 @@ class _FileLog:
 
     def remove(self) -> None:
         self._file.unlink(missing_ok=True)
+
+
+def _files(place: Path) -> Iterator[tuple[str, os.DirEntry]]:
+    """All below a folder that is no folder, links among it, by name."""
+    waiting: list[tuple[str, Path | str]] = [("", place)]
+    while waiting:
+        prefix, folder = waiting.pop()
+        for entry in _entries(folder, missing_ok=bool(prefix)):
+            if entry.is_dir(follow_symlinks=False):
+                waiting.append((f"{prefix}{entry.name}/", entry.path))
+            else:
+                yield prefix + entry.name, entry
 
 
 def _entries(folder: Path | str, missing_ok: bool) -> list[os.DirEntry]:
