@@ -58,7 +58,7 @@ def draw_cells(plane: StoredPlane, entries: Sequence[Entry], paint: Callable[[Ax
     Drawing
     """
     sweep, parameter = plane.plan.sweep, plane.plan.parameter
-    windows = coexistence_windows(plane.segments, sweep.low, sweep.high)
+    windows = coexistence_windows(plane)
     tall = max(HEIGHT, legend_height(list(entries)))
     names, above = (sweep.name, parameter.name), lift(plane)
     bottom = BOTTOM + (ZOOM_HEIGHT + BETWEEN + above if windows else 0.0)

@@ -1,5 +1,6 @@
 """Figures: the same bytes every time, what they show of a plane, and what cannot be drawn."""
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -128,14 +129,16 @@ def test_pieces_give_the_stored_raster(plane):
 
 def test_windows(plane):
     low, high = plane.plan.sweep.low, plane.plan.sweep.high
-    windows = coexistence_windows(plane.segments, low, high)
+    windows = coexistence_windows(plane)
     assert len(windows) == 2
     x = np.linspace(low, high, 3001)
     several = x[np.any(labels_at(plane.segments, x)[1] >= 2, axis=0)]
     assert all(any(left <= value <= right for left, right in windows) for value in several)
-    assert coexistence_windows([[] for _ in plane.segments], low, high) == []
-    # Two everywhere is no narrow region.
-    assert coexistence_windows([segments + segments for segments in plane.segments], low, high) == []
+    # Nowhere two, and two everywhere, which is no narrow region.
+    for times in (0, 2):
+        other = dataclasses.replace(plane)
+        vars(other)["segments"] = [times * segments for segments in plane.segments]
+        assert coexistence_windows(other) == []
 
 
 # Figures
@@ -354,6 +357,14 @@ def test_what_is_unstable_is_shaded_up_to_the_curves(traced, dynamic):
     assert ("not all $n$ dynamically stable" in said) == (not dynamic)
     assert any(text.startswith("0/\N{EN DASH}  no stable") for text in said) == dynamic
     assert "stability contradictory:" in said
+
+
+def test_windows_are_those_of_the_branches(traced):
+    """Two ways: the division of the plane by its boundaries, and the branches of its rows."""
+    plane, without = read_stored(traced), read_stored(traced)
+    vars(without)["boundaries"] = None
+    assert stored_division(plane) is not None and stored_division(without) is None
+    assert coexistence_windows(plane) == coexistence_windows(without) != []
 
 
 @pytest.mark.costly
