@@ -8,12 +8,15 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 import pipeline
 from pipeline import figures, store
 from pipeline.errors import ConfigurationError
 from pipeline.figures.backbone import draw_backbone, round_values
-from pipeline.figures.curves import chosen_values, draw_curves
+from pipeline.figures.curves import _free_corner, chosen_values, draw_curves
 from pipeline.figures.map import draw_map
 from pipeline.figures.panels import panel_of, shares_of_labels
 from pipeline.figures.peaks import resonance_peaks
@@ -231,8 +234,40 @@ def test_every_event_of_a_row_is_drawn(plane):
             (float(x), float(y))
             for x, y in zip(row.points["position"][events > 0], row.points[name][events > 0], strict=True)
         }
-    # Two panels, and insets.
-    assert len(drawn.axes) > 2 and all(not axes.get_xticks().size for axes in drawn.axes if axes.get_zorder() == 8)
+    frames = [(axes, patch) for axes in drawn.axes for patch in axes.patches if patch.get_zorder() == 8]
+    assert len(frames) >= len(drawn.axes) == 2
+    for axes, frame in frames:
+        enlarged = [line for line in axes.lines if line.get_zorder() > 8]
+        box = frame.get_window_extent()
+        there = {tuple(place) for line in enlarged for place in line.get_transform().transform(line.get_xydata())}
+        inside = np.array([place for place in there if box.contains(*place)])
+        assert len(inside) > 1
+        # Further from each other than a marker is wide.
+        assert cKDTree(inside).query(inside, 2)[0][:, 1].min() > 0.04 * drawn.dpi
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 60))
+def test_an_inset_is_put_where_it_hides_nothing(seed, count):
+    """Against all corners one by one."""
+    draw = np.random.default_rng(seed)
+    size, near = np.array([2.0, 1.5]), draw.uniform(0.0, 1.5, 2)
+    blocked = draw.uniform((-0.1, -0.1), size + 0.1, (count, 2))
+    found = _free_corner(size, blocked, near)
+    across, up = (np.arange(0.04, length - side - 0.04, 0.06) for length, side in zip(size, (0.72, 0.56), strict=True))
+    free = [
+        (x, y)
+        for x in across
+        for y in up
+        if not np.any(
+            np.all((blocked >= (x - 0.04, y - 0.04)) & (blocked <= (x + 0.72 + 0.04, y + 0.56 + 0.04)), axis=1)
+        )
+    ]
+    if not free:
+        assert found is None
+    else:
+        assert tuple(found) in free
+        away = [np.hypot(*(np.array(corner) + (0.36, 0.28) - near)) for corner in free]
+        assert np.hypot(*(found + (0.36, 0.28) - near)) == pytest.approx(min(away))
 
 
 def test_peaks_are_on_the_softening_side(plane):
