@@ -64,7 +64,7 @@ def map_lines(plane: StoredPlane, frame: MapFrame, detail: float) -> tuple[LineK
     allowed = detail * np.array([high - low for low, high in ends])
     kinds = [
         LineKind(kind, plain(LINES[kind][1]), tuple(line * frame.size for line in _lines(outline, allowed)))
-        for kind, outline in lines_of(plane, *ends).items()
+        for kind, outline in lines_of(plane, *ends, detail).items()
     ]
     return (*kinds, *_modes(plane, frame, allowed))
 

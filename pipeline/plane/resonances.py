@@ -1,6 +1,7 @@
 """Linear resonances of a system in contact: natural frequencies, names, and the share of each mode in the contact."""
 
-from dataclasses import dataclass
+import functools
+from dataclasses import dataclass, field
 from functools import singledispatch
 
 import numpy as np
@@ -71,7 +72,24 @@ def contact_modes(system) -> tuple[tuple[float, float], ...]:
 
 @contact_modes.register
 def _(system: Model) -> tuple[tuple[float, float], ...]:
-    return tuple(zip(system.mesh_modes(), mesh_shares(system), strict=True))
+    return _pair_modes(_Alike(tuple(getattr(system, name) for name in _OF_MODES), system))
+
+
+#: What the modes of a bevel pair depend on.
+_OF_MODES = ("pitch_cone_angle", "pressure_angle", "translation_coupling", "rotation_coupling", "kappa", "k_support")
+
+
+@dataclass(frozen=True)
+class _Alike:
+    """A bevel pair that is equal to all that have its modes, as the rows of most planes have."""
+
+    felt: tuple
+    model: Model = field(compare=False)
+
+
+@functools.lru_cache(maxsize=1024)
+def _pair_modes(pair: _Alike) -> tuple[tuple[float, float], ...]:
+    return tuple(zip(pair.model.mesh_modes(), mesh_shares(pair.model), strict=True))
 
 
 @contact_modes.register

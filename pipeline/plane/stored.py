@@ -23,7 +23,7 @@ from solver.stability.instability import LEFT_TO_FOLDS
 
 __all__ = ["StoredPlane", "read_stored"]
 
-_POINT_ARRAYS = ("mean", "amplitude", "stable", "impact", "branch", "event")
+_POINT_ARRAYS = ("mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
 
 
 def _stored(name: str) -> cached_property:
