@@ -4,15 +4,15 @@ import contextlib
 import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from pipeline.analysis import margins
 from pipeline.analysis.attractors.options import search_of
-from pipeline.analysis.attractors.places import Place, place_of, states_at_rest
+from pipeline.analysis.attractors.places import IntegratedPlace, place_of, states_at_rest
 from pipeline.analysis.motion.motions import MapMotion, Motion, Motions, attractor_motion, map_motion, motions_at
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.config.schema import Attractors
 from pipeline.errors import refused
 from pipeline.explorer.fixed_parameters import changed_plan
@@ -158,7 +158,7 @@ def _ending(model, omega: float, state: np.ndarray, of_map: MapMotion | None) ->
     return Ending((float(state[state.size // 2 - 1]), float(state[-1])), of_map, motion)
 
 
-def basins(plan: Plan, x: float, p: float) -> Place:
+def basins(plan: Plan, x: float, p: float) -> IntegratedPlace:
     """A slice of the basins at a place: initial states in lambda and lambda', and what each of them ends on.
 
     Raises
@@ -172,13 +172,13 @@ def basins(plan: Plan, x: float, p: float) -> Place:
 
 
 def design_answer(
-    path: Path, plan: Plan, point: tuple[float, float], tolerances: tuple[float, float]
+    path: Place, plan: Plan, point: tuple[float, float], tolerances: tuple[float, float]
 ) -> margins.Answer:
     """Margins of a design point with tolerances, cut at the ends of the axes.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store, its boundaries traced.
     plan : Plan
         The store's own.

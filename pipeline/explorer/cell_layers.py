@@ -13,7 +13,7 @@ from pipeline.explorer.map_frame import MapFrame, evenly, map_lines, plane_cells
 from pipeline.explorer.plain_text import quantity_title
 from pipeline.explorer.region_layers import label_cells
 from pipeline.figures.attractors import CLASSES, class_of
-from pipeline.figures.cell_panels import borders_between
+from pipeline.figures.cell_panels import attractor_borders
 from pipeline.figures.palette import hex_colour
 from pipeline.figures.panels import cell_borders
 from pipeline.figures.quantity_map import ends_of
@@ -75,7 +75,7 @@ def attractor_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer
     """What motions end on: the calmest kind as a colour, the most alarming of several as lines over it."""
     found = read_attractors(plane.path)
     kinds, impact = class_of(found.kind.values), found.impact.values
-    columns, rows = _borders(plane, found)
+    columns, rows = attractor_borders(plane, found)
     calmest = np.min(np.where(kinds < 0, len(CLASSES), kinds), axis=-1)
     alarming, several = np.max(kinds, axis=-1), np.sum(kinds >= 0, axis=-1) >= 2
     alone = np.where(several, len(CLASSES), np.where(calmest == len(CLASSES), len(CLASSES) + 1, calmest))
@@ -140,12 +140,7 @@ def credibility_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Lay
         frame.x,
         frame.y,
         classes=classes,
-        cells=evenly(np.where(labels == 0, -1, table[judged]), *_borders(plane, found), frame, plane),
+        cells=evenly(np.where(labels == 0, -1, table[judged]), *attractor_borders(plane, found), frame, plane),
         lines=map_lines(plane, frame, detail),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
     )
-
-
-def _borders(plane: StoredPlane, found) -> tuple[np.ndarray, np.ndarray]:
-    sweep, parameter = plane.plan.sweep, plane.plan.parameter
-    return borders_between(found[sweep.name].values, sweep), borders_between(found[parameter.name].values, parameter)

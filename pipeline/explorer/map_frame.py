@@ -10,7 +10,7 @@ from pipeline.analysis.attractors.dataset import read_attractors
 from pipeline.analysis.attractors.wording import cell_label
 from pipeline.explorer.layer_data import Cells, LineKind, MapAxis, MarkKind, Told
 from pipeline.explorer.plain_text import axis_text, plain
-from pipeline.figures.cell_panels import borders_between
+from pipeline.figures.cell_panels import attractor_borders
 from pipeline.figures.map_legend import LINES, MARK_NAMES
 from pipeline.figures.naming import axis_label, mesh_energies, symbol
 from pipeline.figures.panels import cell_borders, lines_of
@@ -114,8 +114,7 @@ def told_of_cells(plane: StoredPlane, frame: MapFrame) -> tuple[Told, ...]:
     code = np.sort(np.where(kinds > 0, kinds * 16 + impacts + 1, 0), axis=-1)
     sets, place = np.unique(code.reshape(-1, code.shape[-1]), axis=0, return_inverse=True)
     texts = tuple(cell_label(one // 16, one % 16 - 1) or "nothing found" for one in sets)
-    columns = borders_between(found[plane.plan.sweep.name].values, plane.plan.sweep)
-    rows = borders_between(found[plane.plan.parameter.name].values, plane.plan.parameter)
+    columns, rows = attractor_borders(plane, found)
     place, judged = place.reshape(kinds.shape[:-1]), found.credibility.values.astype(np.int64)
     words = tuple(kind.words for kind in Credibility)
     return (

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from bokeh.models import HoverTool, LinearColorMapper, PointDrawTool
 
-from pipeline.analysis.attractors.places import Place
+from pipeline.analysis.attractors.places import IntegratedPlace
 from pipeline.analysis.attractors.wording import attractor_name
 from pipeline.analysis.motion.motions import Motion
 from pipeline.explorer.legend import Entry, area_entry
@@ -44,7 +44,7 @@ def state_plane(**options):
     return found
 
 
-def fill_states(found, attractors: Sequence[Motion], place: Place | None) -> list[Entry]:
+def fill_states(found, attractors: Sequence[Motion], place: IntegratedPlace | None) -> list[Entry]:
     """Show states in a figure of `state_plane`.
 
     Parameters
@@ -52,7 +52,7 @@ def fill_states(found, attractors: Sequence[Motion], place: Place | None) -> lis
     found : bokeh.plotting.figure
     attractors : sequence of Motion
         Whose states at tau = 0 mod 2 pi / Omega are marked.
-    place : Place or None
+    place : IntegratedPlace or None
         With a slice of the basins.
 
     Returns
@@ -69,7 +69,7 @@ def fill_states(found, attractors: Sequence[Motion], place: Place | None) -> lis
     return _fill_basins(found, place)
 
 
-def _fill_basins(found, place: Place) -> list[Entry]:
+def _fill_basins(found, place: IntegratedPlace) -> list[Entry]:
     kinds, impacts = place.row.kind[0], place.row.impact[0]
     colours = [hex_colour(colour) for colour in basin_colours(kinds)]
     (basins,) = (one for one in found.renderers if one.name == "basins")

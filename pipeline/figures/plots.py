@@ -4,11 +4,11 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from pathlib import Path
 
 from pipeline.analysis.attractors.options import check_box
 from pipeline.config.allowed import sentence_of
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE
 from pipeline.config.schema import Attractors, Figures
 from pipeline.errors import ConfigurationError
@@ -26,7 +26,7 @@ class Plots:
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store.
     plan : Plan
         Its plan; of the layer, where it is one.
@@ -34,7 +34,7 @@ class Plots:
         Number of the layer in a volume.
     """
 
-    path: Path
+    path: Place
     plan: Plan
     layer: int | None = None
 

@@ -1,7 +1,6 @@
 """Linear resonances of a system in contact: natural frequencies, names, and the share of each mode in the contact."""
 
 from dataclasses import dataclass
-from functools import singledispatch
 
 import numpy as np
 
@@ -57,8 +56,7 @@ def resonances(plan: Plan, value: float) -> tuple[Resonance, ...]:
     return resonances_of(*(natural for natural, _ in contact_modes(row_system(plan, value))))
 
 
-@singledispatch
-def contact_modes(system) -> tuple[tuple[float, float], ...]:
+def contact_modes(system: Model | ContactSystem) -> tuple[tuple[float, float], ...]:
     """Natural frequency of every linear mode in contact that a figure shows, ascending, and the share of its strain
     energy that is in the contact.
 
@@ -66,16 +64,8 @@ def contact_modes(system) -> tuple[tuple[float, float], ...]:
     due to the contact, (l h)(w r)/(l M r omega^2) with the left and the right mode l and r: the energy, where the
     equations have one.
     """
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@contact_modes.register
-def _(system: Model) -> tuple[tuple[float, float], ...]:
-    return tuple(zip(system.mesh_modes(), mesh_shares(system), strict=True))
-
-
-@contact_modes.register
-def _(system: ContactSystem) -> tuple[tuple[float, float], ...]:
+    if isinstance(system, Model):
+        return tuple(zip(system.mesh_modes(), mesh_shares(system), strict=True))
     kept = reduced(system)
     squares, right = np.linalg.eig(np.linalg.solve(kept.mass, kept.stiffness + np.outer(kept.force, kept.contact)))
     # The rows of the inverse are the left modes, of l M r = 1.

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 import zarr
 
+from pipeline.config.places import Place
 from pipeline.plan.numerics import row_system, sweep_axis
 from pipeline.plan.plan import Block, Plan
 from pipeline.plan.scales import scales_of
@@ -41,7 +41,7 @@ class StoredPlane:
 
     Parameters
     ----------
-    path : Path
+    path : Place
     plan : Plan
         Of the plane; of the layer, where it is one.
     layer : int or None
@@ -67,7 +67,7 @@ class StoredPlane:
     end_reason : (P, branch, 2) array
     """
 
-    path: Path
+    path: Place
     plan: Plan
     layer: int | None = None
     volume: Plan | None = None
@@ -177,11 +177,6 @@ class StoredPlane:
         values = np.where(self.counted, self.array(name), np.nan)
         return (np.fmax if of == "worst" else np.fmin).reduce(values, axis=-1)
 
-    @property
-    def usable(self) -> np.ndarray:
-        """Where there are stable motions to start from, (P, X) bool."""
-        return (self.domain != 0) & (self.n_stable > 0)
-
     @cached_property
     def unstable(self) -> np.ndarray:
         """Where a statically stable motion is dynamically unstable (period doubling, Neimark-Sacker), (P, X) bool."""
@@ -276,12 +271,12 @@ class StoredPlane:
         return (self.stable == 1) & np.isin(self.instability, LEFT_TO_FOLDS)
 
 
-def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:
+def read_stored(path: Place, dynamic: bool = False, physical: bool = False) -> StoredPlane:
     """Look a store over, and give its plane or volume.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     dynamic, physical
         As for `StoredPlane`.
 

@@ -8,7 +8,6 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ import numpy as np
 
 from pipeline import store
 from pipeline.analysis.attractors.dataset import row_of_values, state_size
+from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import continuation_of, model_at, row_of
@@ -220,7 +220,7 @@ def _dataset(plan: Plan, found: "xarray.Dataset", results: list, order: int) -> 
     return xarray.Dataset(variables, places, {"configuration_hash": plan.fingerprint, "order": order})
 
 
-def read_isolated(path: Path) -> "xarray.Dataset | None":
+def read_isolated(path: Place) -> "xarray.Dataset | None":
     """What is stored of branches that rows lack; None if nothing is."""
     if groups.open_group(path, GROUP) is None:
         return None

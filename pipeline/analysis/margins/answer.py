@@ -2,7 +2,6 @@
 
 import dataclasses
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from pipeline.analysis.margins.lines import Line, codes_along, divided, row_alon
 from pipeline.analysis.margins.options import Design
 from pipeline.analysis.margins.resonances import Resonance, resonances_in
 from pipeline.analysis.margins.worst import Corner, corners
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
@@ -93,12 +93,12 @@ class Answer:
         return [one.sentence(self.how if gaps[:1] == [one] else "") for one in self.known]
 
 
-def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractors]") -> Answer:
+def answer(path: Place, plan: Plan, design: Design, how: str = "stages=[attractors]") -> Answer:
     """Ask a stored plane about a design point.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store, its boundaries traced.
     plan : Plan
         The store's own.

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import balance_of, model_at
 from pipeline.plan.plan import Plan
@@ -36,7 +36,7 @@ class Planes:
 
     Parameters
     ----------
-    paths : mapping of str to Path
+    paths : mapping of str to Place
         Of the planes that there are; statements about others say that they cannot be computed.
 
     Raises
@@ -45,7 +45,7 @@ class Planes:
         If they are none.
     """
 
-    def __init__(self, paths: Mapping[str, Path]):
+    def __init__(self, paths: Mapping[str, Place]):
         instance_of("planes", paths, Mapping)
         self.paths = {name: store_path(f"planes[{name!r}]", path) for name, path in paths.items()}
         self.plan, self.whole, self.part = cache(self._plan), cache(self._whole), cache(self._part)

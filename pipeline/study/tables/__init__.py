@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import balance_of
 from pipeline.plane.stored import read_stored
@@ -18,7 +19,7 @@ __all__ = ["write"]
 _FORMATS = {".csv": cells, "-measured.csv": tidy, ".md": markdown, ".tex": latex}
 
 
-def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
+def write(stores: dict[str, tuple[Place, str]], folder: Path) -> list[Path]:
     """Write the study's tables 1 to 3 as measured in stored planes, each as Markdown, LaTeX and CSV.
 
     Parameters
@@ -50,7 +51,7 @@ def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
     return write_files(folder, texts)
 
 
-def _problem(article: ArticleTable, path: Path, command: str) -> str:
+def _problem(article: ArticleTable, path: Place, command: str) -> str:
     """What keeps a table from being made of a store, with the command that helps; empty if nothing does."""
     try:
         plane = read_stored(path)
