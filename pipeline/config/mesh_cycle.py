@@ -6,7 +6,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from pipeline.config.csv_table import Table, TableError, read_table
+from pipeline.config.csv_table import Table, read_table
+from pipeline.config.number_files import NumbersError
 from pipeline.config.units import quantity, unit_size
 from pipeline.errors import ConfigurationError, refused
 from solver import CycleFit, ParameterError, PitchCones, fit_cycle
@@ -93,7 +94,7 @@ def read_mesh_cycle(path: str, count: int, cones: PitchCones, length=None) -> Me
     """
     try:
         table = read_table(path)
-    except TableError as error:
+    except NumbersError as error:
         raise _wrong(path, str(error)) from None
     columns = _columns(path, table, cones.face_width)
     for line, value in zip(columns.lines, columns.values.get("stiffness", ()), strict=False):
