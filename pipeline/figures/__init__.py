@@ -12,7 +12,7 @@ from pipeline.figures.options import check_options
 from pipeline.plan.layers import layer_name
 from pipeline.plane.stored import read_stored
 
-__all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra", "names_of"]
+__all__ = ["NAMES", "check_options", "draw", "draw_named", "draw_one", "names_of"]
 
 #: Figures of a plane, those that take longest first.
 NAMES = (
@@ -119,61 +119,19 @@ def names_of(store_path: Path, options: dict) -> list[str]:
     return [name for name in NAMES if name not in lacking]
 
 
-def draw_design(
-    store_path: Path, folder: Path, answer, formats: list[str], dpi: int, units: str = "dimensionless"
+def draw_one(
+    store_path: Path, folder: Path, name: str, drawn: Callable, formats: list[str], dpi: int, units: str
 ) -> list[Path]:
-    """Draw a design point with its margins on the map of its plane, as `margins` in all formats.
-
-    Parameters
-    ----------
-    store_path, folder, formats, dpi, units
-        As for `draw`.
-    answer : pipeline.analysis.margins.Answer
-    """
-    from pipeline.figures.margins import draw_margins
-
-    return _draw_one(store_path, folder, "margins", formats, dpi, units, lambda plane: draw_margins(plane, answer))
-
-
-def draw_followed(
-    store_path: Path, folder: Path, name: str, followed, formats: list[str], dpi: int, units: str = "dimensionless"
-) -> list[Path]:
-    """Draw a row that was followed up and down, over the branches of the map there, as `name` in all formats.
+    """Draw one figure of a stored plane as `name` in all formats.
 
     Parameters
     ----------
     store_path, folder, formats, dpi, units
         As for `draw`.
     name : str
-    followed : pipeline.analysis.diagram.following.Followed, pipeline.plane.row_curves.RowCurves
-        Both.
+    drawn : callable
+        drawn(plane) is the figure of a `pipeline.plane.stored.StoredPlane`.
     """
-    from pipeline.figures.diagram import draw_diagram
-
-    return _draw_one(store_path, folder, name, formats, dpi, units, lambda plane: draw_diagram(plane, *followed))
-
-
-def draw_spectra(
-    store_path: Path, folder: Path, name: str, spectra, formats: list[str], dpi: int, units: str = "dimensionless"
-) -> list[Path]:
-    """Draw spectra along a row as `name` in all formats.
-
-    Parameters
-    ----------
-    store_path, folder, formats, dpi, units
-        As for `draw`.
-    name : str
-    spectra : pipeline.analysis.diagram.spectra.Spectra
-    """
-    from pipeline.figures.spectrum import draw_spectrum
-
-    return _draw_one(store_path, folder, name, formats, dpi, units, lambda plane: draw_spectrum(plane, spectra))
-
-
-def _draw_one(
-    store_path: Path, folder: Path, name: str, formats: list[str], dpi: int, units: str, drawn: Callable
-) -> list[Path]:
-    """Write the one figure that `drawn` makes of the stored plane."""
     from pipeline.figures.drawing import own_style
     from pipeline.figures.output import write_figure
 
