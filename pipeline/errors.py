@@ -11,6 +11,7 @@ __all__ = [
     "StoreError",
     "Unreachable",
     "WorkerLost",
+    "counted",
     "refused",
     "shown",
 ]
@@ -33,6 +34,17 @@ def shown(text: str, longest: int = 120) -> str:
     """
     short = text if len(text) <= longest else f"{text[:longest]}…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in short)
+
+
+def counted(number: int, noun: str) -> str:
+    """So many of something, as a message says it.
+
+    Examples
+    --------
+    >>> counted(1, "row"), counted(2200, "row")
+    ('1 row', '2,200 rows')
+    """
+    return f"{number:,} {noun}{'s' * (number != 1)}"
 
 
 class ConfigurationError(Exception):
@@ -95,3 +107,12 @@ class ComputationError(RuntimeError):
 
 class WorkerLost(RuntimeError):
     """The process that ran a task ended before the task did."""
+
+
+def unusable(library: str, error: Exception) -> ConfigurationError:
+    """What is said where a library cannot be used as the user has configured it."""
+    reason = " ".join(str(error).split())
+    return ConfigurationError(
+        f"{library}'s own configuration, of files and of variables {library.upper()}_..., is not allowed: "
+        f"{type(error).__name__}: {reason[:300]}"
+    )

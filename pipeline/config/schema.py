@@ -47,8 +47,8 @@ class Solver:
     """Which balance, and continuation settings; see `solver.Continuation`."""
 
     balance: str = allowed(names=("describing_function", "galerkin"))
-    order: int = allowed(1, 1000)
-    period: int = allowed(1, 1000)
+    order: int = allowed(1, 64)
+    period: int = allowed(1, 4)
     corrector: str = allowed(names=("newton", "broyden"))
     certify: str = allowed(names=("none", "columns", "all"))
     certify_columns: int = allowed(2, 10**6)

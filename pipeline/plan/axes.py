@@ -78,7 +78,7 @@ def _axis(role: str, axis, kind: GearKind, scales) -> Axis:
         )
     allowed = ("omega", *kind.axes, *(PATHS if role == "parameter" and kind is BEVEL else ()))
     if name not in allowed:
-        raise refused(f"plane.{role}.name", axis.name, f"one of {', '.join(allowed)}")
+        raise refused(f"plane.{role}.name", axis.name, f"one of {', '.join(allowed)} with this gear")
     low, high = (value_of(f"plane.{role}.{end}", name, getattr(axis, end), scales) for end in ("min", "max"))
     shown_low, shown_high = (
         typed if isinstance(typed, str) else number for typed, number in ((axis.min, low), (axis.max, high))

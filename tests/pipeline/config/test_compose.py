@@ -247,6 +247,13 @@ MISTAKES = [
     ("gear=null", "gear=null is not allowed"),
     ("gear=[miter]", "gear=[miter] is not allowed"),
     ("gear={a:1}", "gear={a:1} is not allowed"),
+    ("gear=5", "gear=5 is not allowed: it must be the name"),
+    ("gear=miter.yaml", "gear=miter.yaml is not allowed: it must be the name"),
+    ("gear.b=???", "gear.b has no value"),
+    ("store.name=\u2603", "stands in quotes"),
+    ("gear=spur", "alpha_phase, excitation with this gear"),
+    ("solver=hb solver.order=65", "solver.order = 65 is not allowed: it must be from 1 to 64"),
+    ("-m gear.b=0.5,0.50", "asks for one plane twice"),
     ("~gear", "gear has no value"),
     ("output=null", "output = null is not allowed"),
     ("-m gear.b=interval(0,1)", "range(0,1,0.1)"),
@@ -296,6 +303,11 @@ def test_a_mistake_is_one_line_status_2_and_nothing_written(typed, said, tmp_pat
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1 and lines[0].startswith("error: ") and said in lines[0]
     assert list(tmp_path.iterdir()) == []
+
+
+def test_spaces_around_the_equals_sign_are_refused(capsys):
+    assert main(["gear.b = 0.5"]) == 2
+    assert "gear.b = 0.5 cannot be read as KEY=VALUE: spaces" in capsys.readouterr().err
 
 
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path, monkeypatch, capsys):
