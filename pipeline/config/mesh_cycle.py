@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -55,10 +55,6 @@ class MeshCycle:
     points: int
     stiffness: CycleFit | None
     error: CycleFit | None
-
-    def report(self) -> dict:
-        """As plain data."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)

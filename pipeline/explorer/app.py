@@ -274,11 +274,8 @@ class _Page:
     def _layout(self):
         plan = self._content.plan
         sizes = " × ".join(str(axis.num) for axis in plan.axes)
-        order = (
-            "first order" if plan.solver["balance"] == "describing_function" else f"{plan.solver['order']} harmonics"
-        )
         title = text(
-            f"<h1>{html.escape(self._content.path.stem)}</h1><p class='quiet'>{sizes} cells, {order}. "
+            f"<h1>{html.escape(self._content.path.stem)}</h1><p class='quiet'>{sizes} cells, {plan.order_text}. "
             "Click a place; zoom with the wheel.</p>"
         )
         self._hint = text(

@@ -117,6 +117,16 @@ class Plan:
         return self.row_blocks.chunk_of(block)
 
     @property
+    def is_first_order(self) -> bool:
+        """Whether motions are balanced by the describing function: all at a place can then be found, with proof."""
+        return self.solver["balance"] == "describing_function"
+
+    @property
+    def order_text(self) -> str:
+        """To which order motions are balanced, in words."""
+        return "first order" if self.is_first_order else f"{self.solver['order']} harmonics"
+
+    @property
     def motion_size(self) -> int:
         """Numbers of a motion stored beside mean, amplitude and phase: all harmonics of a Galerkin balance."""
         unknowns = 2 * int(self.solver["order"]) * int(self.solver["period"]) + 1

@@ -14,15 +14,10 @@ from solver.enumeration.solutions import Above, Proof, Solutions
 from solver.harmonic.quantities import balance_quantities
 from solver.stability import assess
 
-__all__ = ["MOTION", "SolvedMotions", "is_enumerated", "motions_of_place", "proven_label", "solved_motions"]
+__all__ = ["MOTION", "SolvedMotions", "motions_of_place", "proven_label", "solved_motions"]
 
 #: What is told of a motion, besides the quantities that are read of it.
 MOTION = ("amplitude", "phase", "stable", "impact", "instability", "multiplier")
-
-
-def is_enumerated(plan: Plan) -> bool:
-    """Whether every solution at a place can be found with proof: of first order alone."""
-    return plan.solver["balance"] == "describing_function"
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +67,7 @@ def motions_of_place(plan: Plan, x: float, p: float) -> SolvedMotions:
     solver.RowError
         If the row cannot be solved.
     """
-    return _enumerated(plan, x, p) if is_enumerated(plan) else _of_row(plan, x, p)
+    return _enumerated(plan, x, p) if plan.is_first_order else _of_row(plan, x, p)
 
 
 def _solutions(plan: Plan, x: float, p: float) -> Solutions:

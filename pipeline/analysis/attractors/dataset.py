@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "GROUP",
     "NUMBERS",
+    "added_group",
     "empty_values",
     "group_of",
     "read_attractors",
@@ -222,8 +223,13 @@ def row_of_values(values: dict[str, np.ndarray], size: int) -> AttractorRow:
 
 def read_attractors(path: Place) -> "xarray.Dataset | None":
     """The group of a store; None if there is none. Its arrays are read when they are used."""
-    if open_group(path, GROUP) is None:
+    return added_group(path, GROUP)
+
+
+def added_group(path: Place, name: str) -> "xarray.Dataset | None":
+    """A group that was added to a store; None if there is none. Its arrays are read when they are used."""
+    if open_group(path, name) is None:
         return None
     import xarray
 
-    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None)
+    return xarray.open_zarr(files_at(path).zarr(), group=name, chunks=None)

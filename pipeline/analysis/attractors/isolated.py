@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline import store
-from pipeline.analysis.attractors.dataset import row_of_values, state_size
+from pipeline.analysis.attractors.dataset import added_group, row_of_values, state_size
 from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.plan.kinds import kind_of
@@ -28,8 +28,6 @@ from pipeline.run.warmup import warm_up_where
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
-from pipeline.store.files import files_at
-from pipeline.store.stored_arrays import open_group
 from solver import Event, LiftedSeeds
 from solver.contact.impact import impact_of_range
 from solver.harmonic.galerkin import Galerkin
@@ -223,11 +221,8 @@ def _dataset(plan: Plan, found: "xarray.Dataset", results: list, order: int) -> 
 
 def read_isolated(path: Place) -> "xarray.Dataset | None":
     """What is stored of branches that rows lack; None if nothing is."""
-    if open_group(path, GROUP) is None:
-        return None
-    import xarray
-
-    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
+    found = added_group(path, GROUP)
+    return None if found is None else found.load()
 
 
 def isolated_near(stored: "xarray.Dataset", plan: Plan, value: float) -> "xarray.Dataset":

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline import store
-from pipeline.analysis.attractors.dataset import NUMBERS, slot_attributes
+from pipeline.analysis.attractors.dataset import NUMBERS, added_group, slot_attributes
 from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.options import search_of
 from pipeline.analysis.attractors.queries import wilson
@@ -32,8 +32,6 @@ from pipeline.run.sheets import csv_text, write_files
 from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
-from pipeline.store.files import files_at
-from pipeline.store.stored_arrays import open_group
 from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorRow, AttractorSearch, find_attractors, settle
 from solver.timedomain.row_systems import row_systems
@@ -270,11 +268,8 @@ def _dataset(plan: Plan, options: Attractors, points, places: list, messages: li
 
 def read_places(path: Place) -> "xarray.Dataset | None":
     """What is stored of places; None if nothing is."""
-    if open_group(path, GROUP) is None:
-        return None
-    import xarray
-
-    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
+    found = added_group(path, GROUP)
+    return None if found is None else found.load()
 
 
 def _at(plan: Plan, found: "xarray.Dataset") -> list[tuple[float, float]]:

@@ -170,7 +170,7 @@ def _limits(plan: Plan, found: list[Corner]) -> list[str]:
             "Further parameters are looked at with all of them at the ends of their tolerances; between those nothing "
             "is proven."
         )
-    if plan.solver["balance"] != "describing_function":
+    if not plan.is_first_order:
         notes.append(
             f"At order {plan.solver['order']} the motions are those of the branches that were found along lines of the "
             "plane, and labels within the tolerances those of some of its rows: this is a search, not a proof."

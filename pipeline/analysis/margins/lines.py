@@ -74,8 +74,7 @@ def codes_along(
         return _swept_codes(plan, axis, ends, x, p)
     ceiling = float(plan.solver["amplitude_max"])
     if axis in (plan.sweep.name, plan.parameter.name):
-        omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
-        plane = Plane(*frame_of(plan), omega)
+        plane = Plane(*frame_of(plan), plan.omega)
         if axis == plan.sweep.name:
             return lambda places: row_codes(plane, p, np.asarray(places, dtype=float), ceiling)
         return lambda places: np.concatenate([row_codes(plane, float(p), np.array([x]), ceiling) for p in places])

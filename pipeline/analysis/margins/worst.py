@@ -143,13 +143,12 @@ def labels_of_rows(plan: Plan, design: Design, between: np.ndarray | None) -> tu
 def _regions(plan: Plan, x, p, curves: tuple[BoundaryCurve, ...] | None) -> Regions:
     """The regions of a part of a plane."""
     ceiling = float(plan.solver["amplitude_max"])
-    omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
     if curves is not None:
-        return regions(*frame_of(part_of(plan, x, p)), curves, omega=omega, amplitude_max=ceiling)
+        return regions(*frame_of(part_of(plan, x, p)), curves, omega=plan.omega, amplitude_max=ceiling)
     for rows in _ROWS:
         window, curves = traced(plan, x, p, rows)
         try:
-            return regions(*frame_of(window), curves, omega=omega, amplitude_max=ceiling)
+            return regions(*frame_of(window), curves, omega=plan.omega, amplitude_max=ceiling)
         except RegionError:
             # A boundary that lies between the rows and columns is missing.
             if rows == _ROWS[-1]:
