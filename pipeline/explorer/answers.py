@@ -21,7 +21,7 @@ from pipeline.plan.plan import Plan
 from pipeline.plane.motions import SolvedMotions, motions_of_place
 from pipeline.plane.row_curves import RowCurves, solved_curves
 from pipeline.run.kernels import kernels_for
-from solver import RowError, domain_code, domain_label
+from solver import RowError
 from solver.kernels.warm import kernels_of, warm
 from solver.timedomain import AttractorKind, settle
 from solver.timedomain.row_systems import motion_states, row_systems
@@ -34,7 +34,6 @@ __all__ = [
     "ending_of_motion",
     "ending_of_state",
     "integrated",
-    "label_of",
     "motions",
     "ready",
     "row",
@@ -93,19 +92,6 @@ def motions(plan: Plan, x: float, p: float) -> SolvedMotions:
         If the row cannot be solved.
     """
     return motions_of_place(plan, x, p)
-
-
-def label_of(found: SolvedMotions) -> str:
-    """The n/I label of the motions at a place.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> label_of(SimpleNamespace(stable=np.array([1, 0, 1]), impact=np.array([0, 1, 1])))
-    '2/0-1'
-    """
-    states = np.asarray(found.impact)[np.asarray(found.stable) == 1].astype(np.int64)
-    return domain_label(int(domain_code(np.array(states.size), np.bitwise_or.reduce(1 << states, initial=0))))
 
 
 def integrated(plan: Plan, x: float, p: float) -> Motions:

@@ -25,7 +25,7 @@ from pipeline.explorer.view_state import ViewState
 from pipeline.explorer.words import chip, found_by_integration, motion_table, place_text
 from pipeline.figures.motion_axes import units_of
 from pipeline.plan.scales import scales_of
-from pipeline.plane.motions import SolvedMotions
+from pipeline.plane.motions import SolvedMotions, label_of
 from pipeline.plane.row_curves import RowCurves
 
 __all__ = ["PlaceColumn"]
@@ -148,7 +148,7 @@ class PlaceColumn:
         _put(self.row, [self._curves])
 
     def _show_motions(self, found: SolvedMotions) -> None:
-        label = answers.label_of(found)
+        label = label_of(found.stable, found.impact)
         self.verdict.object = f"<p>{chip(label)} <span class='quiet'>integration is asked …</span></p>"
         doubts = "".join(note(one, "note") for one in found.doubts)
         self.motions.object = motion_table(found, self._scales) + doubts

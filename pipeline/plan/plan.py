@@ -102,6 +102,10 @@ class Plan:
         layer, place = divmod(number, self.parameter.num)
         return self if self.parameter2 is None else self.layer(layer), float(self.parameter.values[place])
 
+    def frequency(self, value: float) -> float | None:
+        """The mesh frequency of the row at a value of the row parameter; None where it is what changes along rows."""
+        return value if self.parameter.name == "omega" else self.omega
+
     def row_text(self, number: int) -> str:
         """Which row that is, for messages."""
         places = np.unravel_index(number, [axis.num for axis in self.row_axes])

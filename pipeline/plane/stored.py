@@ -149,9 +149,7 @@ class StoredPlane:
         stored = np.where(self.complete[..., None], self.array("domain"), 0)
         if not self.dynamic:
             return stored
-        states = np.where(self._kept, 1 << self.impact.astype(np.int64).clip(0), 0)
-        labelled = domain_code(np.sum(self._kept, axis=-1), np.bitwise_or.reduce(states, axis=-1))
-        return np.where(stored != 0, labelled, stored)
+        return np.where(stored != 0, self._dynamic_codes, stored)
 
     @cached_property
     def n_stable(self) -> np.ndarray:
@@ -197,10 +195,8 @@ class StoredPlane:
     @cached_property
     def stability_codes(self) -> np.ndarray:
         """What the cells say of n/I and of dynamic stability, as `solver.regions.labelling.stability_code`, (P, X)."""
-        kept = self._kept
-        states = np.bitwise_or.reduce(np.where(kept, 1 << self.impact.astype(np.int64).clip(0), 0), axis=-1)
         static = np.where(self.complete[..., None], self.array("domain"), 0).astype(np.int64)
-        dynamic = domain_code(np.sum(kept, axis=-1), states).astype(np.int64)
+        dynamic = self._dynamic_codes.astype(np.int64)
         return np.where(static != 0, stability_code(static, dynamic, self.contradictory), 0)
 
     @cached_property
@@ -263,6 +259,12 @@ class StoredPlane:
     @cached_property
     def _arrays(self) -> StoredArrays:
         return open_arrays(self.path)
+
+    @cached_property
+    def _dynamic_codes(self) -> np.ndarray:
+        """Codes of the labels that count the dynamically stable motions, (P, X)."""
+        states = np.where(self._kept, 1 << self.impact.astype(np.int64).clip(0), 0)
+        return domain_code(np.sum(self._kept, axis=-1), np.bitwise_or.reduce(states, axis=-1))
 
     @cached_property
     def _kept(self) -> np.ndarray:

@@ -83,8 +83,7 @@ def isolated_task(plan: Plan, value: float, x: np.ndarray, attractors: Attractor
     ready_for_isolated(kind_of(plan).name)
     settings, ends = continuation_of(plan.solver), np.array([plan.sweep.low, plan.sweep.high])
     row = row_of(plan, value, Galerkin(order), settings, LiftedSeeds(plan.solver["certify_columns"]), ends)
-    omega = value if plan.parameter.name == "omega" else plan.omega
-    omega = None if plan.sweep.name == "omega" else omega
+    omega = plan.frequency(value)
     found = isolated_branches(row, x, omega=omega, attractors=attractors, continuation=settings)
     parts = [_points(row, branch, number, omega) for number, branch in enumerate(found.branches)]
     points = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else {}
