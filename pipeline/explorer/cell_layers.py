@@ -28,7 +28,7 @@ _EXTREMES = {"worst": "Largest", "mildest": "Smallest"}
 _INK = "#262626"
 
 
-def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFrame, detail: float) -> Layer:
+def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFrame) -> Layer:
     """A quantity of the motions that labels count, one value a cell."""
     scale = scale_of(quantity, frame.scales)
     values = plane.extreme(quantity.name, of) * (1.0 if scale is None else scale.shown)
@@ -41,7 +41,7 @@ def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFr
         frame.y,
         cells=plane_cells(plane, values, frame),
         ends=ends_of(values),
-        lines=map_lines(plane, frame, detail),
+        lines=map_lines(plane, frame),
         shades=_without_value(plane, values, frame),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
     )
@@ -71,7 +71,7 @@ def _told_label(plane: StoredPlane, frame: MapFrame) -> Told:
     return Told("n/I", Cells(cells.x, cells.y, values), texts)
 
 
-def attractor_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer:
+def attractor_layer(plane: StoredPlane, frame: MapFrame) -> Layer:
     """What motions end on: the calmest kind as a colour, the most alarming of several as lines over it."""
     found = read_attractors(plane.path)
     kinds, impact = class_of(found.kind.values), found.impact.values
@@ -110,13 +110,13 @@ def attractor_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer
         classes=classes,
         cells=evenly(np.where(calmest == len(CLASSES), -1, calmest), columns, rows, frame, plane),
         shades=tuple(shades),
-        lines=map_lines(plane, frame, detail),
+        lines=map_lines(plane, frame),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
         notes=(str(found.attrs["bound"]),),
     )
 
 
-def credibility_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer:
+def credibility_layer(plane: StoredPlane, frame: MapFrame) -> Layer:
     """How far the label of every cell holds by the cell's own attractors."""
     found = read_attractors(plane.path)
     labels, judged = map_labels(plane.path, plane.plan, found), found.credibility.values
@@ -141,6 +141,6 @@ def credibility_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Lay
         frame.y,
         classes=classes,
         cells=evenly(np.where(labels == 0, -1, table[judged]), *attractor_borders(plane, found), frame, plane),
-        lines=map_lines(plane, frame, detail),
+        lines=map_lines(plane, frame),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
     )

@@ -19,7 +19,21 @@ from pipeline.plane.outlines import flattened, thinned
 from pipeline.plane.stored import StoredPlane
 from solver import Scales
 
-__all__ = ["MapFrame", "evenly", "frame_of_map", "label_text", "map_lines", "marks_of", "plane_cells", "told_of_cells"]
+__all__ = [
+    "DETAIL",
+    "MapFrame",
+    "evenly",
+    "frame_of_map",
+    "label_text",
+    "map_lines",
+    "marks_of",
+    "plane_cells",
+    "told_of_cells",
+]
+
+#: How far what is drawn of a curve may be off it, as a share of the axes: at twenty times the size of a map that is
+#: 1500 pixels wide, a thirtieth of a pixel.
+DETAIL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +72,10 @@ def label_text(label: str) -> str:
     return label.replace("/-", "/\u2013")
 
 
-def map_lines(plane: StoredPlane, frame: MapFrame, detail: float) -> tuple[LineKind, ...]:
+def map_lines(plane: StoredPlane, frame: MapFrame) -> tuple[LineKind, ...]:
     """The boundaries between labels by kind, as the map of the figures has them, and the natural frequencies."""
     ends = (plane.plan.sweep.low, plane.plan.sweep.high), (plane.plan.parameter.low, plane.plan.parameter.high)
-    allowed = detail * np.array([high - low for low, high in ends])
+    allowed = DETAIL * np.array([high - low for low, high in ends])
     kinds = [
         LineKind(kind, plain(LINES[kind][1]), tuple(line * frame.size for line in _lines(outline, allowed)))
         for kind, outline in lines_of(plane, *ends).items()

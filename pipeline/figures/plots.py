@@ -1,7 +1,7 @@
 """The figures of an opened plane, as matplotlib figures for a notebook or a script."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
 
@@ -11,9 +11,10 @@ from pipeline.config.compose import compose
 from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE
 from pipeline.config.schema import Attractors, Figures
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from pipeline.figures.options import check_options
 from pipeline.plan.plan import Plan
+from pipeline.plane.stored import StoredPlane, read_stored
 from solver import ParameterError
 from solver.model.checks import finite_array, finite_number
 
@@ -76,15 +77,15 @@ class Plots:
         """
         window = None if window is None else finite_array("window", window, (4,)).tolist()
         self._check(None, window, stability, units, quantity, of)
-        from pipeline.figures.drawing import own_style
         from pipeline.figures.map import draw_map, draw_window
         from pipeline.figures.quantity_map import draw_quantity_map
 
-        plane = self._read(stability, units)
-        with own_style():
+        def drawn(plane: StoredPlane):
             if quantity is not None:
                 return draw_quantity_map(plane, quantity, of, window)
             return draw_map(plane) if window is None else draw_window(plane, window)
+
+        return self._drawn(drawn, units, stability)
 
     def curves(self, units: str = "dimensionless", quantity: str | None = None, **values: float | Sequence[float]):
         """A quantity and the mean over the sweep axis at some values of the row parameter.
@@ -113,11 +114,8 @@ class Plots:
         chosen = self._rows("curves", values)
         self._check(chosen, None, "static", units, quantity)
         from pipeline.figures.curves import draw_curves
-        from pipeline.figures.drawing import own_style
 
-        plane = self._read("static", units)
-        with own_style():
-            return draw_curves(plane, chosen, quantity or AMPLITUDE.name)
+        return self._drawn(lambda plane: draw_curves(plane, chosen, quantity or AMPLITUDE.name), units)
 
     def multipliers(self, units: str = "dimensionless", **values: float | Sequence[float]):
         """Floquet multipliers along the branches at some values of the row parameter.
@@ -146,12 +144,9 @@ class Plots:
                 f"multipliers = {values} is not allowed: it must name a value of {self.plan.parameter.name}"
             )
         self._check(None, None, "static", units, multipliers=chosen)
-        from pipeline.figures.drawing import own_style
         from pipeline.figures.multipliers import draw_multipliers
 
-        plane = self._read("static", units)
-        with own_style():
-            return draw_multipliers(plane, chosen)
+        return self._drawn(lambda plane: draw_multipliers(plane, chosen), units)
 
     def backbone(self, units: str = "dimensionless"):
         """Backbones of the free vibration, and the largest stable amplitude near each resonance over the rows.
@@ -173,16 +168,16 @@ class Plots:
         """
         self._check(None, None, "static", units)
         from pipeline.figures.backbone import draw_backbone, has_backbone
-        from pipeline.figures.drawing import own_style
 
-        plane = self._read("static", units)
-        if not has_backbone(plane):
-            raise ConfigurationError(
-                "backbone is not allowed for this plane: its rows must run over omega, those of a bevel pair, and f_pm "
-                "must not be 0"
-            )
-        with own_style():
+        def drawn(plane: StoredPlane):
+            if not has_backbone(plane):
+                raise ConfigurationError(
+                    "backbone is not allowed for this plane: its rows must run over omega, those of a bevel pair, and "
+                    "f_pm must not be 0"
+                )
             return draw_backbone(plane)
+
+        return self._drawn(drawn, units)
 
     def motion(self, units: str = "dimensionless", attractors: Mapping[str, object] | None = None, **place: float):
         """Every motion at a point, computed anew: time history, mesh force, phase portrait and spectrum of each.
@@ -220,12 +215,9 @@ class Plots:
         self._check(None, None, "static", units)
         settings = _search_settings(attractors)
         from pipeline.analysis.motion.motions import motions_at
-        from pipeline.figures.drawing import own_style
         from pipeline.figures.motion import draw_motions
 
-        plane = self._read("static", units)
-        with own_style():
-            return draw_motions(plane, motions_at(self.plan, x, p, settings))
+        return self._drawn(lambda plane: draw_motions(plane, motions_at(self.plan, x, p, settings)), units)
 
     def diagram(
         self, units: str = "dimensionless", columns: int | None = None, max_periods: int | None = None, **value: float
@@ -256,12 +248,12 @@ class Plots:
         from pipeline.analysis.diagram.following import follow
         from pipeline.analysis.diagram.options import way_of
         from pipeline.figures.diagram import draw_diagram
-        from pipeline.figures.drawing import own_style
         from pipeline.plane.row_curves import curves_at
 
-        way, plane = way_of("diagram", options, self.plan), self._read("static", units)
-        with own_style():
-            return draw_diagram(plane, follow(self.plan, way), curves_at(plane, way.value))
+        way = way_of("diagram", options, self.plan)
+        return self._drawn(
+            lambda plane: draw_diagram(plane, follow(self.plan, way), curves_at(plane, way.value)), units
+        )
 
     def spectrum(
         self,
@@ -307,12 +299,10 @@ class Plots:
         from pipeline.analysis.diagram.following import follow
         from pipeline.analysis.diagram.options import spectrum_of
         from pipeline.analysis.diagram.spectra import spectra_of
-        from pipeline.figures.drawing import own_style
         from pipeline.figures.spectrum import draw_spectrum
 
-        asked, plane = spectrum_of(options, self.plan), self._read("static", units)
-        with own_style():
-            return draw_spectrum(plane, spectra_of(follow(self.plan, asked.way), asked))
+        asked = spectrum_of(options, self.plan)
+        return self._drawn(lambda plane: draw_spectrum(plane, spectra_of(follow(self.plan, asked.way), asked)), units)
 
     def _along(self, key: str, value: dict, units: str, **own):
         """Settings of a row that is followed, what is None as the configuration has it."""
@@ -348,16 +338,16 @@ class Plots:
         words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
         for name, value in words.items():
             if not isinstance(value, str) and (name, value) != ("quantity", None):
-                raise ConfigurationError(
-                    f"figures.{name} = {value!r} is not allowed: it must be {sentence_of(Figures, name)}"
-                )
+                raise refused(f"figures.{name}", value, sentence_of(Figures, name))
         check_options(self.plan, curves, ["png"], 100, window, stability, units, multipliers, quantity, of)
 
-    def _read(self, stability: str, units: str):
-        from pipeline.plane.stored import read_stored
+    def _drawn(self, draw: Callable[[StoredPlane], object], units: str, stability: str = "static"):
+        """The figure that `draw` makes of the plane."""
+        from pipeline.figures.drawing import own_style
 
         stored = read_stored(self.path, stability == "dynamic", units == "physical")
-        return stored if self.layer is None else stored.layer_at(self.layer)
+        with own_style():
+            return draw(stored if self.layer is None else stored.layer_at(self.layer))
 
 
 def _search_settings(given: Mapping[str, object] | None) -> Attractors:

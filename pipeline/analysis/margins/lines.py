@@ -172,10 +172,8 @@ def row_along(plan: Plan, axis: str, grid: np.ndarray, x: float, p: float) -> Ro
     )
 
 
-def swept(
-    plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float, kinds=FOLDS_AND_GRAZINGS
-) -> tuple[np.ndarray, np.ndarray]:
-    """Folds and grazings, or other events, met when one parameter alone is swept through a place of the plane.
+def swept(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> tuple[np.ndarray, np.ndarray]:
+    """Folds and grazings met when one parameter alone is swept through a place of the plane.
 
     Returns
     -------
@@ -184,6 +182,6 @@ def swept(
     kinds : (k,) int array
     """
     row = row_along(plan, axis, np.array(ends), x, p)
-    events = row_events(row.curves, 0.0, kinds)
+    events = row_events(row.curves, 0.0, FOLDS_AND_GRAZINGS)
     points = np.array([point[:-1] for _, point in events]).reshape(len(events), row.motions.shape[-1] + 1)
     return points, np.array([kind for kind, _ in events], dtype=int)
