@@ -70,7 +70,7 @@ def codes_along(
     At first order the solutions are enumerated, and the code is 0 where they are not proven to be all. At higher orders
     they are those of the branches along the line.
     """
-    if not balance_of(plan.solver).truncated:
+    if not plan.is_first_order:
         return _swept_codes(plan, axis, ends, x, p)
     ceiling = float(plan.solver["amplitude_max"])
     if axis in (plan.sweep.name, plan.parameter.name):

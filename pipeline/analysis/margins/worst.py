@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.analysis.margins.curves import boundaries_of, crossed, part_of, traced
 from pipeline.analysis.margins.lines import codes_along, divided, swept
 from pipeline.analysis.margins.options import Design, nominal_value, replaced
-from pipeline.plan.numerics import balance_of, frame_of
+from pipeline.plan.numerics import frame_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.labels import RANKS
 from pipeline.plane.regions import stored_curves
@@ -68,7 +68,7 @@ def corners(plan: Plan, design: Design, plane: StoredPlane) -> list[Corner]:
     ArithmeticError
         If boundaries cannot be followed or do not divide the plane.
     """
-    if balance_of(plan.solver).truncated:
+    if plan.is_first_order:
         labels, own = labels_within, stored_curves(plane)
     else:
         labels, own = labels_of_rows, boundaries_of(plane.boundaries.curves).marked[0]

@@ -4,7 +4,6 @@ from pathlib import Path
 
 from pipeline.config.places import Place
 from pipeline.errors import StoreError
-from pipeline.plan.numerics import balance_of
 from pipeline.plane.stored import read_stored
 from pipeline.run.sheets import write_files
 from pipeline.store import PENDING
@@ -62,7 +61,7 @@ def _problem(article: ArticleTable, path: Place, command: str) -> str:
     if axes != ("omega", article.parameter):
         other = " x ".join(axes)
         return f"{article.plane}: {path} is a plane {other}, not omega x {article.parameter} (run: {command})"
-    if not balance_of(plan.solver).truncated:
+    if not plan.is_first_order:
         return f"{article.plane}: {path} is not balanced at first order, as the tables are (run: {command})"
     pending = int((plane.status == PENDING).sum())
     if pending:
