@@ -37,8 +37,9 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"diagram: {text}")
     folder, name = settings.output_root / "diagram" / settings.store_name, row_name(job.plan, way)
     paths = write_files(folder, diagram_sheets(followed, curves, name))
-    how = options.formats, options.dpi, options.units
-    paths += figures.draw_one(job.store_path, folder, name, lambda plane: draw_diagram(plane, followed, curves), *how)
+    paths += figures.draw_one(
+        job.store_path, folder, name, lambda plane: draw_diagram(plane, followed, curves), options
+    )
     took = f"{perf_counter() - begin:.2f} s"
     reporter.line(f"diagram: {', '.join(path.name for path in paths)} in {folder.resolve()} ({took})")
     return 0

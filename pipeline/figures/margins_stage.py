@@ -39,8 +39,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     folder = settings.output_root / "margins"
     sheets = margins.write_sheets(found, folder, name)
     drawn = settings.output_root / "figures" / name
-    how = options.formats, options.dpi, options.units
-    paths = figures.draw_one(path, drawn, "margins", lambda plane: draw_margins(plane, found), *how)
+    paths = figures.draw_one(path, drawn, "margins", lambda plane: draw_margins(plane, found), options)
     for there, files in ((folder, sheets), (drawn, paths)):
         reporter.line(f"margins: {', '.join(file.name for file in files)} in {there.resolve()}")
     reporter.line(

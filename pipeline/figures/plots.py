@@ -12,7 +12,7 @@ from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE
 from pipeline.config.schema import Attractors, Figures
 from pipeline.errors import ConfigurationError, refused
-from pipeline.figures.options import check_options
+from pipeline.figures.options import check_options, figure_options
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane, read_stored
 from solver import ParameterError
@@ -76,7 +76,7 @@ class Plots:
             If the window is no four numbers.
         """
         window = None if window is None else finite_array("window", window, (4,)).tolist()
-        self._check(None, window, stability, units, quantity, of)
+        self._check(units, window=window, stability=stability, quantity=quantity, of=of)
         from pipeline.figures.map import draw_map, draw_window
         from pipeline.figures.quantity_map import draw_quantity_map
 
@@ -112,7 +112,7 @@ class Plots:
             If a value is no finite number.
         """
         chosen = self._rows("curves", values)
-        self._check(chosen, None, "static", units, quantity)
+        self._check(units, chosen, quantity=quantity)
         from pipeline.figures.curves import draw_curves
 
         return self._drawn(lambda plane: draw_curves(plane, chosen, quantity or AMPLITUDE.name), units)
@@ -143,7 +143,7 @@ class Plots:
             raise ConfigurationError(
                 f"multipliers = {values} is not allowed: it must name a value of {self.plan.parameter.name}"
             )
-        self._check(None, None, "static", units, multipliers=chosen)
+        self._check(units, multipliers=chosen)
         from pipeline.figures.multipliers import draw_multipliers
 
         return self._drawn(lambda plane: draw_multipliers(plane, chosen), units)
@@ -166,7 +166,7 @@ class Plots:
             If the plane has none: its rows do not run over the mesh frequency, there is no mean load, or it is of a
             system that is no bevel pair.
         """
-        self._check(None, None, "static", units)
+        self._check(units)
         from pipeline.figures.backbone import draw_backbone, has_backbone
 
         def drawn(plane: StoredPlane):
@@ -212,7 +212,7 @@ class Plots:
         if set(place) != {axis.name for axis in axes}:
             raise ParameterError("place", place, f"given by {axes[0].name} and {axes[1].name}, each with a value")
         x, p = (finite_number(a.name, place[a.name], at_least=a.low, at_most=a.high) for a in axes)
-        self._check(None, None, "static", units)
+        self._check(units)
         settings = _search_settings(attractors)
         from pipeline.analysis.motion.motions import motions_at
         from pipeline.figures.motion import draw_motions
@@ -311,7 +311,7 @@ class Plots:
             raise ConfigurationError(f"{key} is not allowed for a volume: plane.layer=VALUE takes out a plane")
         if set(value) != {name}:
             raise ConfigurationError(f"{key} = {value} is not allowed: rows of this plane are chosen by {name}")
-        self._check(None, None, "static", units)
+        self._check(units)
         typed = [f"{key}.{setting}={given}" for setting, given in own.items() if given is not None]
         given = value[name]
         given = float(given) if isinstance(given, Real) and not isinstance(given, int) else given
@@ -325,21 +325,13 @@ class Plots:
         chosen = values.get(name)
         return None if chosen is None else finite_array(name, chosen, None).ravel().tolist()
 
-    def _check(
-        self,
-        curves,
-        window,
-        stability: str,
-        units: str,
-        quantity: str | None = None,
-        of: str = "worst",
-        multipliers: list[float] | None = None,
-    ):
-        words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
-        for name, value in words.items():
+    def _check(self, units: str, curves: list[float] | None = None, **further) -> None:
+        options = figure_options(curves, ["png"], 100, units=units, **further)
+        for name in ("stability", "units", "quantity", "of"):
+            value = getattr(options, name)
             if not isinstance(value, str) and (name, value) != ("quantity", None):
                 raise refused(f"figures.{name}", value, sentence_of(Figures, name))
-        check_options(self.plan, curves, ["png"], 100, window, stability, units, multipliers, quantity, of)
+        check_options(self.plan, options)
 
     def _drawn(self, draw: Callable[[StoredPlane], object], units: str, stability: str = "static"):
         """The figure that `draw` makes of the plane."""

@@ -36,8 +36,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     folder = settings.output_root / "spectrum" / settings.store_name
     name = row_name(job.plan, options.way, options.of, options.direction)
     paths = write_files(folder, spectrum_sheets(spectra, name))
-    how = drawing.formats, drawing.dpi, drawing.units
-    paths += figures.draw_one(job.store_path, folder, name, lambda plane: draw_spectrum(plane, spectra), *how)
+    paths += figures.draw_one(job.store_path, folder, name, lambda plane: draw_spectrum(plane, spectra), drawing)
     took = f"{perf_counter() - begin:.2f} s"
     reporter.line(f"spectrum: {', '.join(path.name for path in paths)} in {folder.resolve()} ({took})")
     return 0
