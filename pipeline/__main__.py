@@ -153,7 +153,10 @@ def _check_names(all_settings) -> None:
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
     from pipeline.run.early import early_helpers
+    from pipeline.store.zarr_library import check_assertions
 
+    # Before hours of computing, and not when their results are read.
+    check_assertions()
     _check_names(all_settings)
     with early_helpers(all_settings) as helpers:
         return _run_each(all_settings, reporter, helpers)
@@ -161,12 +164,6 @@ def _run_all(all_settings, reporter) -> int:
 
 def _run_each(all_settings, reporter, helpers) -> int:
     from pipeline.errors import ConfigurationError
-    from pipeline.run.libraries import load_zarr
-    from pipeline.stages import STAGES
-
-    asked = {stage for settings in all_settings for stage in settings.config.stages}
-    if any(entry.reads_arrays for entry in STAGES if entry.name in asked):
-        load_zarr()
     from pipeline.run.attempt import attempt
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce

@@ -12,6 +12,7 @@ __all__ = [
     "Unreachable",
     "WorkerLost",
     "counted",
+    "refused",
     "shown",
 ]
 
@@ -63,6 +64,26 @@ class StoreError(ConfigurationError):
     """A store cannot be used as asked; the message names it and the way on."""
 
 
+def refused(key: str, value, allowed: str) -> ConfigurationError:
+    """That a key may not have a value: the one sentence that says so.
+
+    Parameters
+    ----------
+    key : str
+        As the user typed it.
+    value
+        As typed; a long one is shortened.
+    allowed : str
+        What it must be, as the end of the sentence.
+
+    Examples
+    --------
+    >>> print(refused("cluster.workers", -1, "from 1 to 1024"))
+    cluster.workers = -1 is not allowed: it must be from 1 to 1024
+    """
+    return ConfigurationError(f"{key} = {shown(repr(value))} is not allowed: it must be {allowed}")
+
+
 class DamagedError(StoreError):
     """Files of a store are damaged; the message names the first one and the way on, `what` is the fault alone."""
 
@@ -86,3 +107,12 @@ class ComputationError(RuntimeError):
 
 class WorkerLost(RuntimeError):
     """The process that ran a task ended before the task did."""
+
+
+def unusable(library: str, error: Exception) -> ConfigurationError:
+    """What is said where a library cannot be used as the user has configured it."""
+    reason = " ".join(str(error).split())
+    return ConfigurationError(
+        f"{library}'s own configuration, of files and of variables {library.upper()}_..., is not allowed: "
+        f"{type(error).__name__}: {reason[:300]}"
+    )

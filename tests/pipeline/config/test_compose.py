@@ -269,7 +269,9 @@ MISTAKES = [
     ("--cfg=hydra", "--cfg job"),
     ("--cfg=what", "--cfg=what"),
     ("--package gear", "--cfg job"),
-    ("--cfg job --package gear.nothing", "--package gear.nothing"),
+    ("--cfg job --package gear.nothing", "--package gear.nothing is not allowed: the configuration has no such"),
+    ("--cfg job --package ..", "Error resolving key"),
+    ("--cfg job --package figures.formats.png", "'png'"),
     ("--info=what", "--info=what"),
     ("--config-path=x", "--config-dir"),
     ("-cn mine", "--config-dir"),
@@ -336,6 +338,8 @@ def test_help_and_cfg(capsys, tmp_path, monkeypatch):
         assert "b: 0.25" in capsys.readouterr().out, words
     assert main(["--cfg", "job", "--package", "gear.variation"]) == 0
     assert capsys.readouterr().out == "translation: 1.0\nrotation: 0.0\n"
+    assert main(["--cfg", "job", "--package", "gear.physical"]) == 0
+    assert capsys.readouterr().out == "null\n"
     assert main(["-m", "--cfg", "job", "-p", "gear.b", "gear.b=0.5,0.6"]) == 0
     assert capsys.readouterr().out == "0.5\n0.6\n"
     for words in (["--info"], ["-i", "searchpath"]):
