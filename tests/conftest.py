@@ -19,6 +19,9 @@ from tests.object_server import object_server  # noqa: F401
 settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)
 settings.load_profile("bevelmap")
 
+# Tests hold many objects for long: to look for garbage as often as Python does by default takes a tenth of the time.
+gc.set_threshold(20_000, 20, 20)
+
 # What pytest makes of the tests' sources is kept, whatever is set around it: it takes longer than all imports.
 sys.dont_write_bytecode = False
 
