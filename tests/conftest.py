@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import sys
 from pathlib import Path
@@ -87,6 +88,12 @@ def _shared(tmp_path_factory):
     folder = (base.parent if base.name.startswith("popen-") else base) / "shared"
     folder.mkdir(exist_ok=True)
     share(folder)
+
+
+@pytest.fixture
+def no_helpers(monkeypatch):
+    """Runs of the command without the processes that load beside them, and are ended as soon as a mistake is found."""
+    monkeypatch.setattr("pipeline.run.early.early_helpers", lambda _: contextlib.nullcontext())
 
 
 @pytest.fixture(params=sorted(MODELS))
