@@ -122,6 +122,7 @@ def _run_overrides(asked, reporter) -> int:
 
 def _check_names(all_settings) -> None:
     """Raise ConfigurationError unless every plane of a multirun has a store of its own."""
+    from pipeline.config.secrets import without_secrets
     from pipeline.config.typed import key_of
     from pipeline.errors import ConfigurationError
 
@@ -130,6 +131,10 @@ def _check_names(all_settings) -> None:
         other = by_path.setdefault(settings.store_path.resolve(), settings)
         if other is settings or not ("sweep" in settings.config.stages or "sweep" in other.config.stages):
             continue
+        if other.config == settings.config:
+            raise ConfigurationError(
+                f"-m {' '.join(map(without_secrets, settings.overrides))} is not allowed: it asks for one plane twice"
+            )
         varied = [key_of(mine) for mine, its in zip(settings.overrides, other.overrides, strict=True) if mine != its]
         name = "-".join([other.default_name, *(f"${{{key}}}" for key in varied if key != "store.name")])
         raise ConfigurationError(
@@ -141,7 +146,10 @@ def _check_names(all_settings) -> None:
 def _run_all(all_settings, reporter) -> int:
     """Prepare and run every plane, also when another one fails; the worst exit status."""
     from pipeline.run.early import early_helpers
+    from pipeline.store.zarr_library import check_assertions
 
+    # Before hours of computing, and not when their results are read.
+    check_assertions()
     _check_names(all_settings)
     with early_helpers(all_settings) as helpers:
         return _run_each(all_settings, reporter, helpers)
@@ -149,12 +157,6 @@ def _run_all(all_settings, reporter) -> int:
 
 def _run_each(all_settings, reporter, helpers) -> int:
     from pipeline.errors import ConfigurationError
-    from pipeline.run.libraries import load_zarr
-    from pipeline.stages import STAGES
-
-    asked = {stage for settings in all_settings for stage in settings.config.stages}
-    if any(entry.reads_arrays for entry in STAGES if entry.name in asked):
-        load_zarr()
     from pipeline.run.attempt import attempt
     from pipeline.run.preparation import prepare, run_plane_stages, run_shared_stages
     from pipeline.run.workforce import Workforce

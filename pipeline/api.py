@@ -10,11 +10,11 @@ from pipeline.multirun.index import read_index
 from pipeline.multirun.opened_study import Study
 from pipeline.opened_plane import OpenPlane
 from pipeline.opened_volume import OpenVolume, opened_at
-from pipeline.run.libraries import check_zarr
 from pipeline.run.preparation import prepare, run_plane_stages
 from pipeline.run.progress import SilentReporter
 from pipeline.run.workforce import Workforce
 from pipeline.store import store_path
+from pipeline.store.zarr_library import check_zarr
 from solver import ParameterError
 from solver.model.checks import instance_of, instances_of
 

@@ -11,6 +11,8 @@ __all__ = [
     "StoreError",
     "Unreachable",
     "WorkerLost",
+    "counted",
+    "refused",
     "shown",
 ]
 
@@ -34,6 +36,17 @@ def shown(text: str, longest: int = 120) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in short)
 
 
+def counted(number: int, noun: str) -> str:
+    """So many of something, as a message says it.
+
+    Examples
+    --------
+    >>> counted(1, "row"), counted(2200, "row")
+    ('1 row', '2,200 rows')
+    """
+    return f"{number:,} {noun}{'s' * (number != 1)}"
+
+
 class ConfigurationError(Exception):
     """The configuration is not allowed; the message names the key, its value and what is allowed.
 
@@ -49,6 +62,26 @@ class ConfigurationError(Exception):
 
 class StoreError(ConfigurationError):
     """A store cannot be used as asked; the message names it and the way on."""
+
+
+def refused(key: str, value, allowed: str) -> ConfigurationError:
+    """That a key may not have a value: the one sentence that says so.
+
+    Parameters
+    ----------
+    key : str
+        As the user typed it.
+    value
+        As typed; a long one is shortened.
+    allowed : str
+        What it must be, as the end of the sentence.
+
+    Examples
+    --------
+    >>> print(refused("cluster.workers", -1, "from 1 to 1024"))
+    cluster.workers = -1 is not allowed: it must be from 1 to 1024
+    """
+    return ConfigurationError(f"{key} = {shown(repr(value))} is not allowed: it must be {allowed}")
 
 
 class DamagedError(StoreError):
@@ -74,3 +107,12 @@ class ComputationError(RuntimeError):
 
 class WorkerLost(RuntimeError):
     """The process that ran a task ended before the task did."""
+
+
+def unusable(library: str, error: Exception) -> ConfigurationError:
+    """What is said where a library cannot be used as the user has configured it."""
+    reason = " ".join(str(error).split())
+    return ConfigurationError(
+        f"{library}'s own configuration, of files and of variables {library.upper()}_..., is not allowed: "
+        f"{type(error).__name__}: {reason[:300]}"
+    )

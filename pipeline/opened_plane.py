@@ -4,25 +4,20 @@ An object around the DataTree, not an accessor on it: the answers need the store
 tree does not carry, and an accessor would be looked up by a name that no editor knows.
 """
 
-import html
-from dataclasses import dataclass
-from pathlib import Path
-
 import xarray as xr
 
 from pipeline.analysis.margins.distances import Margin
 from pipeline.config.quantities import READ
 from pipeline.errors import StoreError
 from pipeline.figures.plots import Plots
+from pipeline.opened_store import OpenStore
 from pipeline.plan.layers import layer_name
-from pipeline.plan.plan import Plan
 from pipeline.plan.scales import scales_of
 from pipeline.plane.datasets import dataset_of_branches, dataset_of_motions
 from pipeline.plane.labels import TRAITS
 from pipeline.plane.motions import MOTION, is_enumerated, proven_label, solved_motions
 from pipeline.plane.places import cell_of, nearest, place_of, value_of
 from pipeline.plane.row_curves import solved_curves, stored_row
-from pipeline.plane.stored import StoredPlane
 from pipeline.plane.summary import summary_of
 from solver import ParameterError, Scales, domain_label
 from solver.model.checks import instance_of
@@ -31,23 +26,16 @@ from solver.regions.regions import Occurrence
 __all__ = ["OpenPlane"]
 
 
-@dataclass(frozen=True, eq=False)
-class OpenPlane:
+class OpenPlane(OpenStore):
     """A stored plane.
 
     Places are given by the axes' own names: `omega=0.6, f_e=0.2`. What ends in `_near` reads the nearest stored cell or
     row; what ends in `_at` computes anew, exactly there, except for attractors, which are stored.
 
-    Parameters
-    ----------
-    stored : StoredPlane
-        The arrays of rows, read when they are used.
-    tree : xarray.DataTree
-        Everything that is stored, as xarray shows it; read when it is used.
-
     Examples
     --------
     >>> import tempfile, pipeline
+    >>> from pathlib import Path
     >>> from pipeline import store
     >>> from pipeline.analysis import boundaries
     >>> from pipeline.config.compose import compose
@@ -84,31 +72,11 @@ class OpenPlane:
     >>> folder.cleanup()
     """
 
-    stored: StoredPlane
-    tree: xr.DataTree
-
-    @property
-    def path(self) -> Path:
-        """The store."""
-        return self.stored.path
-
-    @property
-    def plan(self) -> Plan:
-        """What was computed."""
-        return self.stored.plan
-
-    def __repr__(self) -> str:
-        sizes = " x ".join(f"{axis.name} {axis.num}" for axis in self.plan.axes)
-        return f"OpenPlane({self.name!r}: {sizes}; {', '.join(sorted(self.tree.children))})"
-
     @property
     def name(self) -> str:
         """Of the store; of a layer as `plane.layer` calls what it takes out."""
         name, stored = self.path.stem, self.stored
         return name if stored.layer is None else layer_name(name, stored.volume, stored.layer)
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(self.describe())}</pre>"
 
     def describe(self) -> str:
         """What the plane is, and what is stored of it: a few lines."""
@@ -147,21 +115,6 @@ class OpenPlane:
         from pipeline.explorer.notebook import in_notebook
 
         return in_notebook(self.path, view)
-
-    def to_xarray(self) -> xr.DataTree:
-        """Everything that is stored, read into memory: the raster at the root, and the groups by name.
-
-        Returns
-        -------
-        xarray.DataTree
-            A copy, which may be changed: the store is not.
-        """
-        return self.tree.copy(deep=False).load()
-
-    @property
-    def attributes(self) -> dict:
-        """Of the store: title, configuration, versions, time of creation."""
-        return self.stored.about
 
     @property
     def labels(self) -> dict[int, str]:

@@ -1,58 +1,26 @@
 """A stored volume opened: its layers are planes, with everything that a plane can be asked for."""
 
-import html
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
 
 from pipeline.config.places import Place
 from pipeline.opened_plane import OpenPlane
-from pipeline.plan.plan import Plan
+from pipeline.opened_store import OpenStore
 from pipeline.plane.boundaries import GROUP
-from pipeline.plane.stored import StoredPlane, read_stored
+from pipeline.plane.stored import read_stored
 from pipeline.store.files import files_at
 from solver.model.checks import finite_number
 
 __all__ = ["OpenVolume", "opened_at"]
 
 
-@dataclass(frozen=True, eq=False)
-class OpenVolume:
-    """A stored volume.
-
-    Parameters
-    ----------
-    stored : StoredPlane
-        The arrays of rows, read when they are used.
-    tree : xarray.DataTree
-        Everything that is stored, as xarray shows it; read when it is used.
-    """
-
-    stored: StoredPlane
-    tree: xr.DataTree
-
-    @property
-    def path(self) -> Place:
-        """The store."""
-        return self.stored.path
-
-    @property
-    def plan(self) -> Plan:
-        """What was computed."""
-        return self.stored.plan
+class OpenVolume(OpenStore):
+    """A stored volume."""
 
     @property
     def values(self) -> np.ndarray:
         """Values of the third axis, at which the layers are."""
         return self.plan.parameter2.values
-
-    def __repr__(self) -> str:
-        sizes = " x ".join(f"{axis.name} {axis.num}" for axis in self.plan.axes)
-        return f"OpenVolume({self.path.stem!r}: {sizes}; {', '.join(sorted(self.tree.children))})"
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>"
 
     def layer(self, value: float) -> OpenPlane:
         """The plane of the layer nearest to a value of the third axis, with its boundaries and attractors.
@@ -66,16 +34,6 @@ class OpenVolume:
         value = finite_number(axis.name, value, at_least=axis.low, at_most=axis.high)
         index = int(np.abs(axis.values - value).argmin())
         return OpenPlane(self.stored.layer_at(index), self._tree_of(index))
-
-    def to_xarray(self) -> xr.DataTree:
-        """Everything that is stored, read into memory: the raster at the root, and the groups by name.
-
-        Returns
-        -------
-        xarray.DataTree
-            A copy, which may be changed: the store is not.
-        """
-        return self.tree.copy(deep=False).load()
 
     def _tree_of(self, index: int) -> xr.DataTree:
         name = self.plan.parameter2.name

@@ -20,15 +20,12 @@ class Entry:
         The module that has its `STAGE`.
     several_planes : bool
         Whether it reads several planes, so that it runs once after all of them.
-    reads_arrays : bool
-        Whether it reads or writes arrays of a store, and not its metadata alone.
     """
 
     name: str
     sentence: str
     module: str
     several_planes: bool = False
-    reads_arrays: bool = True
 
     def load(self):
         """The stage itself, a `pipeline.run.stage.Stage`."""
@@ -82,5 +79,5 @@ STAGES = (
     Entry(
         "report", "the published study against what is computed here, as one page", "pipeline.study.report.stage", True
     ),
-    Entry("list", "which stores there are, and in what state", "pipeline.run.listing", True, False),
+    Entry("list", "which stores there are, and in what state", "pipeline.run.listing", True),
 )

@@ -17,7 +17,8 @@ usage: python -m pipeline [-m] [--config-dir DIR] [GROUP=CHOICE ...] [KEY=VALUE 
        python -m pipeline warmup         compile ahead what runs need, which is done once
 
 How many steady motions a bevel gear pair with backlash has, over a whole plane of two parameters:
-computed row by row, stored, drawn as a map. Without arguments: plane=omega_fe, about a minute.
+computed row by row, stored, drawn as a map. Without arguments: plane=omega_fe, some seconds; the
+first run compiles its kernels for a minute or two.
 
 examples
   python -m pipeline plane=omega_b quality=draft                          a first map, quick
@@ -73,9 +74,12 @@ def usage(config_dir: str | None = None) -> str:
 
 
 def _entry(name: str, text: str) -> str:
-    """A name and what it is, on one line."""
-    room = _WIDTH - max(_INDENT, len(name)) - 1
-    return f"{name:<{_INDENT}} {textwrap.shorten(text, room, placeholder=' ...')}".rstrip()
+    """A name and what it is, on as many lines as that takes."""
+    beside = " " * (_INDENT + 1)
+    whole = textwrap.fill(
+        text, _WIDTH, break_on_hyphens=False, initial_indent=f"{name:<{_INDENT}} ", subsequent_indent=beside
+    )
+    return whole or name
 
 
 def _comment(file: Path) -> str:

@@ -7,6 +7,7 @@ from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["configuration", "information", "version"]
 
+_ABSENT = object()
 _LIBRARIES = ("numpy", "numba", "dask", "zarr", "xarray", "hydra-core")
 
 
@@ -30,20 +31,26 @@ def configuration(settings, package: str | None = None) -> str:
     Raises
     ------
     ConfigurationError
-        If there is no such section.
+        If there is no such section, or OmegaConf cannot read what it is called.
     """
     if package is None:
         return settings.yaml()
     from omegaconf import OmegaConf
+    from omegaconf.errors import OmegaConfBaseException
 
-    whole = OmegaConf.structured(settings.shown)
     try:
-        part = OmegaConf.select(whole, package, throw_on_missing=False)
-    except Exception:  # a path that OmegaConf cannot read is a section that is not there
-        part = None
-    if part is None:
+        part = OmegaConf.select(OmegaConf.structured(settings.shown), package, default=_ABSENT)
+    except OmegaConfBaseException as error:
+        reason = str(error).partition("\n")[0]
+        raise ConfigurationError(
+            f"--package {shown(package)} is not allowed: it must be keys with points between them, such as "
+            f"gear.variation ({shown(reason)})"
+        ) from None
+    if part is _ABSENT:
         raise ConfigurationError(f"--package {shown(package)} is not allowed: the configuration has no such section")
-    return OmegaConf.to_yaml(part) if OmegaConf.is_config(part) else f"{part}\n"
+    if OmegaConf.is_config(part):
+        return OmegaConf.to_yaml(part)
+    return "null\n" if part is None else f"{part}\n"
 
 
 def information(settings) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from omegaconf import MISSING
 
-from pipeline.errors import ConfigurationError, shown
+from pipeline.errors import refused
 
 __all__ = ["Allowed", "allowed", "check_all", "check_one", "sentence_of"]
 
@@ -93,7 +93,7 @@ def check_one(section: type, key: str, value) -> None:
         if bounds is not None and one is not None and not bounds.holds(one):
             many = "a list of " if isinstance(value, list) else ""
             words = f"{many}{', '.join(bounds.names)}" if many and bounds.names else bounds.sentence
-            raise ConfigurationError(f"{key} = {shown(repr(one))} is not allowed: it must be {words}")
+            raise refused(key, one, words)
 
 
 def check_all(config) -> None:

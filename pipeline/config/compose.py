@@ -164,7 +164,18 @@ def _composed_settings(overrides: Sequence[str], config_dir: str | None) -> Sett
             f"store.name = {shown(settings.store_name)!r} is not allowed: it must be a plain name of at most 120 "
             "letters, digits and _ . + = -, without a folder, that every system takes"
         )
+    _check_links({"store.root": settings.store_path, "output.root": settings.output_root})
     return settings
+
+
+def _check_links(places: dict[str, Place]) -> None:
+    """Raise if a path, the value of its key or in it, is a link that leads to itself."""
+    for key, place in places.items():
+        try:
+            place.resolve()
+        except (RuntimeError, OSError) as error:
+            # Python 3.13 leaves it to whoever opens the file.
+            raise ConfigurationError(f"{key} is not allowed: {place} cannot be followed ({error})") from None
 
 
 def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Configuration, dict[str, str]]:
@@ -179,9 +190,11 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
         chosen, typed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
         plain = pickle.loads(chosen)
         ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
+        # Where types are merged, a value that is left open would count as not given.
+        left_open = OmegaConf.missing_keys(plain) if any("???" in override for override in values) else set()
         typed = _typed(plain, typed, values)
         OmegaConf.resolve(typed)
-        missing = OmegaConf.missing_keys(typed)
+        missing = left_open | OmegaConf.missing_keys(typed)
         if missing:
             raise ConfigurationError(f"{min(missing)} has no value")
         return OmegaConf.to_object(typed), dict(choices)

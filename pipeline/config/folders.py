@@ -3,7 +3,7 @@
 import re
 
 from pipeline.config.places import is_url, place_of
-from pipeline.errors import ConfigurationError
+from pipeline.errors import refused
 
 __all__ = ["local_folder", "quoted_home"]
 
@@ -42,7 +42,5 @@ def local_folder(key: str, text: str) -> str:
     pipeline.errors.ConfigurationError: output.root = 's3://bucket/results' is not allowed: it must be a folder of ...
     """
     if is_url(text):
-        raise ConfigurationError(
-            f"{key} = {text!r} is not allowed: it must be a folder of this machine; store.root alone may be a URL"
-        )
+        raise refused(key, text, "a folder of this machine; store.root alone may be a URL")
     return str(place_of(key, text))

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.config.csv_table import Table, TableError, read_table
 from pipeline.config.units import quantity, unit_size
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from solver import CycleFit, ParameterError, PitchCones, fit_cycle
 
 __all__ = ["MeshCycle", "read_mesh_cycle"]
@@ -149,7 +149,7 @@ def _length(path: str, columns: _Columns, cones: PitchCones, length) -> float:
     if length is not None:
         found = quantity(LENGTH_KEY, length, "time" if over == "time" else "angle")
         if found <= 0.0:
-            raise ConfigurationError(f"{LENGTH_KEY} = {length!r} is not allowed: it must be above 0")
+            raise refused(LENGTH_KEY, length, "above 0")
         return found
     if over != "time":
         return 2.0 * math.pi / {"angle": 1, "pinion angle": cones.teeth[0], "gear angle": cones.teeth[1]}[over]

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.config.gear_schema import System
 from pipeline.config.harmonics import pairs_of
 from pipeline.config.matrix_files import MOST_DEGREES, MatrixError, numbers_of, read_matrix, read_npz
-from pipeline.config.schema import System
-from pipeline.errors import ConfigurationError, shown
+from pipeline.errors import ConfigurationError, refused, shown
 
 __all__ = ["system_numbers"]
 
@@ -72,9 +72,10 @@ def system_numbers(config: System) -> tuple[dict, None]:
     if "varying_force" not in arrays:
         for name in ("alpha", "alpha_harmonics"):
             if value := getattr(config, name):
-                raise ConfigurationError(
-                    f"gear.system.{name} = {shown(str(value))} is not allowed: it must be "
-                    f"{0.0 if name == 'alpha' else '[]'} unless gear.system.varying_force says where it acts"
+                raise refused(
+                    f"gear.system.{name}",
+                    value,
+                    f"{0.0 if name == 'alpha' else '[]'} unless gear.system.varying_force says where it acts",
                 )
     front, back = (_gap(name, arrays[name]) if name in arrays else None for name in _GAPS)
     back = front if back is None else back

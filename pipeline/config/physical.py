@@ -4,11 +4,11 @@ import math
 import sys
 from dataclasses import asdict, fields
 
+from pipeline.config.gear_schema import PhysicalGear
 from pipeline.config.mesh_cycle import read_mesh_cycle
-from pipeline.config.schema import PhysicalGear
 from pipeline.config.teeth import METHODS, DrawnMesh, drawn_mesh
 from pipeline.config.units import quantities, quantity, speed
-from pipeline.errors import ConfigurationError, shown
+from pipeline.errors import ConfigurationError, refused
 from solver import Blank, GearPair, ParameterError, PitchCones, Scales
 
 __all__ = ["AXIS_KEYS", "MESH_DAMPING", "PATHS", "TEMPERATURE", "describe", "place_of", "value_of"]
@@ -48,8 +48,7 @@ def value_of(key: str, name: str, value, scales) -> float:
     if isinstance(value, str):
         return place_of(key, name, value, scales)
     if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > sys.float_info.max:
-        said = shown(repr(value))
-        raise ConfigurationError(f"{key} = {said} is not allowed: it must be a finite number, or a text with a unit")
+        raise refused(key, value, "a finite number, or a text with a unit")
     return float(value)
 
 
@@ -98,20 +97,17 @@ def place_of(key: str, name: str, value: str, scales: Scales | None) -> float:
     """
     if scales is None:
         why = "units need a gear in physical units, such as gear=miter"
-        raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number; {why}")
+        raise refused(key, value, f"a number; {why}")
     if name == TEMPERATURE:
         # In K as it is.
         return quantity(key, value, "temperature difference")
     if name == "omega":
         which, number = speed(key, value)
         if which == "omega" and not isinstance(scales, Scales):
-            raise ConfigurationError(
-                f"{key} = {value!r} is not allowed: it must be a mesh frequency, such as '1.2 kHz', since the gear has "
-                "no numbers of teeth"
-            )
+            raise refused(key, value, "a mesh frequency, such as '1.2 kHz', since the gear has no numbers of teeth")
         return scales.dimensionless(which, number)
     if name not in _KINDS:
-        raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number, {name} has no unit")
+        raise refused(key, value, f"a number, {name} has no unit")
     return scales.dimensionless(name, quantity(key, value, _KINDS[name]))
 
 
@@ -167,9 +163,10 @@ def _mesh_stiffness(config) -> float | None:
     if value in METHODS:
         return None
     if isinstance(value, str) and value.isidentifier():
-        raise ConfigurationError(
-            f"{_PREFIX}mesh_stiffness = {value!r} is not allowed: "
-            f"it must be a number with a unit of stiffness, such as '300 N/um', or one of {', '.join(METHODS)}"
+        raise refused(
+            f"{_PREFIX}mesh_stiffness",
+            value,
+            f"a number with a unit of stiffness, such as '300 N/um', or one of {', '.join(METHODS)}",
         )
     return _optional(config, "mesh_stiffness", "stiffness")
 
@@ -182,14 +179,12 @@ def _angle(config, name: str) -> float:
 def _module(config) -> float:
     if (config.module is None) == (config.diametral_pitch is None):
         both = "one of them, not both" if config.module is not None else "given, or gear.physical.diametral_pitch"
-        raise ConfigurationError(f"{_PREFIX}module = {config.module!r} is not allowed: it must be {both}")
+        raise refused(f"{_PREFIX}module", config.module, both)
     if config.module is not None:
         return _one(config, "module", "length")
     pitch = _one(config, "diametral_pitch", "diametral pitch")
     if pitch <= 0.0:
-        raise ConfigurationError(
-            f"{_PREFIX}diametral_pitch = {config.diametral_pitch!r} is not allowed: it must be above 0"
-        )
+        raise refused(f"{_PREFIX}diametral_pitch", config.diametral_pitch, "above 0")
     return 1.0 / pitch
 
 
@@ -209,9 +204,7 @@ def _of_gears(config, name: str) -> list[float]:
 def _blanks(config) -> list[Blank]:
     key, blanks = f"{_PREFIX}blanks", config.blanks
     if not isinstance(blanks, list) or len(blanks) != 2 or not all(isinstance(blank, dict) for blank in blanks):
-        raise ConfigurationError(
-            f"{key} = {blanks!r} is not allowed: it must be a list of two, each with {', '.join(_BLANK)}"
-        )
+        raise refused(key, blanks, f"a list of two, each with {', '.join(_BLANK)}")
     density, result = _one(config, "density", "density"), []
     for i, blank in enumerate(blanks):
         for name in [*(set(blank) ^ set(_BLANK))]:
@@ -229,9 +222,7 @@ def _blanks(config) -> list[Blank]:
 def _harmonics(config, name: str, kind: str) -> list[tuple[float, float]]:
     key, pairs = f"{_PREFIX}{name}", _given(config, name)
     if not isinstance(pairs, list) or not all(isinstance(pair, list) and len(pair) == 2 for pair in pairs):
-        raise ConfigurationError(
-            f"{key} = {pairs!r} is not allowed: it must be a list of [amplitude, phase], each a number with its unit"
-        )
+        raise refused(key, pairs, "a list of [amplitude, phase], each a number with its unit")
     return [
         (quantity(f"{key}[{i}][0]", amplitude, kind), quantity(f"{key}[{i}][1]", phase, "angle"))
         for i, (amplitude, phase) in enumerate(pairs)
@@ -260,7 +251,4 @@ def _of_teeth(config, drawn: DrawnMesh) -> dict:
 def _alone(config, names, giver: str) -> None:
     for name in names:
         if getattr(config, name) not in (None, []):
-            raise ConfigurationError(
-                f"{_PREFIX}{name} = {getattr(config, name)!r} is not allowed: "
-                f"it must be null or [], the {giver} gives it"
-            )
+            raise refused(f"{_PREFIX}{name}", getattr(config, name), f"null or [], the {giver} gives it")

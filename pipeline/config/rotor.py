@@ -2,10 +2,10 @@
 
 import math
 
+from pipeline.config.gear_schema import Rotor
 from pipeline.config.harmonics import pairs_of
-from pipeline.config.schema import Rotor
 from pipeline.config.units import quantity
-from pipeline.errors import ConfigurationError, shown
+from pipeline.errors import ConfigurationError, refused
 from solver import ParameterError
 from solver.gear.geared_rotor import equivalent_mass
 
@@ -56,9 +56,7 @@ def rotor_numbers(config: Rotor) -> tuple[dict, dict | None]:
     stiffness, gap, torque = (given[name][0] for name in _OF_ONE)
     for name, value in (("mesh_stiffness", stiffness), ("half_backlash", gap)):
         if not value > 0.0:
-            raise ConfigurationError(
-                f"gear.rotor.{name} = {shown(str(getattr(config, name)))} is not allowed: it must be above 0"
-            )
+            raise refused(f"gear.rotor.{name}", getattr(config, name), "above 0")
     try:
         me = equivalent_mass(given["inertia"], given["base_radius"])
     except ParameterError as error:
@@ -99,9 +97,7 @@ def _measured(name: str, value, kind: str, sizes: dict[str, bool]) -> list[float
     one = name in _OF_ONE or name.endswith("harmonics")
     values = value if isinstance(value, list) and not one else [value] * (1 if one else 2)
     if len(values) != (1 if one else 2):
-        raise ConfigurationError(
-            f"gear.rotor.{name} = {shown(str(value))} is not allowed: it must be one value or a list of 2"
-        )
+        raise refused(f"gear.rotor.{name}", value, "one value or a list of 2")
     found = []
     for i, entry in enumerate(values):
         key = f"gear.rotor.{name}" + (f"[{i}]" if isinstance(value, list) else "")
@@ -109,9 +105,7 @@ def _measured(name: str, value, kind: str, sizes: dict[str, bool]) -> list[float
         if isinstance(entry, str):
             found.append(quantity(key, entry, kind))
         elif isinstance(entry, bool) or not isinstance(entry, int | float) or not math.isfinite(entry):
-            raise ConfigurationError(
-                f"{key} = {shown(repr(entry))} is not allowed: it must be a finite number, or a text with a unit"
-            )
+            raise refused(key, entry, "a finite number, or a text with a unit")
         else:
             found.append(float(entry))
     return found
@@ -127,7 +121,5 @@ def _of_one_system(sizes: dict[str, bool]) -> None:
 def _raw_pairs(config: Rotor, name: str) -> list:
     value = getattr(config, name)
     if not isinstance(value, list) or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
-        raise ConfigurationError(
-            f"gear.rotor.{name} = {shown(str(value))} is not allowed: it must be a list of [amplitude, phase in rad]"
-        )
+        raise refused(f"gear.rotor.{name}", value, "a list of [amplitude, phase in rad]")
     return [(pair[0], pairs_of(f"gear.rotor.{name}", [[0.0, pair[1]]])[0][1]) for pair in value]

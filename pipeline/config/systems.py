@@ -2,10 +2,10 @@
 
 from dataclasses import asdict
 
+from pipeline.config.gear_schema import Gear, Spur
 from pipeline.config.harmonics import pairs_of
 from pipeline.config.own_system import system_numbers
 from pipeline.config.rotor import rotor_numbers
-from pipeline.config.schema import Gear, Spur
 from pipeline.config.typed import SYSTEMS
 from pipeline.errors import ConfigurationError
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from pipeline.config.units import quantity
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from solver import GearTeeth, ParameterError, PitchCones, ToothMesh, bevel_mesh, iso_6336_stiffness
 
 __all__ = ["METHODS", "DrawnMesh", "drawn_mesh"]
@@ -50,7 +50,7 @@ def drawn_mesh(
     ----------
     method : str
         Of `METHODS`.
-    tooth : pipeline.config.schema.Teeth
+    tooth : pipeline.config.gear_schema.Teeth
     cones : PitchCones
     pressure_angle : float
         Degrees.
@@ -124,5 +124,5 @@ def _bore(tooth, bores: list[float] | None, place: int) -> float:
 def _one_of_two(tooth, name: str, place: int):
     value = getattr(tooth, name)
     if isinstance(value, list) and len(value) != 2:
-        raise ConfigurationError(f"{_TOOTH}.{name} = {value!r} is not allowed: it must be one value or one per gear")
+        raise refused(f"{_TOOTH}.{name}", value, "one value or one per gear")
     return value[place] if isinstance(value, list) else value

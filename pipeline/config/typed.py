@@ -166,7 +166,8 @@ class _Groups:
 
 
 def _is_choice(value) -> bool:
-    return isinstance(value, str | int | float) and _CHOICE.fullmatch(str(value)) is not None
+    # Hydra takes texts alone, and a name with its suffix for another choice.
+    return isinstance(value, str) and _CHOICE.fullmatch(value) is not None and not value.endswith(".yaml")
 
 
 def _example(group: str) -> str:
@@ -175,6 +176,8 @@ def _example(group: str) -> str:
 
 def _reason(error: Exception) -> str:
     """What Hydra says, on one line and without where its grammar is explained."""
+    if str(error).startswith("LexerNoViableAlt"):
+        return "spaces around = are not allowed, and a value with special characters stands in quotes, KEY='VALUE'"
     return shown(re.split(r" See https?://", " ".join(str(error).split()))[0], 300)
 
 

@@ -8,7 +8,7 @@ import functools
 import math
 import re
 
-from pipeline.errors import ConfigurationError
+from pipeline.errors import refused
 
 __all__ = ["KINDS", "celsius", "quantities", "quantity", "speed", "unit_size"]
 
@@ -72,7 +72,7 @@ def quantities(key: str, value, kind: str, count: int) -> list[float]:
     if not isinstance(value, list):
         return [quantity(key, value, kind)] * count
     if len(value) != count:
-        raise _refused(key, value, f"a number with a unit of {kind}, such as {KINDS[kind][0]!r}, or a list of {count}")
+        raise refused(key, value, f"a number with a unit of {kind}, such as {KINDS[kind][0]!r}, or a list of {count}")
     return [quantity(f"{key}[{i}]", entry, kind) for i, entry in enumerate(value)]
 
 
@@ -80,7 +80,7 @@ def unit_size(key: str, text: str, kind: str) -> float:
     """SI units of a unit that stands alone; raises as `quantity` does."""
     allowed = f"a unit of {kind}, such as {KINDS[kind][0].partition(' ')[2]!r}"
     if len(text) > _LONGEST or not _UNIT.fullmatch(text):
-        raise _refused(key, text[:_LONGEST], allowed)
+        raise refused(key, text[:_LONGEST], allowed)
     return _size(key, text, text, kind, allowed)
 
 
@@ -106,7 +106,7 @@ def speed(key: str, value) -> tuple[str, float]:
     hertz = [name for name in names if name.endswith("hertz")]
     turning = [name for name in names if name.startswith("revolutions_per_") or _is_angle(name)]
     if parsed.dimensionality != {"[time]": -1.0} or bool(hertz) == bool(turning):
-        raise _refused(key, value, allowed)
+        raise refused(key, value, allowed)
     # For pint, Hz is 1/s and an angle is 1: cycles of the mesh and radians of the pinion.
     size = _registry().Quantity(1.0, parsed).to("1/s").magnitude
     return ("mesh_frequency" if hertz else "omega"), _finite(key, value, number * size, allowed)
@@ -118,31 +118,26 @@ def celsius(key: str, value) -> float:
     number, unit = _split(key, value, allowed)
     parsed = _parsed(key, value, unit, allowed)
     if dict(parsed._units) not in ({"degree_Celsius": 1}, {"kelvin": 1}, {"degree_Fahrenheit": 1}):
-        raise _refused(key, value, allowed)
+        raise refused(key, value, allowed)
     return _finite(key, value, float(_registry().Quantity(number, parsed).to("degC").magnitude), allowed)
-
-
-def _refused(key: str, value, allowed: str) -> ConfigurationError:
-    shown = repr(value) if len(repr(value)) <= 2 * _LONGEST else f"{repr(value)[: 2 * _LONGEST]}…"
-    return ConfigurationError(f"{key} = {shown} is not allowed: it must be {allowed}")
 
 
 def _finite(key: str, value, number: float, allowed: str) -> float:
     if not math.isfinite(number):
-        raise _refused(key, value, allowed)
+        raise refused(key, value, allowed)
     return number
 
 
 def _split(key: str, value, allowed: str) -> tuple[float, str]:
     """Number and unit of a text."""
     if not isinstance(value, str) or len(value) > _LONGEST:
-        raise _refused(key, value, allowed)
+        raise refused(key, value, allowed)
     text = value.strip()
     number = _NUMBER.match(text)
     unit = text[number.end() :] if number else ""
     # "81/inch" is 81 per inch, since the number takes all digits; "8 1/inch" needs its space.
     if not number or not _UNIT.fullmatch(unit.strip()):
-        raise _refused(key, value, allowed)
+        raise refused(key, value, allowed)
     return float(number.group()), unit.strip()
 
 
@@ -154,9 +149,9 @@ def _parsed(key: str, value, unit: str, allowed: str):
         return _registry().parse_units(unit)
     except pint.UndefinedUnitError as error:
         unknown = error.unit_names if isinstance(error.unit_names, str) else ", ".join(error.unit_names)
-        raise _refused(key, value, f"{allowed} ({unknown!r} is not a known unit)") from None
+        raise refused(key, value, f"{allowed} ({unknown!r} is not a known unit)") from None
     except (pint.PintError, ValueError, AssertionError, TypeError):
-        raise _refused(key, value, allowed) from None
+        raise refused(key, value, allowed) from None
 
 
 def _is_angle(name: str) -> bool:
@@ -171,9 +166,9 @@ def _size(key: str, value, unit: str, kind: str, allowed: str) -> float:
     if kind != "angle":
         wrong = bool(angles) and not kind.startswith("torsional")
     if wrong or parsed.dimensionality != wanted.dimensionality:
-        raise _refused(key, value, allowed)
+        raise refused(key, value, allowed)
     zero, one = (_registry().Quantity(size, parsed).to(wanted).magnitude for size in (0.0, 1.0))
     if zero != 0.0:
         # On the scales of thermometers 0 means something else.
-        raise _refused(key, value, allowed)
+        raise refused(key, value, allowed)
     return float(one)

@@ -14,7 +14,7 @@ from pipeline.analysis.attractors.places import Place, place_of, states_at_rest
 from pipeline.analysis.motion.motions import MapMotion, Motion, Motions, attractor_motion, map_motion, motions_at
 from pipeline.config.compose import compose
 from pipeline.config.schema import Attractors
-from pipeline.errors import ConfigurationError
+from pipeline.errors import refused
 from pipeline.explorer.fixed_parameters import changed_plan
 from pipeline.plan.numerics import point_of
 from pipeline.plan.plan import Plan
@@ -137,7 +137,7 @@ def ending_of_motion(plan: Plan, x: float, p: float, number: int) -> Ending:
     """
     found, period = motions_of_place(plan, x, p), int(plan.solver["period"])
     if not 1 <= number <= len(found.amplitude):
-        raise ConfigurationError(f"motion = {number} is not allowed: it must be from 1 to {len(found.amplitude)}")
+        raise refused("motion", number, f"from 1 to {len(found.amplitude)}")
     model, omega = point_of(plan, p, x)
     systems = row_systems(model, "omega", np.array([omega]), None)
     state = motion_states(systems, found.unknowns[None, [number - 1]], period)[0, 0]

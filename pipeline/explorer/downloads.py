@@ -50,7 +50,7 @@ def download(content: Content, state: ViewState, what: str, kind: str) -> bytes:
     content : Content
     state : ViewState
     what : str
-        One of `FORMATS`: the map of the layer, of labels in the window, the curves of the row through the place, or the
+        One of `FORMATS`: the map of the layer in the window, the curves of the row through the place, or the
         motions at the place.
     kind : str
         One of its formats.
@@ -107,9 +107,9 @@ def _figure(content: Content, state: ViewState, what: str, kind: str) -> bytes:
 def _map(content: Content, state: ViewState):
     plane = StoredPlane(content.path, content.plan, dynamic=state.layer == "dynamic", physical=state.physical)
     if state.layer in QUANTITIES:
-        return draw_quantity_map(plane, state.layer, "worst")
+        return draw_quantity_map(plane, state.layer, "worst", state.window)
     if state.layer in _OF_ATTRACTORS:
-        return _OF_ATTRACTORS[state.layer](plane, attractors_of(content.path))
+        return _OF_ATTRACTORS[state.layer](plane, attractors_of(content.path), state.window)
     return draw_map(plane) if state.window is None else draw_window(plane, list(state.window))
 
 

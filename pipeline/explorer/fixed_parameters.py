@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from pipeline.analysis.margins.distances import further_axis
 from pipeline.analysis.margins.options import Design, nominal_value, replaced
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from pipeline.plan.kinds import APART, kind_of
 from pipeline.plan.numerics import row_axis
 from pipeline.plan.plan import Plan
@@ -90,7 +90,7 @@ def changed_plan(plan: Plan, fixed: Mapping[str, float]) -> Plan:
             raise ConfigurationError(f"{name} is not allowed here: it must be one of {', '.join(allowed)}")
         one = allowed[name]
         if not one.low <= value <= one.high:
-            raise ConfigurationError(f"{name} = {value!r} is not allowed: it must be from {one.low:g} to {one.high:g}")
+            raise refused(name, value, f"from {one.low:g} to {one.high:g}")
     try:
         return replaced(plan, dict(fixed), *_middle(plan))
     except ParameterError as error:

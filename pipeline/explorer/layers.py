@@ -2,7 +2,7 @@
 
 from pipeline.analysis.attractors.dataset import read_attractors
 from pipeline.config.quantities import QUANTITIES
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from pipeline.explorer.cell_layers import attractor_layer, credibility_layer, quantity_layer
 from pipeline.explorer.layer_data import Layer
 from pipeline.explorer.map_frame import frame_of_map
@@ -54,7 +54,7 @@ def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "w
     """
     names = layer_names(plane)
     if name not in names:
-        raise ConfigurationError(f"layer = {name!r} is not allowed: it must be one of {', '.join(names)}")
+        raise refused("layer", name, f"one of {', '.join(names)}")
     if physical and plane.plan.physical is None:
         raise ConfigurationError(
             "physical = True is not allowed: it must be False, as this plane's gear is dimensionless"

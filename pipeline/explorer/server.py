@@ -8,7 +8,7 @@ from collections.abc import Callable
 import panel as pn
 from bokeh.server.server import Server
 
-from pipeline.errors import ConfigurationError
+from pipeline.errors import refused
 from pipeline.explorer.messages import message
 
 __all__ = ["ADDRESS", "make_server", "run_server"]
@@ -78,7 +78,5 @@ def _free_port(port: int) -> int:
         try:
             found.bind((ADDRESS, port))
         except OSError as error:
-            raise ConfigurationError(
-                f"explore.port = {port} is not allowed: it must be a port that is free, or 0 ({error})"
-            ) from None
+            raise refused("explore.port", port, f"a port that is free, or 0 ({error})") from None
         return found.getsockname()[1]

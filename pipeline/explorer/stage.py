@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib.util
+import signal
 import threading
 
 from pipeline.errors import ConfigurationError
@@ -57,6 +58,11 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     threading.Thread(target=load, name="kernels", daemon=True).start()
     try:
         run_server(server)
+    except KeyboardInterrupt as error:
+        # Other signals interrupt it.
+        if getattr(error, "number", signal.SIGINT) != signal.SIGINT:
+            raise
+        reporter.line("explore: ended")
     finally:
         site.run.end()
     return 0

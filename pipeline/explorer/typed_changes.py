@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from pipeline.config.schema import Gear
+from pipeline.config.gear_schema import Gear
 from pipeline.errors import ConfigurationError
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import model_at

@@ -4,6 +4,8 @@ The colour says what kind of motion it is, the lightness alone too; where severa
 colours with thin lines between them. Dots: teeth part in one of them at least; crosses: both flanks are struck.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import PathPatch
@@ -66,7 +68,7 @@ def stripes(classes: np.ndarray) -> np.ndarray:
     return np.where(found == len(CLASSES), -1, found)
 
 
-def draw_attractors(plane: StoredPlane, found) -> Drawing:
+def draw_attractors(plane: StoredPlane, found, window: Sequence[float] | None = None) -> Drawing:
     """Draw the attractors of a plane.
 
     Parameters
@@ -74,6 +76,8 @@ def draw_attractors(plane: StoredPlane, found) -> Drawing:
     plane : StoredPlane
     found : xarray.Dataset
         The group `attractors`.
+    window : (x low, x high, p low, p high), optional
+        The part of the plane that is drawn; all of it unless given.
 
     Returns
     -------
@@ -105,7 +109,8 @@ def draw_attractors(plane: StoredPlane, found) -> Drawing:
 
     share = 100.0 * float(np.mean(several))
     head = f"What motions end on: several coexist in {share:.1f} % of {several.size:,} cells"
-    return draw_cells(plane, _entries(plane, found, parts, several, lost, struck), paint, head)
+    entries = _entries(found, parts, several, lost, struck, line_entries(plane, window))
+    return draw_cells(plane, entries, paint, head, window)
 
 
 def _patterns(axes: Axes) -> list[Outline]:
@@ -139,7 +144,7 @@ def _inches(axes: Axes) -> tuple[float, float]:
     return box.width * width, box.height * height
 
 
-def _entries(plane: StoredPlane, found, parts, several, lost, struck) -> list[Entry]:
+def _entries(found, parts, several, lost, struck, lines: list[Entry]) -> list[Entry]:
     alone = np.where(several, len(CLASSES), parts[..., 0])
     counts = [int(np.sum(alone == number)) for number in range(len(CLASSES) + 1)] + [int(np.sum(alone < 0))]
     shares = percents(counts)
@@ -170,7 +175,7 @@ def _entries(plane: StoredPlane, found, parts, several, lost, struck) -> list[En
         Entry(f"with probability $(1-p)^{{{starts}}}$,"),
         Entry(f"5 % at $p$ = {100.0 * likely_missed(starts):.2g} %"),
     ]
-    return [*entries, *line_entries(plane), *said]
+    return [*entries, *lines, *said]
 
 
 def _striped() -> dict:

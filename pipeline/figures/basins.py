@@ -91,7 +91,7 @@ def _entries(place) -> list[Entry]:
     if np.any(place.slice.values < 0):
         area = {"facecolor": "white", "edgecolor": "0.3", "linewidth": 0.4}
         entries.append(Entry("not known", f"{100.0 * np.mean(place.slice.values < 0):.1f} %", area=area))
-    entries += [Entry(), Entry(f"of {int(place.starts)} random starts", "95 %")]
+    entries += [Entry(), Entry(f"of {int(place.starts)} random starts", "95 % range")]
     for slot in filled.tolist():
         name = attractor_name(int(kinds[slot]), int(impacts[slot]))
         low, high = 100.0 * float(place.share_low[slot]), 100.0 * float(place.share_high[slot])

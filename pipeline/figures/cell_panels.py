@@ -23,6 +23,7 @@ from pipeline.figures.layout import (
     from_zero,
     mark_window,
     shares_of,
+    show_window,
     zoom_places,
 )
 from pipeline.figures.map_legend import LINES, Entry, draw_legend, legend_height
@@ -40,7 +41,13 @@ _LINE, _SHARE = 0.19, 1.54
 _FINE = 1200
 
 
-def draw_cells(plane: StoredPlane, entries: Sequence[Entry], paint: Callable[[Axes], None], head: str) -> Drawing:
+def draw_cells(
+    plane: StoredPlane,
+    entries: Sequence[Entry],
+    paint: Callable[[Axes], None],
+    head: str,
+    window: Sequence[float] | None = None,
+) -> Drawing:
     """A figure of painted cells.
 
     Parameters
@@ -52,20 +59,25 @@ def draw_cells(plane: StoredPlane, entries: Sequence[Entry], paint: Callable[[Ax
         paint(axes) paints the whole plane.
     head : str
         What matters most, above the panel.
+    window : (x low, x high, p low, p high), optional
+        The part of the plane that is drawn; all of it unless given.
 
     Returns
     -------
     Drawing
     """
     sweep, parameter = plane.plan.sweep, plane.plan.parameter
-    windows = coexistence_windows(plane.segments, sweep.low, sweep.high)
+    windows = coexistence_windows(plane.segments, sweep.low, sweep.high) if window is None else []
     tall = max(HEIGHT, legend_height(list(entries)))
     names, above = (sweep.name, parameter.name), lift(plane)
     bottom = BOTTOM + (ZOOM_HEIGHT + BETWEEN + above if windows else 0.0)
     height = bottom + tall + TOP + HEAD + _LINE + above
     figure = Drawing((WIDTH, height))
     main = figure.add_axes(shares_of((LEFT, bottom, PANEL - spare(plane), tall), height))
-    x, y = (tuple(cell_borders(axis)[[0, -1]].tolist()) for axis in (sweep, parameter))
+    if window is None:
+        x, y = (tuple(cell_borders(axis)[[0, -1]].tolist()) for axis in (sweep, parameter))
+    else:
+        x, y = tuple(window[:2]), tuple(window[2:])
     _fill(main, plane, paint, x, y)
     write_heading(figure, plane)
     figure.text(LEFT / WIDTH, 1 - (HEAD + 0.06) / height, head, ha="left", va="top", fontsize=9, weight="bold")
@@ -73,15 +85,17 @@ def draw_cells(plane: StoredPlane, entries: Sequence[Entry], paint: Callable[[Ax
     main.set(xlabel=labels[0], ylabel=labels[1])
     show_units(main, plane, *names)
     draw_legend(figure, list(entries), LEGEND, bottom + tall, _SHARE)
-    for i, (window, place) in enumerate(zip(windows, zoom_places(len(windows), spare(plane)), strict=True)):
+    if window is not None:
+        show_window(main, window)
+    for i, (stretch, place) in enumerate(zip(windows, zoom_places(len(windows), spare(plane)), strict=True)):
         axes = figure.add_axes(shares_of(place, height), sharey=main)
-        _fill(axes, plane, paint, window, y)
+        _fill(axes, plane, paint, stretch, y)
         titled(axes, plane, f"({'bc'[i]})")
         axes.set(xlabel=labels[0], ylabel=labels[1] if i == 0 else "")
         axes.tick_params(labelleft=i == 0)
         axes.locator_params(axis="x", nbins=6)
         show_units(axes, plane, *names, sides="bt" + "l" * (i == 0) + "r" * (i == len(windows) - 1))
-        mark_window(main, window, "bc"[i], above / tall)
+        mark_window(main, stretch, "bc"[i], above / tall)
     return figure
 
 
@@ -98,10 +112,11 @@ def with_lines(axes: Axes, plane: StoredPlane, x, y) -> None:
         axes.add_artist(PathPatch(outline, fill=False, **LINES[kind][0]))
 
 
-def line_entries(plane: StoredPlane) -> list[Entry]:
-    """What the legend says of the lines of the map."""
-    whole = ((axis.low, axis.high) for axis in (plane.plan.sweep, plane.plan.parameter))
-    lines = lines_of(plane, *whole)
+def line_entries(plane: StoredPlane, window: Sequence[float] | None = None) -> list[Entry]:
+    """What the legend says of the lines of the map, or of those in a part of it."""
+    sweep, parameter = plane.plan.sweep, plane.plan.parameter
+    ends = (sweep.low, sweep.high, parameter.low, parameter.high) if window is None else window
+    lines = lines_of(plane, tuple(ends[:2]), tuple(ends[2:]))
     found = [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
     return [Entry(), Entry("lines: the map"), *found] if found else []
 

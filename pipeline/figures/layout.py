@@ -1,5 +1,7 @@
 """How pictures of a plane are laid out: a panel with its legend beside it, enlargements of narrow stretches below."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -18,6 +20,7 @@ __all__ = [
     "from_zero",
     "mark_window",
     "shares_of",
+    "show_window",
     "zoom_places",
 ]
 
@@ -28,6 +31,8 @@ HEIGHT, ZOOM_HEIGHT, BETWEEN, _BESIDE, LEGEND = 3.0, 2.5, 0.72, 0.25, 5.54
 _PIXELS = 400
 #: An axis that begins below this share of its end is drawn from 0.
 _NEXT_TO_ZERO = 0.1
+#: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
+_NARROW = 1e-3
 
 
 def shares_of(inches: tuple[float, ...], height: float, width: float = WIDTH) -> tuple[float, ...]:
@@ -44,6 +49,15 @@ def zoom_places(count: int, spare: float = 0.0) -> list[tuple[float, float, floa
 def from_zero(ends: tuple[float, float]) -> tuple[float, float]:
     """Limits of an axis: from zero where what it shows begins next to it."""
     return (0.0, ends[1]) if 0.0 < ends[0] <= _NEXT_TO_ZERO * ends[1] else ends
+
+
+def show_window(axes: Axes, window: Sequence[float]) -> None:
+    """Limit axes to a part of the plane, (x low, x high, p low, p high), with ticks that have room."""
+    axes.set(xlim=window[:2], ylim=window[2:])
+    axes.locator_params(axis="x", nbins=5)
+    for axis, low, high in ((axes.xaxis, *window[:2]), (axes.yaxis, *window[2:])):
+        # Ticks of a narrow window share most of their digits, and there is no room for them.
+        axis.get_major_formatter().set_useOffset(high - low < _NARROW * max(abs(low), abs(high)))
 
 
 def enlarged(image: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ from pipeline.figures.layout import (
     from_zero,
     mark_window,
     shares_of,
+    show_window,
     zoom_places,
 )
 from pipeline.figures.map_legend import (
@@ -47,9 +48,6 @@ from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
 
 __all__ = ["draw_map", "draw_window", "fill", "label_places", "modes_within", "with_main_panel", "write_labels"]
-
-#: A window this narrow, as a share of the values in it, writes what its ticks have in common once.
-_NARROW = 1e-3
 
 
 def draw_map(plane: StoredPlane) -> Drawing:
@@ -103,12 +101,8 @@ def draw_window(plane: StoredPlane, window: list[float]) -> Drawing:
     """
     panel = panel_of(plane, tuple(window[:2]), tuple(window[2:]))
     figure, axes, _ = with_main_panel(plane, [panel], 0.0, False)
-    axes.set(xlim=window[:2], ylim=window[2:])
+    show_window(axes, window)
     write_labels(axes, panel, plane)
-    axes.locator_params(axis="x", nbins=5)
-    for axis, low, high in ((axes.xaxis, *window[:2]), (axes.yaxis, *window[2:])):
-        # Ticks of a narrow window share most of their digits, and there is no room for them.
-        axis.get_major_formatter().set_useOffset(high - low < _NARROW * max(abs(low), abs(high)))
     return figure
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline import figures
 from pipeline.analysis import margins
+from pipeline.errors import counted
 from pipeline.figures import stage as figures_stage
 from pipeline.run.job import Job, command
 from pipeline.run.progress import Reporter
@@ -40,7 +41,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     for there, files in ((folder, sheets), (drawn, paths)):
         reporter.line(f"margins: {', '.join(file.name for file in files)} in {there.resolve()}")
     reporter.line(
-        f"margins: {len(found.margins)} distances, {len(found.corners)} sets of tolerances "
+        f"margins: {counted(len(found.margins), 'distance')}, {counted(len(found.corners), 'set')} of tolerances "
         f"({perf_counter() - begin:.2f} s)"
     )
     return 0

@@ -41,12 +41,12 @@ _LEVELS = (
     (19.0, 0.36),
     (15.0, 0.30),
 )
-#: Lines need more contrast with paper than areas: state -> lightness, chroma, hue.
+#: Lines need more contrast with paper than areas, and differ in grey: state -> lightness, chroma, hue.
 _LINES = {
-    "0": (48.0, 45.0, 255.0),
+    "0": (50.0, 45.0, 255.0),
     "1": (63.0, 68.0, 80.0),
-    "2": (44.0, 66.0, 30.0),
-    "f": (55.0, 0.0, 0.0),
+    "2": (36.0, 62.0, 30.0),
+    "f": (20.0, 0.0, 0.0),
     "1m": (60.0, 45.0, 150.0),
     "0m": (45.0, 55.0, 310.0),
 }

@@ -76,8 +76,6 @@ class Plots:
         """
         window = None if window is None else finite_array("window", window, (4,)).tolist()
         self._check(None, window, stability, units, quantity, of)
-        if quantity is not None and window is not None:
-            raise ConfigurationError(f"window = {window} is not allowed: quantities are drawn over the whole plane")
         from pipeline.figures.drawing import own_style
         from pipeline.figures.map import draw_map, draw_window
         from pipeline.figures.quantity_map import draw_quantity_map
@@ -85,7 +83,7 @@ class Plots:
         plane = self._read(stability, units)
         with own_style():
             if quantity is not None:
-                return draw_quantity_map(plane, quantity, of)
+                return draw_quantity_map(plane, quantity, of, window)
             return draw_map(plane) if window is None else draw_window(plane, window)
 
     def curves(self, units: str = "dimensionless", quantity: str | None = None, **values: float | Sequence[float]):

@@ -1,5 +1,7 @@
 """A quantity of the motions over the plane, one value a cell, with the n/I boundaries on top."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import PathPatch
@@ -26,7 +28,7 @@ _BAR, _WIDE, _NUMBERS, _LINES = 1.5, 0.15, 0.36, 11
 _EXTREMES = {"worst": "Largest", "mildest": "Smallest"}
 
 
-def draw_quantity_map(plane: StoredPlane, name: str, of: str) -> Drawing:
+def draw_quantity_map(plane: StoredPlane, name: str, of: str, window: Sequence[float] | None = None) -> Drawing:
     """Draw a quantity of the motions that labels count.
 
     Parameters
@@ -36,6 +38,8 @@ def draw_quantity_map(plane: StoredPlane, name: str, of: str) -> Drawing:
         One of `pipeline.config.quantities.QUANTITIES`.
     of : str
         "worst" or "mildest": the largest or the smallest value where several motions coexist.
+    window : (x low, x high, p low, p high), optional
+        The part of the plane that is drawn; all of it unless given.
 
     Returns
     -------
@@ -60,7 +64,7 @@ def draw_quantity_map(plane: StoredPlane, name: str, of: str) -> Drawing:
     keys = [Entry(text, area=style) for text, (style, here) in marked.items() if np.any(here)]
     stable = "dynamically stable" if plane.dynamic else "stable"
     head = f"{_EXTREMES[of]} {quantity_text(quantity)} of the {stable} motions"
-    figure = draw_cells(plane, [*shown, *keys, *line_entries(plane)], paint, head)
+    figure = draw_cells(plane, [*shown, *keys, *line_entries(plane, window)], paint, head, window)
     if ends:
         _add_bar(figure, plane, quantity, ends, legend_height(shown[:1]))
     return figure

@@ -1,5 +1,7 @@
 """Where the map can be trusted: how far the label of every cell holds by the cell's own attractors."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -29,7 +31,7 @@ _SHORT = {Credibility.NOT_A_PERIOD_1_MOTION: "not period-1"}
 _NO_LABEL = (255, 255, 255)
 
 
-def draw_verification(plane: StoredPlane, found) -> Drawing:
+def draw_verification(plane: StoredPlane, found, window: Sequence[float] | None = None) -> Drawing:
     """Draw how far labels can be trusted.
 
     Parameters
@@ -37,6 +39,8 @@ def draw_verification(plane: StoredPlane, found) -> Drawing:
     plane : StoredPlane
     found : xarray.Dataset
         The group `attractors`.
+    window : (x low, x high, p low, p high), optional
+        The part of the plane that is drawn; all of it unless given.
 
     Returns
     -------
@@ -58,15 +62,15 @@ def draw_verification(plane: StoredPlane, found) -> Drawing:
         if several
         else "No label counts several motions"
     )
-    return draw_cells(plane, _entries(plane, found, labels, judged), paint, head)
+    entries = [*_entries(labels, judged), *line_entries(plane, window)]
+    return draw_cells(plane, entries, paint, head, window)
 
 
-def _entries(plane: StoredPlane, found, labels: np.ndarray, judged: np.ndarray) -> list[Entry]:
+def _entries(labels: np.ndarray, judged: np.ndarray) -> list[Entry]:
     counts = [int(np.sum(judged[labels != 0] == kind)) for kind in COLOURS]
     entries = [Entry("label of the map", "cells")]
     for (kind, colour), count, share in zip(COLOURS.items(), counts, percents(counts), strict=True):
         if count:
             area = {"facecolor": hex_colour(colour), "edgecolor": "0.3", "linewidth": 0.4}
             entries.append(Entry(_SHORT.get(kind, kind.words), share, area=area))
-    entries.append(Entry("all", "100.0 %"))
-    return [*entries, *line_entries(plane)]
+    return [*entries, Entry("all", "100.0 %")]

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
-import zarr
 
 from pipeline import store
 from pipeline.config.places import Place
@@ -19,6 +18,7 @@ from pipeline.opened_volume import OpenVolume, opened_at
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import read_stored
 from pipeline.store.files import files_at
+from pipeline.store.stored_arrays import open_arrays
 
 __all__ = ["Study"]
 
@@ -229,5 +229,7 @@ def _axes(plan: Plan) -> str:
 
 def _not_computed(path: Place, like: xr.Dataset) -> xr.Dataset:
     """A raster of which nothing is computed, in the shape of another: what its template holds."""
-    root = zarr.open_group(files_at(path).zarr(), mode="r")
-    return like.assign({name: xr.full_like(array, root[name].fill_value) for name, array in like.data_vars.items()})
+    arrays = open_arrays(path)
+    return like.assign(
+        {name: xr.full_like(array, arrays.layout(name).fill_value) for name, array in like.data_vars.items()}
+    )

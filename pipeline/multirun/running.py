@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pipeline import store
 from pipeline.config.compose import Settings
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, counted
 from pipeline.multirun.index import Index, begun_index
 from pipeline.multirun.reporting import PlaneReporter, StudyProgress
 from pipeline.multirun.turns import SharedWorkforce, run_side_by_side
@@ -64,7 +64,7 @@ def run_planes(all_settings: Sequence[Settings], jobs: Sequence[Job], workforce:
         for name in begun if index is not None else ():
             index.learn(name, failed=False)
     if index is not None:
-        reporter.line(f"study: {len(index.planes)} planes in {index.path}")
+        reporter.line(f"study: {counted(len(index.planes), 'plane')} in {index.path}")
     return min(max(statuses, default=0), 1)
 
 

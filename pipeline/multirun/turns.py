@@ -160,17 +160,30 @@ class _Run:
         return self._wait()
 
     def serve(self, function: Callable, take: Callable, here: bool) -> Iterator[tuple[Task, object]]:
-        """Results of tasks, one with every turn."""
+        """Results of tasks, one with every turn.
+
+        Whoever leaves early waits for the tasks that are under way: they may write what the run's lock keeps for it.
+        """
         source = _Source(function, take, here)
-        while True:
-            self.source = source
-            try:
-                found = self._pass()
-            finally:
-                self.source = None
-            if found is None:
-                return
-            yield found
+        try:
+            while (found := self._served(source)) is not None:
+                yield found
+        except _Ended:
+            # All runs end, and their workers with them.
+            source.under_way = 0
+            raise
+        finally:
+            source.take = _nothing
+            while source.under_way:
+                self._served(source)
+
+    def _served(self, source: _Source) -> tuple[Task, object] | None:
+        """A task of a source that is done, with its result; None where there is none any more."""
+        self.source = source
+        try:
+            return self._pass()
+        finally:
+            self.source = None
 
     @contextlib.contextmanager
     def aside(self) -> Iterator[None]:
@@ -293,6 +306,10 @@ class _Turns:
         deadline = time.monotonic() + _TIDY
         for run in self._active:
             run.thread.join(max(deadline - time.monotonic(), 0.0))
+
+
+def _nothing() -> None:
+    """What a source takes that is given up."""
 
 
 def _next_of(queue: SimpleQueue) -> _Run:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.config.physical import PATHS, value_of
 from pipeline.config.schema import Plane
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from pipeline.plan.kinds import BEVEL, GearKind
 
 __all__ = ["ROLES", "Axis", "axes_of"]
@@ -58,9 +58,8 @@ def axes_of(config: Plane, kind: GearKind, scales) -> dict[str, Axis]:
     axes = {role: _axis(role, axis, kind, scales) for role, axis in given.items()}
     cells = math.prod(axis.num for axis in axes.values())
     if cells > config.max_cells:
-        raise ConfigurationError(
-            f"{' x '.join(f'plane.{role}.num' for role in axes)} = {cells} is not allowed: "
-            f"it must be at most plane.max_cells = {config.max_cells:g}"
+        raise refused(
+            " x ".join(f"plane.{role}.num" for role in axes), cells, f"at most plane.max_cells = {config.max_cells:g}"
         )
     return axes
 
@@ -79,19 +78,14 @@ def _axis(role: str, axis, kind: GearKind, scales) -> Axis:
         )
     allowed = ("omega", *kind.axes, *(PATHS if role == "parameter" and kind is BEVEL else ()))
     if name not in allowed:
-        raise ConfigurationError(
-            f"plane.{role}.name = {axis.name!r} is not allowed: it must be one of {', '.join(allowed)}"
-        )
+        raise refused(f"plane.{role}.name", axis.name, f"one of {', '.join(allowed)} with this gear")
     low, high = (value_of(f"plane.{role}.{end}", name, getattr(axis, end), scales) for end in ("min", "max"))
     shown_low, shown_high = (
         typed if isinstance(typed, str) else number for typed, number in ((axis.min, low), (axis.max, high))
     )
     if not np.isfinite(low) or (name == "omega" and low <= 0.0):
         extra = " above 0" if name == "omega" else ""
-        raise ConfigurationError(f"plane.{role}.min = {shown_low!r} is not allowed: it must be a finite number{extra}")
+        raise refused(f"plane.{role}.min", shown_low, f"a finite number{extra}")
     if not np.isfinite(high) or high <= low:
-        raise ConfigurationError(
-            f"plane.{role}.max = {shown_high!r} is not allowed: "
-            f"it must be a finite number above plane.{role}.min = {shown_low!r}"
-        )
+        raise refused(f"plane.{role}.max", shown_high, f"a finite number above plane.{role}.min = {shown_low!r}")
     return Axis(name, low, high, int(axis.num))

@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.config.compose import Settings
 from pipeline.config.physical import AXIS_KEYS, TEMPERATURE, describe, value_of
 from pipeline.config.systems import SECTIONS, described, section_of
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from pipeline.plan.axes import ROLES, axes_of
 from pipeline.plan.kinds import APART, BEVEL, KINDS, kind_of
 from pipeline.plan.numerics import (
@@ -63,7 +63,7 @@ def plan(settings: Settings) -> Plan:
     if "omega" in names and omega is not None:
         raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: omega is an axis of this plane")
     if "omega" not in names and (omega is None or not 0.0 < omega < np.inf):
-        raise ConfigurationError(f"plane.omega = {omega!r} is not allowed: it must be a finite number above 0")
+        raise refused("plane.omega", omega, "a finite number above 0")
     if physical is not None:
         _check_axis_keys(settings, names)
     for name in names & set(gear):
@@ -135,9 +135,7 @@ def _bevel(config) -> tuple[dict, dict | None]:
         return values, None
     for key, value in values.items():
         if value is not None:
-            raise ConfigurationError(
-                f"gear.{key} = {value!r} is not allowed: it must be null, because it follows from gear.physical"
-            )
+            raise refused(f"gear.{key}", value, "null, because it follows from gear.physical")
     physical = describe(config.physical)
     # As a store gives it back.
     gear = json.loads(json.dumps(asdict(GearPair(**physical["gear"]).model())))
@@ -243,10 +241,10 @@ def _check_sizes(plan: Plan) -> None:
     """Raise if a plane has more values, rows or blocks than memory should ever be asked for."""
     for role, axis in zip(ROLES, plan.axes, strict=False):
         if axis.num > _MOST_VALUES:
-            raise ConfigurationError(f"plane.{role}.num = {axis.num} is not allowed: it must be at most {_MOST_VALUES}")
+            raise refused(f"plane.{role}.num", axis.num, f"at most {_MOST_VALUES}")
     roles = " x ".join(f"plane.{role}.num" for role, _ in zip(ROLES[1:], plan.row_axes, strict=False))
     if plan.rows > _MOST_VALUES:
-        raise ConfigurationError(f"{roles} = {plan.rows} is not allowed: it must be at most {_MOST_VALUES} rows")
+        raise refused(roles, plan.rows, f"at most {_MOST_VALUES} rows")
     if plan.n_blocks > _MOST_BLOCKS:
         raise ConfigurationError(
             f"{roles} = {plan.rows} is not allowed: in chunks of {plan.rows_per_block} rows it must be at most "

@@ -3,7 +3,7 @@
 import sys
 
 from pipeline.config.physical import place_of
-from pipeline.errors import ConfigurationError, shown
+from pipeline.errors import refused
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import scales_of
 from solver import Scales
@@ -34,10 +34,10 @@ def point_on(key: str, given, plan: Plan) -> tuple[float, float]:
     if isinstance(given, dict) and sorted(map(str, given)) == sorted(names):
         values = [given[name] for name in names]
     if not isinstance(values, list) or len(values) != 2:
-        raise _refused(key, given, allowed)
+        raise refused(key, given, allowed)
     point = [number_of(key, value, name, allowed, scales) for name, value in zip(names, values, strict=True)]
     if not all(axis.low <= value <= axis.high for axis, value in zip(axes, point, strict=True)):
-        raise _refused(key, given, allowed)
+        raise refused(key, given, allowed)
     return point[0], point[1]
 
 
@@ -46,9 +46,5 @@ def number_of(key: str, given, name: str, allowed: str, scales: Scales | None) -
     if isinstance(given, str):
         return place_of(key, name, given, scales)
     if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= sys.float_info.max:
-        raise _refused(key, given, allowed)
+        raise refused(key, given, allowed)
     return float(given)
-
-
-def _refused(key: str, given, allowed: str) -> ConfigurationError:
-    return ConfigurationError(f"{key} = {shown(str(given))} is not allowed: it must be {allowed}")

@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict
 
 from pipeline.config.units import celsius, quantity
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from solver import GearPair, ParameterError
 from solver.gear.thermal import ThermalPair
 from solver.gear.thermal_laws import LAWS, law_of
@@ -27,7 +27,7 @@ def thermal_numbers(thermal, pair: GearPair) -> dict:
 
     Parameters
     ----------
-    thermal : pipeline.config.schema.Thermal
+    thermal : pipeline.config.gear_schema.Thermal
     pair : GearPair
 
     Returns
@@ -56,7 +56,7 @@ def thermal_numbers(thermal, pair: GearPair) -> dict:
 def _law(key: str, role: str, given: dict, pair: GearPair) -> dict:
     law = given["law"]
     if law not in LAWS[role]:
-        raise ConfigurationError(f"{key}.law = {law!r} is not allowed: it must be one of {', '.join(LAWS[role])}")
+        raise refused(f"{key}.law", law, f"one of {', '.join(LAWS[role])}")
     if law == "table":
         kinds = (_DIFFERENCE, "length") if role == "backlash" else (_TEMPERATURE, _NUMBER)
         return {"law": law, "table": _table(f"{key}.table", given["table"], kinds)}
@@ -79,13 +79,13 @@ def _measured(key: str, value, kind: str):
     if kind != _NUMBER:
         return quantity(key, value, kind)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ConfigurationError(f"{key} = {value!r} is not allowed: it must be a number")
+        raise refused(key, value, "a number")
     return float(value)
 
 
 def _table(key: str, rows, kinds: tuple[str, str]) -> list[list[float]]:
     if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == 2 for row in rows):
-        raise ConfigurationError(f"{key} = {rows!r} is not allowed: it must be a list of [temperature, value] pairs")
+        raise refused(key, rows, "a list of [temperature, value] pairs")
     return [[_measured(f"{key}[{i}][{j}]", row[j], kinds[j]) for j in range(2)] for i, row in enumerate(rows)]
 
 

@@ -72,15 +72,17 @@ class Arcs:
         number, low, high, rises = number[segment], low[segment], high[segment], rises[segment]
         a, b, u, p = self._powers(axis, number)
         level, t = values[line], 0.5 * (low + high)
+        # The difference of two neighbours is exact, while sums with either of them would be rounded.
+        above = p - level
         for _ in range(_MOST_STEPS):
-            miss = p + t * (u + t * (b + t * a)) - level
+            miss = above + t * (u + t * (b + t * a))
             before = (miss < 0.0) == rises
             low, high = np.where(before, t, low), np.where(before, high, t)
-            # Newton, or half the bracket where that would leave it.
+            # Newton, or half the bracket where that would leave it, but not where it is rounded past an end.
             with np.errstate(all="ignore"):
                 following = t - miss / (u + t * (2.0 * b + t * 3.0 * a))
-            inside = (following >= low) & (following <= high)
-            following = np.where(inside, following, 0.5 * (low + high))
+            inside = (following >= low - _CLOSE) & (following <= high + _CLOSE)
+            following = np.where(inside, following.clip(low, high), 0.5 * (low + high))
             if np.all(np.abs(following - t) <= _CLOSE):
                 break
             t = following

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.plan.plan import Plan
 from pipeline.plane.arcs import Arcs, arcs_of
-from pipeline.store import groups
+from pipeline.store.stored_arrays import open_group
 from solver import EndReason, Event
 from solver.boundaries import SpecialPoint
 
@@ -96,21 +96,21 @@ def read_boundaries(path: Path, plan: Plan, layer: int | None = None) -> StoredB
     layer : int, optional
         Of a volume, which has boundaries layer by layer.
     """
-    group = groups.open_group(path, GROUP)
-    if group is None or group.attrs["configuration_hash"] != plan.fingerprint:
+    group = open_group(path, GROUP)
+    if group is None or group.attributes["configuration_hash"] != plan.fingerprint:
         return None
-    digest, here, inside = group.attrs["events_hash"], slice(None), slice(None)
+    digest, here, inside = group.attributes["events_hash"], slice(None), slice(None)
     if plan.parameter2 is not None:
         if layer is None or not (digest := digest[layer]):
             return None
         # Curves of a layer follow one another, and so do their points.
-        here = slice(*np.searchsorted(group["layer"][...], [layer, layer + 1]).tolist())
-        ends = np.cumsum([0, *group["row_size"][...]])
+        here = slice(*np.searchsorted(group.read("layer"), [layer, layer + 1]).tolist())
+        ends = np.cumsum([0, *group.read("row_size")])
         inside = slice(int(ends[here.start]), int(ends[here.stop]))
     names = (*COMPONENTS, plan.sweep.name, plan.parameter.name)
     slopes = tuple(f"{name}_slope" for name in names)
-    values = {name: group[name][here] for name in _OF_CURVES}
-    values |= {name: group[name][inside] for name in (*_OF_POINTS, *names, *slopes)}
+    values = {name: group.read(name, here) for name in _OF_CURVES}
+    values |= {name: group.read(name, inside) for name in (*_OF_POINTS, *names, *slopes)}
     points = np.column_stack([values[name] for name in names])
     slopes = np.column_stack([values[name] for name in slopes])
     last = np.cumsum(values["row_size"])

@@ -1,8 +1,9 @@
 """What the stored boundaries divide a plane into: n/I, and dynamic stability, exactly at any magnification.
 
-Curves are the stored cubics; nothing is followed again. At first order solutions are enumerated at a few places between
-every two boundaries. At higher orders the stored cells between two boundaries say what holds there; where none lies
-between them, the part of the same region in the rows above or below does.
+Curves are the stored cubics; nothing is followed again. At first order solutions are enumerated at one place between
+every two boundaries, and at more where the stored cells do not bear it out. At higher orders the stored cells between
+two boundaries say what holds there; where none lies between them, the part of the same region in the rows above or
+below does.
 """
 
 from collections import Counter
@@ -23,14 +24,14 @@ from solver.boundaries import SPECTRAL
 from solver.boundaries.problem import Plane
 from solver.model.checks import ParameterError
 from solver.regions.division import DividedSlab, Division, divided
-from solver.regions.labelling import Labeller, dynamic_code, stability_code, stability_codes, static_code
+from solver.regions.labelling import KnownCells, Labeller, dynamic_code, stability_code, stability_codes, static_code
 from solver.regions.slabs import RegionError, RowCrossings, Slab
 
 __all__ = ["parting_arcs", "stored_division"]
 
 # Points of a curve that slabs look at, besides those where something happens.
 _MOST_POINTS = 150
-# Where in a slab, and where between two boundaries, solutions are enumerated.
+# Where in a slab, and where between two boundaries, solutions are enumerated if not in the middle alone.
 _ROWS, _PLACES = (np.array([0.02, 0.5, 0.98]), np.array([0.2, 0.8])), np.array([0.1, 0.5, 0.9])
 # Next to corners the cubics are less exact: a part of a slab this small, as a share of the plane, may be blurred.
 _BLUR = 1e-8
@@ -118,8 +119,9 @@ def _divided(plane: StoredPlane) -> Division | None:
     ceiling = float(plan.solver["amplitude_max"])
     try:
         if plan.solver["balance"] == "describing_function":
+            known = KnownCells(plane.rows, plan.sweep.values[1:-1], plane.domain[:, 1:-1].astype(np.int64))
             return divided(
-                frame, curves, lambda met: Labeller(frame, met, ceiling, stability_codes, _ROWS, _PLACES, _BLUR)
+                frame, curves, lambda met: Labeller(frame, met, ceiling, stability_codes, _ROWS, _PLACES, _BLUR, known)
             )
         return _joined(divided(frame, curves, lambda met: _StoredLabels(plane, met)))
     except (RegionError, ParameterError):

@@ -6,7 +6,6 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import zarr
 
 from pipeline.plan.numerics import row_system, sweep_axis
 from pipeline.plan.plan import Block, Plan
@@ -15,7 +14,7 @@ from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
 from pipeline.plane.resonances import contact_modes
 from pipeline.plane.segments import BranchSegment, segments_of_row
 from pipeline.store import COMPLETE, read_plan
-from pipeline.store.files import files_at
+from pipeline.store.stored_arrays import StoredArrays, open_arrays
 from solver import Scales, domain_code
 from solver.model.packing import dead_zone_ends
 from solver.regions.labelling import stability_code
@@ -90,7 +89,7 @@ class StoredPlane:
     def array(self, name: str, *within: slice) -> np.ndarray:
         """An array that has rows, read anew; `within` cuts it along its further dimensions."""
         place = (self._within, *within)
-        return self._root[name][place if self.layer is None else (self.layer, *place)]
+        return self._arrays.read(name, *(place if self.layer is None else (self.layer, *place)))
 
     @property
     def parts(self) -> Iterator["StoredPlane"]:
@@ -115,7 +114,7 @@ class StoredPlane:
     def _as(self, **changes) -> "StoredPlane":
         """Another part of the same store, which is not opened again: that takes longer than to read a block of it."""
         part = replace(self, **changes)
-        vars(part)["_root"] = self._root
+        vars(part)["_arrays"] = self._arrays
         return part
 
     @cached_property
@@ -131,17 +130,17 @@ class StoredPlane:
     @cached_property
     def about(self) -> dict:
         """What the store says of itself: title, configuration, versions, time of creation."""
-        return dict(self._root.attrs)
+        return self._arrays.attributes
 
     @cached_property
     def attributes(self) -> dict[str, dict]:
         """Axis name -> its attributes (`long_name`, `units`)."""
-        return {axis.name: dict(self._root[axis.name].attrs) for axis in (self.plan.parameter, self.plan.sweep)}
+        return {axis.name: self._arrays.attributes_of(axis.name) for axis in (self.plan.parameter, self.plan.sweep)}
 
     @cached_property
     def labels(self) -> dict[int, str]:
         """Code -> n/I label, as in `domain`."""
-        flags = self._root["domain"].attrs
+        flags = self._arrays.attributes_of("domain")
         return dict(zip(map(int, flags["flag_values"]), flags["labels"], strict=True))
 
     @cached_property
@@ -267,8 +266,8 @@ class StoredPlane:
         return slice(None) if self.block is None else slice(self.block.start, self.block.stop)
 
     @cached_property
-    def _root(self) -> zarr.Group:
-        return zarr.open_group(files_at(self.path).zarr(), mode="r", zarr_format=3)
+    def _arrays(self) -> StoredArrays:
+        return open_arrays(self.path)
 
     @cached_property
     def _kept(self) -> np.ndarray:

@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from pipeline.run.environment import differences, digest_of, facts
-from pipeline.run.libraries import load_zarr
 
 __all__ = ["Admission", "Ready", "Unequal", "call_if_equal", "get_ready", "introduce", "worker_address"]
 
@@ -34,7 +33,6 @@ def call_if_equal(expected: str, payload: bytes):
     found = facts()
     if digest_of(found) != expected:
         return Unequal(worker_address(), found)
-    load_zarr()
     function, arguments = pickle.loads(payload)
     return function(*arguments)
 
@@ -71,7 +69,6 @@ def get_ready(names: tuple[str, ...]) -> Ready:
 def introduce(load: bool) -> dict[str, str]:
     """On a worker: its facts, after it has loaded the solver if that is asked for (a second, better now than later)."""
     found = facts()
-    load_zarr()
     if load:
         for module in ("solver.rows.row", "solver.kernels.backend"):
             importlib.import_module(module)

@@ -4,9 +4,8 @@ from collections.abc import Callable, Iterable
 
 from pipeline import store
 from pipeline.config.places import Place
-from pipeline.errors import KEPT, ConfigurationError, Unreachable
+from pipeline.errors import KEPT, ConfigurationError, DamagedError, Unreachable
 from pipeline.run.job import Job
-from pipeline.run.libraries import load_zarr
 from pipeline.run.progress import Reporter
 from pipeline.run.workforce import Workforce
 from pipeline.store.files import files_at
@@ -39,6 +38,10 @@ def attempt(
     """
     try:
         return run(job, workforce, reporter)
+    except DamagedError as error:
+        # Whoever reads a file does not know which rows are lost with it.
+        reporter.error(_explained(error, job, beside))
+        return error.status
     except ConfigurationError as error:
         reporter.error(str(error))
         return error.status
@@ -56,10 +59,11 @@ def _explained(error: Exception, job: Job, beside: bool) -> str:
         from pipeline.store.objects import said_of
 
         return f"{job.store_path} {said_of(error)}{KEPT}"
-    load_zarr()
     for path in _read(job, beside):
         if store.exists(path) and (found := store.damage_error(path)) is not None:
             return str(found)
+    if isinstance(error, DamagedError):
+        return str(error)
     if isinstance(error, OSError):
         return f"{error}{KEPT}"
     raise error

@@ -3,7 +3,7 @@
 from time import perf_counter
 
 from pipeline import store
-from pipeline.errors import StoreError
+from pipeline.errors import StoreError, counted
 from pipeline.plan.plan import Plan
 from pipeline.run.job import Job
 from pipeline.run.kernels import kernels_for
@@ -35,7 +35,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     blocks = {item.block for item in damage if item.block is not None}
     rows = sum(block.stop - block.start for block in blocks)
     groups = sorted({item.group for item in damage if item.group is not None})
-    what = f"{len(damage)} damaged files, {rows} rows in {len(blocks)} blocks"
+    what = f"{counted(len(damage), 'damaged file')}, {counted(rows, 'row')} in {counted(len(blocks), 'block')}"
     what += f", groups {', '.join(groups)}" if groups else ""
     if not config.check.repair:
         reporter.line(f"check: {what}; the same command with check.repair=true mends them")

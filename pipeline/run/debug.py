@@ -2,7 +2,7 @@
 
 from time import perf_counter
 
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, counted
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
@@ -31,7 +31,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     for text in found.failed:
         reporter.line(f"debug: row {row} fails: {text}")
     reporter.line(
-        f"debug: {job.plan.row_text(row)}, {found.steps} steps in {len(found.traces)} traces "
+        f"debug: {job.plan.row_text(row)}, {counted(found.steps, 'step')} in {counted(len(found.traces), 'trace')} "
         f"({perf_counter() - begin:.2f} s)"
     )
     reporter.line(f"debug: {', '.join(sheet.name for sheet in sheets)} in {sheets[0].parent.resolve()}")

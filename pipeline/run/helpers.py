@@ -23,7 +23,6 @@ except ImportError:  # nothing forks on this system
 
 from pipeline.config.schema import Cluster
 from pipeline.errors import WorkerLost
-from pipeline.run.libraries import load_zarr
 from pipeline.run.processes import deaf_to_interrupts, main_module_hidden
 
 __all__ = ["COUNT", "Helpers", "helpers", "load"]
@@ -34,8 +33,7 @@ _FORKS = forkserver is not None and "forkserver" in multiprocessing.get_all_star
 
 
 def load(modules: Iterable[str]) -> None:
-    """In a helper or on a worker: import modules, zarr with its own defaults."""
-    load_zarr()
+    """In a helper or on a worker: import modules."""
     for module in modules:
         importlib.import_module(module)
 

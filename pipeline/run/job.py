@@ -12,7 +12,7 @@ from pipeline.config.compose import Settings
 from pipeline.config.places import Place
 from pipeline.config.secrets import without_secrets
 from pipeline.config.typed import key_of
-from pipeline.errors import StoreError
+from pipeline.errors import StoreError, counted
 from pipeline.plan.layers import Layer
 from pipeline.plan.plan import Plan
 from pipeline.run.progress import Reporter
@@ -94,7 +94,7 @@ def open_log(job: Job, reporter: Reporter) -> None:
 def note_unfinished(job: Job, reporter: Reporter, consequence: str) -> None:
     unfinished = int(np.sum(store.statuses(job.store_path) != store.COMPLETE))
     if unfinished:
-        reporter.line(f"note: {unfinished} rows of {job.store_path} are not complete, {consequence}")
+        reporter.line(f"note: {counted(unfinished, 'row')} of {job.store_path} not complete, {consequence}")
 
 
 def say_failures(failures, reporter: Reporter) -> None:

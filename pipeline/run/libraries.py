@@ -1,55 +1,12 @@
-"""Settings of libraries that come from files and environment variables of the user, and have nothing to do here.
-
-A store is read and written in the same way whatever they say. Zarr waits for ever with a concurrency of 0, for one.
-"""
+"""Settings of libraries that come from files and environment variables of the user, and have nothing to do here."""
 
 import contextlib
-import functools
 import os
-import sys
 from collections.abc import Iterator
 
-from pipeline.errors import ConfigurationError
+from pipeline.errors import unusable
 
-__all__ = ["check_zarr", "drawing_into_files", "load_dask", "load_zarr", "unusable", "with_own_dask"]
-
-
-@functools.cache
-def load_zarr() -> None:
-    """Import zarr, with its own defaults for everything.
-
-    Raises
-    ------
-    ConfigurationError
-        If its configuration files cannot be read: it does so when it is imported; or if Python leaves out assertions,
-        without which zarr writes nothing.
-    """
-    if sys.flags.optimize:
-        raise ConfigurationError("python -O (PYTHONOPTIMIZE) is not allowed: zarr does not work with it; leave it out")
-    try:
-        import zarr
-
-        zarr.config.refresh(paths=[], env={})
-    except Exception as error:
-        raise _unreadable("zarr", error) from None
-
-
-def check_zarr() -> None:
-    """Leave zarr's settings as they are in a process that is the user's own, if it can be used with them.
-
-    Raises
-    ------
-    ConfigurationError
-        If it would wait for ever.
-    """
-    import zarr
-
-    concurrency = zarr.config.get("async.concurrency", None)
-    if concurrency is not None and not (isinstance(concurrency, int) and concurrency >= 1):
-        raise ConfigurationError(
-            f"async.concurrency = {concurrency!r} of zarr's configuration (ZARR_ASYNC__CONCURRENCY) is not allowed: "
-            "it must be a whole number from 1 on"
-        )
+__all__ = ["drawing_into_files", "load_dask", "with_own_dask"]
 
 
 def load_dask() -> None:
@@ -63,7 +20,9 @@ def load_dask() -> None:
     try:
         import distributed  # noqa: F401
     except Exception as error:
-        raise _unreadable("dask", error) from None
+        if isinstance(error, ImportError):
+            raise
+        raise unusable("dask", error) from None
 
 
 @contextlib.contextmanager
@@ -85,18 +44,3 @@ def drawing_into_files() -> Iterator[None]:
     finally:
         if backend is not None:
             os.environ["MPLBACKEND"] = backend
-
-
-def unusable(library: str, error: Exception) -> ConfigurationError:
-    """What is said where a library cannot be used as the user has configured it."""
-    reason = " ".join(str(error).split())
-    return ConfigurationError(
-        f"{library}'s own configuration, of files and of variables {library.upper()}_..., is not allowed: "
-        f"{type(error).__name__}: {reason[:300]}"
-    )
-
-
-def _unreadable(library: str, error: Exception) -> ConfigurationError:
-    if isinstance(error, ImportError):
-        raise error
-    return unusable(library, error)

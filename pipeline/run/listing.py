@@ -1,5 +1,6 @@
 """The stage list: which stores there are, and in what state."""
 
+from pipeline.errors import counted
 from pipeline.run.job import Job
 from pipeline.run.progress import Reporter
 from pipeline.run.stage import Stage
@@ -21,7 +22,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         for text in columns(found):
             reporter.line(text)
     if found.entries:
-        reporter.line(f"list: {len(found.entries)} store{'s' * (len(found.entries) != 1)} in {root}")
+        reporter.line(f"list: {counted(len(found.entries), 'store')} in {root}")
     if found.foreign:
         reporter.line(f"list: no stores of this program: {', '.join(found.foreign)}")
     return 0

@@ -1,5 +1,7 @@
 """What a user sees of a run: a bar on a terminal, plain lines elsewhere, and the same lines in the run's log."""
 
+import os
+import re
 import sys
 import time
 from datetime import UTC, datetime
@@ -45,9 +47,9 @@ class Reporter:
         """One line for the reader, with its time in the log."""
         text = shown(text, _LONGEST)
         if self.drawn_on is None:
-            print(text, file=self.stream, flush=True)
+            print(_as_typed_here(text), file=self.stream, flush=True)
         else:
-            self.drawn_on.print(text, markup=False, highlight=False, soft_wrap=True)
+            self.drawn_on.print(_as_typed_here(text), markup=False, highlight=False, soft_wrap=True)
         self._write(text)
 
     def count_in(self, what: str, total: int) -> "RowProgress | None":
@@ -61,7 +63,7 @@ class Reporter:
     def error(self, text: str) -> None:
         """One line on standard error."""
         text = shown(text, _LONGEST)
-        print(f"error: {text}", file=sys.stderr, flush=True)
+        print(f"error: {_as_typed_here(text)}", file=sys.stderr, flush=True)
         self._write(f"error: {text}")
 
     def _write(self, text: str) -> None:
@@ -74,6 +76,16 @@ class Reporter:
             # What is wrong with the disk is for the stage to say, if it is the worse for it.
             self.log = None
             print(f"note: the log cannot be written any more: {error}", file=sys.stderr, flush=True)
+
+
+def _as_typed_here(text: str) -> str:
+    """A line with the paths inside the current folder as one types them there; a log has them whole."""
+    try:
+        here = str(Path.cwd()).rstrip(os.sep)
+    except OSError:
+        # The folder was removed.
+        return text
+    return re.sub(rf"(?<![\w./:-]){re.escape(here + os.sep)}(?=\S)", "", text) if here else text
 
 
 class SilentReporter(Reporter):
@@ -173,7 +185,7 @@ class RowProgress:
         rate = self.done / elapsed
         if self._bar is not None:
             self._bar.update(self._task, completed=self.done, rate=_rate(rate, self.unit), failed=self.failed)
-        elif self.reporter is not None and 0 < self.done < self.total and now - self._said >= self.every:
+        elif self.reporter is not None and 0 < self.done < self.total and now - self._said >= self._pause(elapsed):
             # The last one is the stage's own to say.
             self._said = now
             failed = f", {self.failed} failed" if self.failed else ""
@@ -181,6 +193,10 @@ class RowProgress:
                 f"  {self._before}{self.done}/{self.total} {self.unit}, {_rate(rate, self.unit)}, "
                 f"{(self.total - self.done) / rate:.0f} s left{failed}"
             )
+
+    def _pause(self, elapsed: float) -> float:
+        """Seconds between lines: more and more, up to a minute, so that a long run has no page of them."""
+        return max(self.every, min(0.1 * elapsed, 60.0))
 
 
 def _rate(rate: float, unit: str) -> str:

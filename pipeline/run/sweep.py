@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from time import perf_counter
 
 from pipeline import store
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, counted
 from pipeline.plan.axes import ROLES
 from pipeline.plan.plan import Block
 from pipeline.plan.planning import warnings
@@ -68,7 +68,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         store.create(path, job.plan, settings.store_name, settings.yaml())
     rows = sum(block.stop - block.start for block in blocks)
     state = "continues: " if present else ""
-    reporter.line(f"sweep: {state}{rows} rows of {job.plan.sweep.num} columns into {path}; {where}")
+    reporter.line(f"sweep: {state}{counted(rows, 'row')} of {job.plan.sweep.num} columns into {path}; {where}")
     status = compute(job, blocks, workforce, reporter, perf_counter() - begin)
     if not alone:
         _expect_figures(job, everybody)
@@ -111,7 +111,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
         ]
     seconds = perf_counter() - ready
     failed = store.failures(path)
-    _list_rows(job, reporter, failed, "failed: ")
+    _list_rows(job, reporter, failed, " failed")
     _list_rows(job, reporter, store.notes(path), "")
     for text in lost:
         reporter.error(text)
@@ -120,8 +120,8 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
     # A chunk that went missing while the others were computed would be read as fill values.
     store.read_layout(path)
     reporter.line(
-        f"sweep: {rows - len(failed)} rows, {points} branch points in {seconds:.2f} s "
-        f"(after {waited:.2f} s to get ready)" + (f", {len(failed)} rows failed" if failed else "")
+        f"sweep: {counted(rows - len(failed), 'row')}, {points:,} branch points in {seconds:.2f} s "
+        f"(after {waited:.2f} s to get ready)" + (f", {counted(len(failed), 'row')} failed" if failed else "")
     )
     proven = store.proven_cells(path)
     if proven is not None:
@@ -135,7 +135,7 @@ def compute(job: Job, blocks: Sequence[Block], workforce: Workforce, reporter: R
 def _list_rows(job: Job, reporter: Reporter, rows: Sequence[tuple[int, str]], verb: str) -> None:
     """The first rows of a list with what is said of them."""
     for row, text in rows[:_LISTED]:
-        reporter.line(f"  {job.plan.row_text(row)} {verb}{text}")
+        reporter.line(f"  {job.plan.row_text(row)}{verb}: {text}")
     if len(rows) > _LISTED:
         reporter.line(f"  and {len(rows) - _LISTED} more; `message` in the store has every reason")
 

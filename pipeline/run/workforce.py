@@ -12,10 +12,9 @@ from dataclasses import replace
 from queue import SimpleQueue
 
 from pipeline.config.schema import Cluster
-from pipeline.errors import ConfigurationError, WorkerLost
+from pipeline.errors import ConfigurationError, WorkerLost, unusable
 from pipeline.run.cluster_settings import address_of, check_start, security_of, setting_of, unreached
 from pipeline.run.environment import differences_of_scheduler, packages_of_scheduler
-from pipeline.run.libraries import unusable
 from pipeline.run.workers import Task, Workers
 
 __all__ = ["Task", "Workforce"]

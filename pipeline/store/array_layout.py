@@ -1,9 +1,14 @@
-"""Which files an array is cut into, from its plan or from metadata that may come from someone else."""
+"""Which files an array is cut into, from its plan or from metadata that may come from someone else.
+
+Metadata is what the specification of zarr says of its third version: https://zarr-specs.readthedocs.io
+"""
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+
+import numpy as np
 
 __all__ = ["MOST_TEXT", "ArrayLayout"]
 
@@ -25,6 +30,8 @@ _TYPES = {
     "string": 4 + 4 * MOST_TEXT,
 }
 _KEYS = {"name": "default", "configuration": {"separator": "/"}}
+#: For every array of every store: the checksum is taken of the compressed bytes, as they are in the file.
+_COMPRESSORS = ({"name": "zstd", "configuration": {"level": 0, "checksum": False}}, {"name": "crc32c"})
 
 
 @dataclass(frozen=True)
@@ -59,7 +66,7 @@ class ArrayLayout:
             if (told["node_type"], told["zarr_format"], told["chunk_key_encoding"]) != ("array", 3, _KEYS):
                 return None
             kind, (first, *others) = told["data_type"], told["codecs"]
-            codecs = ["vlen-utf8" if kind == "string" else "bytes", "zstd", "crc32c"]
+            codecs = ["vlen-utf8" if kind == "string" else "bytes", *(codec["name"] for codec in _COMPRESSORS)]
             shape, chunks = told["shape"], told["chunk_grid"]["configuration"]["chunk_shape"]
             known = (
                 kind in _TYPES
@@ -82,6 +89,39 @@ class ArrayLayout:
         except (AttributeError, KeyError, TypeError, ValueError):
             return None
 
+    @classmethod
+    def of_values(cls, name: str, dims: tuple[str, ...], values: np.ndarray, chunks: tuple[int, ...]) -> "ArrayLayout":
+        """The layout of values at hand, of which texts are objects; they fill all of it."""
+        kind = "string" if values.dtype == object else str(values.dtype)
+        fill = "" if kind == "string" else values.dtype.type(0).item()
+        return cls(name, values.shape, chunks, kind, dims, fill)
+
+    @property
+    def fill_value(self) -> int | float | str:
+        """As numpy has it."""
+        return math.nan if self.fill == "NaN" else self.fill
+
+    def document(self, attributes: dict) -> dict:
+        """The metadata of the array."""
+        if self.kind == "string":
+            first = {"name": "vlen-utf8", "configuration": {}}
+        else:
+            # Of single bytes there is no order.
+            first = {"name": "bytes"} | ({"configuration": {"endian": "little"}} if _TYPES[self.kind] > 1 else {})
+        return {
+            "shape": list(self.shape),
+            "data_type": self.kind,
+            "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": list(self.chunks)}},
+            "chunk_key_encoding": _KEYS,
+            "fill_value": self.fill,
+            "codecs": [first, *_COMPRESSORS],
+            "attributes": attributes,
+            "dimension_names": list(self.dims),
+            "zarr_format": 3,
+            "node_type": "array",
+            "storage_transformers": [],
+        }
+
     @property
     def bytes(self) -> int:
         """Bytes of the whole array, where it holds texts at most."""
@@ -102,8 +142,13 @@ class ArrayLayout:
 
     def files(self, *place: int | slice) -> Iterator[str]:
         """Names of the chunks that a place along the first axes touches; of all chunks unless told."""
+        return (name for name, _ in self.touched(*place))
+
+    def touched(self, *place: int | slice) -> Iterator[tuple[str, tuple[int, ...]]]:
+        """The same chunks: name, and index of the first entry."""
         ends = [(at.start, at.stop) if isinstance(at, slice) else (at, at + 1) for at in place]
         ends += [(0, size) for size in self.shape[len(place) :]]
         along = (range(low // chunk, -(-high // chunk)) for (low, high), chunk in zip(ends, self.chunks, strict=True))
         for numbers in product(*along):
-            yield "/".join((self.name, "c", *map(str, numbers)))
+            first = tuple(number * chunk for number, chunk in zip(numbers, self.chunks, strict=True))
+            yield "/".join((self.name, "c", *map(str, numbers))), first

@@ -1,4 +1,4 @@
-"""Chunk files read and checked without zarr, which takes a missing one for one that was never written.
+"""Chunk files, read and checked without zarr, which takes a missing one for one that was never written.
 
 A chunk is the little-endian bytes of its entries, compressed by zstd, with a checksum in the last four bytes.
 """

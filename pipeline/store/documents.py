@@ -1,12 +1,13 @@
-"""Metadata of a store as plain data, read without zarr: it may be damaged, and it may come from someone else."""
+"""Metadata of a store as plain data: what is read may be damaged, and may come from someone else."""
 
 import json
+from collections.abc import Mapping
 
 from pipeline.errors import Unreachable
 from pipeline.store.files import Files
 from pipeline.store.names import METADATA
 
-__all__ = ["document", "document_of", "listed_in", "read_json"]
+__all__ = ["content_of", "document", "document_of", "gathered", "gathering", "group_document", "listed_in", "read_json"]
 
 #: Three times what the widest plane of this program needs.
 _MOST_BYTES = 2**21
@@ -39,11 +40,42 @@ def listed_in(files: Files) -> dict[str, dict | None]:
 
     None stands for what is no metadata. The names are as they are in the file: nothing may be opened by them.
     """
-    gathered = (read_json(files, METADATA) or {}).get("consolidated_metadata")
-    known = isinstance(gathered, dict) and (gathered.get("kind"), gathered.get("must_understand")) == ("inline", False)
-    listed = gathered.get("metadata") if known else None
-    return {name: _alone(told) for name, told in listed.items()} if isinstance(listed, dict) else {}
+    return gathered(files)[1]
+
+
+def gathered(files: Files) -> tuple[dict | None, dict[str, dict | None]]:
+    """The root's own metadata, None if it cannot be read, and what it gathers as `listed_in`."""
+    root = read_json(files, METADATA)
+    inside = (root or {}).get("consolidated_metadata")
+    known = isinstance(inside, dict) and (inside.get("kind"), inside.get("must_understand")) == ("inline", False)
+    listed = inside.get("metadata") if known else None
+    return _alone(root), {name: _alone(told) for name, told in listed.items()} if isinstance(listed, dict) else {}
 
 
 def _alone(told) -> dict | None:
     return {key: told[key] for key in told if key != "consolidated_metadata"} if isinstance(told, dict) else None
+
+
+def group_document(attributes: dict) -> dict:
+    """The metadata of a group."""
+    return {"attributes": attributes, "zarr_format": 3, "node_type": "group"}
+
+
+def gathering(root: dict, others: Mapping[str, dict]) -> dict:
+    """The metadata of a root that gathers that of all others in the store, by which zarr and xarray open it."""
+    ordered = sorted(others, key=lambda name: (name.count("/"), name))
+    # Groups in it say that they gather nothing: otherwise zarr would look for what is in them.
+    listed = {
+        name: others[name] | ({"consolidated_metadata": _inline({})} if others[name]["node_type"] == "group" else {})
+        for name in ordered
+    }
+    return root | {"consolidated_metadata": _inline(listed)}
+
+
+def _inline(listed: dict) -> dict:
+    return {"kind": "inline", "must_understand": False, "metadata": listed}
+
+
+def content_of(document: dict) -> bytes:
+    """What the file of a document holds."""
+    return json.dumps(document, indent=2).encode()

@@ -11,6 +11,7 @@ from pathlib import Path
 from pipeline.errors import StoreError
 from pipeline.store.durable import settle, write_all
 from pipeline.store.names import GROUP_FILE, STORE_FILE, refuse_unknown
+from pipeline.store.zarr_library import load_zarr
 
 __all__ = ["FolderFiles"]
 
@@ -137,6 +138,7 @@ class FolderFiles:
         return _FileLog(self.place / name)
 
     def zarr(self) -> Path:
+        load_zarr()
         return self.place
 
     def room(self) -> tuple[int, Path]:

@@ -9,13 +9,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import zarr
-from zarr.storage import MemoryStore
 
 from pipeline.config.places import Place
-from pipeline.store.array_layout import MOST_TEXT
-from pipeline.store.codecs import COMPRESSORS, every_chunk
-from pipeline.store.documents import listed_in
+from pipeline.store.array_files import array_files
+from pipeline.store.array_layout import MOST_TEXT, ArrayLayout
+from pipeline.store.documents import content_of, group_document, listed_in
 from pipeline.store.files import Files, files_at
 from pipeline.store.identity import read_layout
 from pipeline.store.names import ADDED, GROUP_FILE, IN_BLOCKS, METADATA, refuse_unknown
@@ -25,7 +23,7 @@ if TYPE_CHECKING:
     # It takes a third of a second to load, which who only reads need not wait for.
     import xarray
 
-__all__ = ["Arrays", "Variable", "open_group", "remove_added", "remove_group", "unfinished", "unlist", "write_group"]
+__all__ = ["Arrays", "Variable", "remove_added", "remove_group", "unfinished", "unlist", "write_group"]
 
 #: Arrays of two and more dimensions are cut into chunks of at most this many entries along each.
 _CHUNK = 1024
@@ -89,26 +87,17 @@ def write_group(path: Place, name: str, dataset: "Arrays | xarray.Dataset") -> N
 
 def _contents(dataset: "Arrays | xarray.Dataset") -> dict[str, bytes]:
     """What the files of a group hold: name in it -> content."""
-    files = {}
     places = [str(key) for key in dataset.coords if key not in dataset.dims]
     named = {"coordinates": " ".join(places)} if places else {}
-    group = zarr.create_group(MemoryStore(files), zarr_format=3, attributes={**named, **dataset.attrs})
+    contents = {METADATA: content_of(group_document({**named, **dataset.attrs}))}
     for key, variable in dataset.variables.items():
         data = variable.values
         if data.dtype == object:
             data = np.array([str(one)[:MOST_TEXT] for one in data], dtype=object)
         most = max(data.size, 1) if data.ndim == 1 else _CHUNK
-        with every_chunk():
-            group.create_array(
-                key,
-                shape=data.shape,
-                chunks=tuple(min(max(size, 1), most) for size in data.shape),
-                dtype="str" if data.dtype == object else data.dtype,
-                dimension_names=variable.dims,
-                compressors=COMPRESSORS,
-                attributes=variable.attrs,
-            )[...] = data
-    return {name: content.to_bytes() for name, content in files.items()}
+        layout = ArrayLayout.of_values(key, variable.dims, data, tuple(min(max(n, 1), most) for n in data.shape))
+        contents |= array_files(layout, variable.attrs, data)
+    return contents
 
 
 def remove_group(path: Place, name: str) -> None:
@@ -141,14 +130,6 @@ def remove_added(path: Place) -> None:
         remove_group(path, name)
     for name in IN_BLOCKS:
         unfinished(path, name).clear(GROUP_FILE)
-
-
-def open_group(path: Place, name: str) -> zarr.Group | None:
-    """A group for reading; None if there is none."""
-    # The consolidated metadata must list it and it must be there: otherwise a run was killed between the two.
-    files = files_at(path)
-    root = zarr.open_group(files.zarr(), mode="r", zarr_format=3)
-    return root[name] if name in root and files.has(f"{name}/{METADATA}") else None
 
 
 def unfinished(path: Place, name: str) -> Files:

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from pipeline.config.places import Place
-from pipeline.errors import ConfigurationError, DamagedError, StoreError, shown
+from pipeline.errors import ConfigurationError, DamagedError, StoreError, counted, shown
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.files import Files, files_at
 from pipeline.store.identity import plan_from, root_attributes
@@ -144,7 +144,7 @@ def _progress(states: np.ndarray) -> str:
     if done == states.size:
         return "complete"
     parts = [f"{done} of {states.size} rows"] if done + failed < states.size else []
-    return ", ".join([*parts, *([f"{failed} rows failed"] if failed else [])])
+    return ", ".join([*parts, *([f"{counted(failed, 'row')} failed"] if failed else [])])
 
 
 def _gear_names() -> list[str]:

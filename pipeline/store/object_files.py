@@ -14,13 +14,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import obstore
-from zarr.storage import ObjectStore, StorePath
 
 from pipeline.config.places import ObjectPlace
 from pipeline.errors import Unreachable
 from pipeline.store.lock import check_held
 from pipeline.store.names import GROUP_FILE, METADATA, STORE_FILE, refuse_unknown
 from pipeline.store.objects import asked, object_store, of_bucket
+from pipeline.store.zarr_library import load_zarr
 
 __all__ = ["ObjectFiles"]
 
@@ -129,6 +129,9 @@ class ObjectFiles:
         return _ObjectLog(self, name)
 
     def zarr(self) -> Any:
+        load_zarr()
+        from zarr.storage import ObjectStore, StorePath
+
         if self.place.scheme == "memory":
             return StorePath(ObjectStore(self._bucket, read_only=True), self.place.key)
         return ObjectStore(object_store(self.place.url, self.place.storage_options), read_only=True)

@@ -13,17 +13,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import zarr
-from zarr.storage import MemoryStore
 
 from pipeline.config.places import Place
 from pipeline.errors import DamagedError, Unreachable
 from pipeline.plan.row_blocks import Block, RowBlocks
+from pipeline.store.array_files import array_files
 from pipeline.store.array_layout import MOST_TEXT, ArrayLayout
 from pipeline.store.chunk_files import ChunkError, decoded, encoded, read_chunk
-from pipeline.store.codecs import COMPRESSORS
 from pipeline.store.damage import damaged
-from pipeline.store.documents import document, listed_in
+from pipeline.store.documents import content_of, document, group_document, listed_in
 from pipeline.store.files import Files, files_at
 from pipeline.store.groups import remove_group, unfinished, unlist
 from pipeline.store.identity import read_layout
@@ -170,33 +168,14 @@ class RowGroup:
         if self._is_this(self._final):
             self._final.move(self.folder)
             return
-        files = {}
-        group = zarr.create_group(MemoryStore(files), zarr_format=3, attributes=self._told())
+        contents = {METADATA: content_of(group_document(self._told()))}
         for name, (dims, values, attributes) in self.places.items():
-            group.create_array(
-                name,
-                data=np.asarray(values),
-                chunks=np.shape(values),
-                dimension_names=dims,
-                compressors=COMPRESSORS,
-                attributes=attributes,
-            )
+            values = np.asarray(values)
+            layout = ArrayLayout.of_values(name, tuple(dims), values, values.shape)
+            contents |= array_files(layout, attributes, values)
         for name, array in self.arrays.items():
-            self._create(group, name, array)
-        self.folder.appear({name: content.to_bytes() for name, content in files.items()})
-
-    def _create(self, group: zarr.Group, name: str, array: RowArray) -> None:
-        layout = self._layout(name, array)
-        group.create_array(
-            name,
-            shape=layout.shape,
-            chunks=layout.chunks,
-            dtype=array.dtype,
-            compressors=COMPRESSORS,
-            fill_value=array.fill,
-            dimension_names=layout.dims,
-            attributes=array.attributes,
-        )
+            contents |= array_files(self.layouts[name], array.attributes)
+        self.folder.appear(contents)
 
     def read(self, block: Block) -> dict[str, np.ndarray] | None:
         """What is stored of a block; None unless all of it is there and sound.
@@ -288,18 +267,12 @@ class RowGroup:
                 except ChunkError as error:
                     raise damaged(self.store, f"{self._pack(block)} of {self.name} {error}") from None
                 self.folder.write({self._file(block, name): chunk for name, chunk in chunks.items()})
-        files, contents = {}, {}
-        group = zarr.create_group(MemoryStore(files), zarr_format=3)
+        contents = {}
         for name, (array, values) in summary.items():
             self.folder.within(name).clear(GROUP_FILE)
-            self._create(group, name, array)
-            layout = self._layout(name, array)
-            for block in self.rows.all:
-                (file,) = layout.files(*self.rows.place(block))
-                here = np.asarray(values, array.numpy_type)[self.rows.place(block)]
-                contents[file] = encoded(here.ravel(), layout)
-        del files[METADATA]
-        self.folder.write({name: content.to_bytes() for name, content in files.items()} | contents)
+            values = np.asarray(values, array.numpy_type)
+            contents |= array_files(self._layout(name, array), array.attributes, values)
+        self.folder.write(contents)
         # Not before: what is half made is made from them again.
         self.folder.within(_PACKED).clear(GROUP_FILE)
         remove_group(self.store, self.name)

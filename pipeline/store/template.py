@@ -1,21 +1,17 @@
 """Writing the template of a store: all metadata, no rows."""
 
 import json
-import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
 
-import zarr
-from zarr.core.buffer import Buffer, default_buffer_prototype
-from zarr.storage import MemoryStore
-
 from pipeline.config.places import Place
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
+from pipeline.store.array_files import array_files
 from pipeline.store.arrays import arrays_of, axes_in_store, layouts_of
 from pipeline.store.attributes import axis_attributes
-from pipeline.store.codecs import COMPRESSORS
+from pipeline.store.documents import content_of, document_of, gathering, group_document
 from pipeline.store.files import files_at
 from pipeline.store.names import ADDED, METADATA, ROWS
 from pipeline.store.seal import sealed
@@ -67,33 +63,16 @@ def template_files(plan: Plan, attributes: dict) -> dict[str, bytes]:
     dict
         Name in the store -> content.
     """
-    files = {}
-    root = zarr.create_group(MemoryStore(files), zarr_format=3, attributes=attributes)
+    layouts, axes = layouts_of(plan), axes_in_store(plan)
     # A branch point's position is a coordinate; a plain variable would be hidden by the plane's axis of that name.
     # What the root says is kept twice: without it, nobody could tell what a damaged store holds.
-    root.create_group(ROWS, attributes={"coordinates": plan.sweep.name, "plane": attributes})
-    layouts = layouts_of(plan)
-    for name, axis in axes_in_store(plan).items():
-        root.create_array(
-            name,
-            data=axis.values,
-            chunks=layouts[name].chunks,
-            dimension_names=layouts[name].dims,
-            compressors=COMPRESSORS,
-            attributes=axis_attributes(axis.name, plan.kind),
-        )
+    branches = group_document({"coordinates": plan.sweep.name, "plane": attributes})
+    contents = {METADATA: content_of(group_document(attributes)), f"{ROWS}/{METADATA}": content_of(branches)}
+    for name, axis in axes.items():
+        contents |= array_files(layouts[name], axis_attributes(axis.name, plan.kind), axis.values)
     for name, spec in arrays_of(plan).items():
-        root.create_array(
-            name,
-            shape=layouts[name].shape,
-            chunks=layouts[name].chunks,
-            dtype=spec["dtype"],
-            compressors=COMPRESSORS,
-            fill_value=spec["fill"],
-            dimension_names=layouts[name].dims,
-            attributes=spec["attributes"],
-        )
-    return _consolidated(files)
+        contents |= array_files(layouts[name], spec["attributes"])
+    return contents | {METADATA: _gathered(contents)}
 
 
 def consolidate(path: Place, without: Collection[str] = ()) -> None:
@@ -110,18 +89,18 @@ def consolidate(path: Place, without: Collection[str] = ()) -> None:
     names = [name for name in there if name.rpartition("/")[2] == METADATA]
     gone = {group for group in ADDED if group in without or f"{group}/{METADATA}" not in there}
     names = [name for name in names if name.partition("/")[0] not in gone]
-    files, buffer = files.at_hand(names), default_buffer_prototype().buffer
-    documents = {name: buffer.from_bytes(files.read(name, there[name])) for name in names}
-    files.write({METADATA: _consolidated(documents)[METADATA]})
+    files = files.at_hand(names)
+    files.write({METADATA: _gathered({name: files.read(name, there[name]) for name in names})})
 
 
-def _consolidated(files: dict[str, Buffer]) -> dict[str, bytes]:
-    """Files by their names in a store, the metadata of all gathered in the root's."""
-    with warnings.catch_warnings():
-        # zarr warns that consolidated metadata is not yet part of the format's third version; xarray reads it.
-        warnings.filterwarnings("ignore", message="Consolidated metadata", category=UserWarning)
-        zarr.consolidate_metadata(MemoryStore(files))
-    return {name: content.to_bytes() for name, content in files.items()}
+def _gathered(contents: Mapping[str, bytes]) -> bytes:
+    """What the root's file shall hold, from the metadata among the files of a store."""
+    documents = {
+        name.removesuffix(METADATA).rstrip("/"): document_of(content)
+        for name, content in contents.items()
+        if name.rpartition("/")[2] == METADATA
+    }
+    return content_of(gathering(documents.pop(""), documents))
 
 
 @cache

@@ -27,7 +27,16 @@ from numpy.polynomial import chebyshev
 
 from solver.continuation.continuation import Problem
 from solver.flow.deviations import carry_deviations, change_contact, count_blocks, new_block_series
-from solver.flow.switched_system import DASHPOT, FREQUENCY, count_degrees, new_system, strength_of, system_at
+from solver.flow.switched_system import (
+    DASHPOT,
+    FREQUENCY,
+    NUMBERS,
+    SWITCHED_SYSTEM,
+    count_degrees,
+    new_system,
+    strength_of,
+    system_at,
+)
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.model.parameters import BACK_GAP, FRONT_GAP, MESH_FREQUENCY, P_STEP, PERIOD, STIFFNESSES, X_STEP
@@ -99,24 +108,40 @@ def _tested(matrix, real, kappa):
     return (r_0, r_1, d_r_0, d_r_1) if real == 0.0 else (r_0 + real * r_1, 0.0, 0.0, 0.0)
 
 
-@kernel(_I(ARRAY), inner=True)
-def _states(here):
-    """2n, the number of multipliers of a motion."""
-    return 2 * count_degrees(here, np.zeros(here.shape[0]), 0.0)
+@kernel(_B(ARRAY, SWITCHED_SYSTEM), inner=True)
+def _fill_system(here, system):
+    """Fill in the system of a place; False if it has another number of coordinates."""
+    still = np.zeros(here.shape[0])
+    if count_degrees(here, still, 0.0) != system.vectors.shape[1]:
+        return False
+    system_at(here, still, 0.0, system)
+    return True
 
 
-@kernel(_B(ARRAY, _F, _I, MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
-def _carry(here, start, zone, switches, matrix, columns, rows):
+@kernel(_B(MATRIX, MATRIX), inner=True)
+def _equal(left, right):
+    """Whether two matrices of one size hold the same numbers."""
+    for i in range(left.shape[0]):
+        for j in range(left.shape[1]):
+            if left[i, j] != right[i, j]:
+                return False
+    return True
+
+
+@kernel(_B(SWITCHED_SYSTEM, SWITCHED_SYSTEM), inner=True)
+def _alike(left, right):
+    """Whether deviations obey the same equations in two systems of one size."""
+    numbers = left.numbers.reshape(1, NUMBERS), right.numbers.reshape(1, NUMBERS)
+    matrices, vectors = _equal(left.matrices, right.matrices), _equal(left.vectors, right.vectors)
+    return matrices and vectors and _equal(*numbers) and _equal(left.variation, right.variation)
+
+
+@kernel(_B(SWITCHED_SYSTEM, _F, _F, _I, MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
+def _carry(system, period, start, zone, switches, matrix, columns, rows):
     """Fill in M (2n, 2n) from an angle on, and the columns and rows (k, 2n) by which the first k switches change it;
     False if they are not finite."""
     size, count = matrix.shape[0], columns.shape[0]
-    n = size // 2
-    still, period = np.zeros(here.shape[0]), here[PERIOD]
-    if _states(here) != size:
-        return False
-    system = new_system(n, int(here[STIFFNESSES]))
-    system_at(here, still, 0.0, system)
-    vectors = system.vectors
+    n, vectors = size // 2, system.vectors
     series, states = new_block_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
     for i in range(size):
         states[i // 4, i, i % 4] = 1.0
@@ -219,10 +244,11 @@ def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, zon
     values, by_kappa : 2 floats each
         Of a real multiplier the first value counts. nan where M is not finite.
     """
-    size, count = _states(here), switches.shape[0]
+    degrees, stiffnesses = count_degrees(here, np.zeros(here.shape[0]), 0.0), int(here[STIFFNESSES])
+    system, size, count = new_system(degrees, stiffnesses), 2 * degrees, switches.shape[0]
     matrix, changed = np.empty((size, size)), np.empty((size, size))
     columns, rows = np.empty((count, size)), np.empty((count, size))
-    if not _carry(here, start, zone, switches, matrix, columns, rows):
+    if not (_fill_system(here, system) and _carry(system, here[PERIOD], start, zone, switches, matrix, columns, rows)):
         return math.nan, math.nan, math.nan, math.nan
     largest = 0.0
     for i in range(size):
@@ -242,14 +268,22 @@ def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, zon
         factor = switches[c, SENSE] * here[PERIOD] / (here[MESH_FREQUENCY] * weight)
         by_angle[0, c], by_angle[1, c] = factor * (moved[0] - value[0]), factor * (moved[1] - value[1])
     beyond, nothing = np.empty(here.shape[0]), np.empty((0, size))
+    further = new_system(degrees, stiffnesses)
     for axis in range(2):
         along, step = (along_x, parameters[X_STEP]) if axis == 0 else (along_p, parameters[P_STEP])
         by_axis[0, axis], by_axis[1, axis] = 0.0, 0.0
+        move_parameters(here, along, -step, beyond)
+        whole = _fill_system(beyond, system)
+        move_parameters(here, along, step, beyond)
+        # Where a coupling vanishes the system has fewer coordinates, and no slope.
+        whole &= _fill_system(beyond, further)
+        # Deviations feel neither a load nor, with the angles held, the gaps.
+        if whole and _alike(system, further):
+            continue
         for side in (-1.0, 1.0):
-            move_parameters(here, along, side * step, beyond)
-            whole = _carry(beyond, start, zone, switches, changed, nothing, nothing)
+            moved_system = system if side < 0.0 else further
+            whole = whole and _carry(moved_system, here[PERIOD], start, zone, switches, changed, nothing, nothing)
             moved = _tested(changed, real, kappa)
-            # Where a coupling vanishes the system has fewer coordinates, and no slope.
             weight = side / (2.0 * step) if whole else math.nan
             by_axis[0, axis] += weight * moved[0]
             by_axis[1, axis] += weight * moved[1]

@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.boundaries.chain import Chain
 from solver.boundaries.incidence import distances
-from solver.boundaries.problem import BoundaryProblem, Stretch
+from solver.boundaries.problem import SAME, BoundaryProblem, Stretch
 from solver.boundaries.special_points import SpecialPoint, end_of, joint, named_points
 from solver.continuation.continuation import Continuation, EndReason, Event
 from solver.continuation.on_curve import curve_crossings
@@ -141,13 +141,27 @@ class BoundaryCurve:
         ParameterError
             If an argument is not allowed.
         """
+        return self._distances(points, continuation, 0.0)
+
+    def meets(self, points: np.ndarray, continuation: Continuation | None = None) -> np.ndarray:
+        """Which of the points (n, 5) lie on the boundary, (n,) bool: no further off than 1e-6 in scaled unknowns.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is not allowed.
+        """
+        return self._distances(points, continuation, SAME) <= SAME
+
+    def _distances(self, points, continuation: Continuation | None, asked: float) -> np.ndarray:
         points, continuation = finite_array("points", points, (None, 5)), _settings(continuation)
-        if not self.stretches:
-            return np.full(len(points), np.inf)
-        targets = np.zeros((len(points), self.stretches[0].problem.unknowns + 1))
-        targets[:, self.shown] = points
-        by_stretch = [distances(one.problem, one.curve, targets, self.shown, continuation) for one in self.stretches]
-        return np.min(by_stretch, axis=0)
+        nearest = np.full(len(points), np.inf)
+        for stretch in self.stretches:
+            targets = np.zeros((len(points), stretch.problem.unknowns + 1))
+            targets[:, self.shown] = points
+            here = distances(stretch.problem, stretch.curve, targets, self.shown, continuation, asked)
+            nearest = np.minimum(nearest, here)
+        return nearest
 
 
 def _settings(continuation: Continuation | None) -> Continuation:

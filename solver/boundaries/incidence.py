@@ -9,7 +9,7 @@ from solver.continuation.hermite import cubic, cubic_value
 from solver.continuation.setup import SETUP, STRAND
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
-from solver.kernels.linear import copy_into
+from solver.kernels.linear import copy_into, dot
 
 __all__ = ["distances"]
 
@@ -20,32 +20,43 @@ _F = types.float64
 def _foot(left, right, leave, arrive, scale, arc, factors, level, seed):
     """Fill `seed` with where the cubic between two points meets factors . y = level, or with its nearer end."""
     size = scale.shape[0]
-    first, last = -level, -level
+    first, last, departs, arrives = -level, -level, 0.0, 0.0
     for j in range(size):
         first += factors[j] * left[j]
         last += factors[j] * right[j]
+        departs += factors[j] * arc * leave[j] * scale[j]
+        arrives += factors[j] * arc * arrive[j] * scale[j]
+    a, b = cubic(first, last, departs, arrives)
     low, high = 0.0, 1.0
     if first * last >= 0.0:
         low = high = 0.0 if abs(first) <= abs(last) else 1.0
+    x = low
     for _ in range(41):
-        x = 0.5 * (low + high)
-        total = -level
-        for j in range(size):
-            start, end = left[j], right[j]
-            out, into = arc * leave[j] * scale[j], arc * arrive[j] * scale[j]
-            a, b = cubic(start, end, out, into)
-            seed[j] = cubic_value(a, b, out, start, x)
-            total += factors[j] * seed[j]
         if low == high:
             break
-        if (total < 0.0) == (first < 0.0):
+        x = 0.5 * (low + high)
+        if (cubic_value(a, b, departs, first, x) < 0.0) == (first < 0.0):
             low = x
         else:
             high = x
+    for j in range(size):
+        out, into = arc * leave[j] * scale[j], arc * arrive[j] * scale[j]
+        a, b = cubic(left[j], right[j], out, into)
+        seed[j] = cubic_value(a, b, out, left[j], x)
 
 
-@kernel(types.void(SETUP, STRAND, MATRIX, types.boolean[::1], ARRAY))
-def _distances(setup, strand, targets, seen, nearest):
+@kernel(_F(ARRAY, ARRAY, ARRAY, types.boolean[::1]), inline=True)
+def _apart(left, right, scale, seen):
+    """Largest difference of two y in the components that are seen, in scaled unknowns."""
+    largest = 0.0
+    for j in range(scale.shape[0]):
+        if seen[j]:
+            largest = max(largest, abs(left[j] - right[j]) / scale[j])
+    return largest
+
+
+@kernel(types.void(SETUP, STRAND, MATRIX, types.boolean[::1], _F, ARRAY))
+def _distances(setup, strand, targets, seen, asked, nearest):
     n, scale = setup.unknowns, setup.scale
     points, tangents, arclength = strand.points, strand.tangents, strand.arclength
     factors, normal, seed, foot = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
@@ -61,11 +72,10 @@ def _distances(setup, strand, targets, seen, nearest):
                     far[i] += ((points[i, j] - target[j]) / scale[j]) ** 2
             if far[i] < far[vertex]:
                 vertex = i
-        nearest[k] = 0.0
-        for j in range(n + 1):
-            if seen[j]:
-                nearest[k] = max(nearest[k], abs(points[vertex, j] - target[j]) / scale[j])
+        nearest[k] = _apart(points[vertex], target, scale, seen)
         for i in range(last):
+            if nearest[k] <= asked:
+                break
             arc = arclength[i + 1] - arclength[i]
             # The nearest point may be one of another strand, which runs closer by than its points follow each other.
             if i != vertex and i + 1 != vertex and min(far[i], far[i + 1]) > arc * arc:
@@ -84,6 +94,16 @@ def _distances(setup, strand, targets, seen, nearest):
             for j in range(n + 1):
                 normal[j] /= length
             _foot(points[i], points[i + 1], tangents[i], tangents[i + 1], scale, arc, factors, level, seed)
+            apart = _apart(seed, target, scale, seen)
+            # The cubic errs by some arc * turn^3/400.
+            turn = math.sqrt(2.0 * max(0.0, 1.0 - dot(tangents[i], tangents[i + 1])))
+            if apart + arc * turn**3 <= asked:
+                nearest[k] = apart
+                break
+            # How far what the corrector finds may lie from here: further off it may belong to another curve.
+            reach = 0.1 * arc + 1e-9
+            if asked > 0.0 and apart - reach > asked:
+                continue
             copy_into(foot, seed)
             iterations = setup.corrector(
                 setup.residual_and_jacobian,
@@ -98,17 +118,16 @@ def _distances(setup, strand, targets, seen, nearest):
             )
             if iterations < 0:
                 continue
-            moved, distance = 0.0, 0.0
+            moved = 0.0
             for j in range(n + 1):
                 moved = max(moved, abs(foot[j] - seed[j]) / scale[j])
-                if seen[j]:
-                    distance = max(distance, abs(foot[j] - target[j]) / scale[j])
-            # What the corrector finds further off may belong to another curve.
-            if moved <= 0.1 * arc + 1e-9:
-                nearest[k] = min(nearest[k], distance)
+            if moved <= reach:
+                nearest[k] = min(nearest[k], _apart(foot, target, scale, seen))
 
 
-def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continuation: Continuation) -> np.ndarray:
+def distances(
+    problem: Problem, curve: Curve, targets: np.ndarray, seen, continuation: Continuation, asked: float = 0.0
+) -> np.ndarray:
     """Distance of points from a traced curve, across it.
 
     Parameters
@@ -120,6 +139,8 @@ def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continu
         The components of y that count; those of the targets that do not are not looked at.
     continuation : Continuation
         Whose corrector is used.
+    asked : float
+        If it is not 0, only which distances are larger than this is asked: that takes less.
 
     Returns
     -------
@@ -132,5 +153,5 @@ def distances(problem: Problem, curve: Curve, targets: np.ndarray, seen, continu
     nearest = np.full(len(targets), np.inf)
     if len(targets):
         setup = problem.setup(continuation.corrector)
-        _distances(setup, curve.strand, np.ascontiguousarray(targets, dtype=float), mask, nearest)
+        _distances(setup, curve.strand, np.ascontiguousarray(targets, dtype=float), mask, asked, nearest)
     return nearest

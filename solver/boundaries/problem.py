@@ -30,7 +30,7 @@ from solver.model.checks import (
 )
 from solver.model.contact_system import SYSTEM_AXES, ContactSystem, refuse_cubic
 from solver.model.gear_model import Model
-from solver.model.packing import AXES, check_values, dead_zone_ends, packed
+from solver.model.packing import AXES, GAP_AXES, check_values, dead_zone_ends, packed
 from solver.model.parameter_path import ParameterPath, add_path, place_on, plane_vectors
 from solver.model.parameters import P_STEP, PLANE_HEADER, X_STEP
 
@@ -128,7 +128,8 @@ class Plane:
 
     def dead_zone(self, x, p: float) -> tuple[np.ndarray, np.ndarray]:
         """Ends of the dead zone, low and high, at places x, a number or an array, of the row p."""
-        system = place_on(self.p_axis, p, self.system)[0]
+        moves = not isinstance(self.p_axis, str) or self.p_axis in GAP_AXES
+        system = place_on(self.p_axis, p, self.system)[0] if moves else self.system
         return dead_zone_ends(system, self.x_axis, np.asarray(x, dtype=float))
 
     @property

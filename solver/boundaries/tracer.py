@@ -223,8 +223,8 @@ def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
     curves, chains = [], list[Chain]()
     while len(waiting):
         chain = tracer.boundary(waiting[0])
-        nearest = np.full(len(waiting), np.inf) if chain is None else tracer.distances(chain, waiting)
-        if nearest[0] > SAME:
+        off = np.ones(len(waiting), dtype=bool) if chain is None else tracer.off(chain, waiting)
+        if off[0]:
             curves.append(unfollowed(tracer.boundary_problem, tracer.kind, waiting[0]))
             waiting = waiting[1:]
             continue
@@ -232,7 +232,7 @@ def _curves(tracer: "Tracer", waiting: np.ndarray) -> list[BoundaryCurve]:
         for part in chain.parts():
             if not any(tracer.covers(known, part) for known in chains):
                 chains = [*(known for known in chains if not tracer.covers(part, known)), part]
-        waiting = waiting[nearest > SAME]
+        waiting = waiting[off]
     return [*curves, *(assembled(tracer.boundary_problem, tracer.kind, chain) for chain in joined(chains))]
 
 
@@ -257,22 +257,21 @@ class Tracer:
         chain = self._extended(Chain((first,), first.curve.closed))
         return chain if chain.closed else self._extended(chain.reversed())
 
-    def distances(self, chain: Chain, points: np.ndarray) -> np.ndarray:
-        """Distance of points (k, n + 2) from a boundary in scaled unknowns, all of the motion counted, (k,)."""
+    def off(self, chain: Chain, points: np.ndarray) -> np.ndarray:
+        """Which points (k, n + 2) lie off a boundary, all of the motion counted, (k,) bool."""
         here = list(self.boundary_problem.components(self.kind))
-        nearest = np.full(len(points), np.inf)
+        off = np.ones(len(points), dtype=bool)
         for stretch in chain.stretches:
-            targets = np.zeros((len(points), stretch.problem.unknowns + 1))
-            targets[:, here] = points
-            from_stretch = distances(stretch.problem, stretch.curve, targets, here, self.continuation)
-            nearest = np.minimum(nearest, from_stretch)
-        return nearest
+            targets = np.zeros((np.count_nonzero(off), stretch.problem.unknowns + 1))
+            targets[:, here] = points[off]
+            off[off] = distances(stretch.problem, stretch.curve, targets, here, self.continuation, SAME) > SAME
+        return off
 
     def covers(self, chain: Chain, other: Chain) -> bool:
         """Whether a chain runs through the middle of every stretch of another one."""
         here = list(self.boundary_problem.components(self.kind))
         middles = [stretch.curve.points[len(stretch.curve.points) // 2, here] for stretch in other.stretches]
-        return bool(np.all(self.distances(chain, np.array(middles)) <= SAME))
+        return not np.any(self.off(chain, np.array(middles)))
 
     def _through(self, point: np.ndarray) -> Stretch | None:
         """The stretch on which a start (u, x, p) lies."""

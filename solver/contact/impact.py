@@ -1,7 +1,5 @@
 """Impact state of a motion and the n/I label of a set of motions (docs/physics.md, section 5)."""
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from solver.explained import Explained
@@ -195,13 +193,9 @@ def domain_labels(most: int) -> dict[int, str]:
         If `most` is not a whole number from 0 to 1022.
     """
     most = whole_number("most", most, 0, _MOST)
-    codes: Iterable[int] = (
-        int(domain_code(n, mask))
-        for n in range(most + 1)
-        for mask in range(1 << _STATES)
-        if (mask == 0) == (n == 0) and mask.bit_count() <= n
-    )
-    return {code: domain_label(code) for code in codes}
+    n, mask = np.divmod(np.arange((most + 1) << _STATES), 1 << _STATES)
+    possible = ((mask == 0) == (n == 0)) & (np.bitwise_count(mask) <= n)
+    return {code: domain_label(code) for code in domain_code(n[possible], mask[possible]).tolist()}
 
 
 def label_parts(label: str) -> tuple[int, frozenset[ImpactState]]:

@@ -75,10 +75,11 @@ class _Unit(_Library):
                 function.linkage = "internal"
         # Numba would write every loop for vectors as well, and unroll it. Those of kernels are short, over coordinates
         # or harmonics: that doubles the code and the time to compile it, and makes nothing faster but a few loops of
-        # shared kernels, which are compiled once.
+        # shared kernels, which are compiled once. There, what is written side by side for four columns becomes one
+        # instruction; the numbers stay the same to the bit.
         tuning = llvmlite.binding.create_pipeline_tuning_options(speed_level=2)
-        tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_interleaving = False
-        tuning.loop_unrolling = self.is_shared
+        tuning.loop_vectorization = tuning.loop_interleaving = False
+        tuning.loop_unrolling = tuning.slp_vectorization = self.is_shared
         builder = llvmlite.binding.create_pass_builder(self._codegen._tm, tuning)
         passes = builder.getModulePassManager()
         passes.add_refprune_pass()

@@ -49,6 +49,7 @@ from solver.model.parameters import (
 
 __all__ = [
     "AXES",
+    "GAP_AXES",
     "SYSTEM_AXES",
     "axis_vectors",
     "bounded_change",
@@ -62,6 +63,9 @@ __all__ = [
 
 #: Everything that may be an axis of a plane or of a continuation.
 AXES = ("omega", *SCALAR_PARAMETERS)
+
+#: Those of a gear and of a system that move the ends of the dead zone.
+GAP_AXES = ("b", "gap", "gap_scale")
 
 # Where each scalar parameter begins in the vector of a gear, and how many numbers it takes.
 _SLOTS = {
@@ -207,7 +211,7 @@ def dead_zone_ends(system: Model | ContactSystem, axis: str, values: np.ndarray)
     if isinstance(system, Model):
         high = values if axis == "b" else np.full(np.shape(values), system.b)
         return -high, high
-    if axis not in ("gap", "gap_scale"):
+    if axis not in GAP_AXES:
         values = np.ones(np.shape(values))
     front, back = (1.0, 1.0) if axis == "gap" else (system.front_gap, system.back_gap)
     return -back * values if system.two_sided else np.full(np.shape(values), -np.inf), front * values

@@ -3,6 +3,7 @@
 What holds at a place is one whole number, whatever it means: `solver.regions.labelling` has the functions that give it.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -156,14 +157,16 @@ class Division:
         -------
         (p, x) int64 array
         """
-        found = np.empty((p.size, x.size), np.int64)
         number, table = self._met(p, self.curves)
-        for row, (k, (arcs, places)) in enumerate(zip(number, table, strict=True)):
-            part = self.slabs[k]
-            at = {(int(curve), int(which)): place for (curve, which), place in zip(arcs, places, strict=True)}
-            ends = np.maximum.accumulate([at[arc] for arc in part.slab.arcs[1:-1]])
-            found[row] = np.array(part.codes)[np.searchsorted(ends, x, side="right")]
-        return found
+        found, alike = [np.empty((0, x.size), np.int64)], zip(number.tolist(), table, strict=True)
+        for (k, _), rows in itertools.groupby(alike, lambda row: (row[0], row[1][0].tobytes())):
+            arcs, ends = zip(*(row for _, row in rows), strict=True)
+            part, arcs, ends = self.slabs[k], list(map(tuple, arcs[0].tolist())), np.stack(ends)
+            ends = np.maximum.accumulate(ends[:, [arcs.index(arc) for arc in part.slab.arcs[1:-1]]], axis=1)
+            # How many of x lie between every two of them.
+            count = np.diff(np.searchsorted(x, ends), axis=1, prepend=0, append=x.size)
+            found.append(np.repeat(np.tile(part.codes, len(ends)), count.ravel()).reshape(len(ends), x.size))
+        return np.concatenate(found)
 
 
 class Labels(Protocol):

@@ -5,6 +5,7 @@ dynamically stable motions alone, and whether static and dynamic stability contr
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from solver.stability import Instability, assess
 from solver.stability.instability import LEFT_TO_FOLDS
 
 __all__ = [
+    "KnownCells",
     "Labeller",
     "dynamic_code",
     "is_contradictory",
@@ -32,9 +34,12 @@ __all__ = [
 ]
 
 # Where in a slab solutions are enumerated, and elsewhere if they are too close to be told apart there; where between
-# two crossings. One place would do: the others show whether a boundary is missing.
+# two crossings. One place would do: the others, or cells that are known, show whether a boundary is missing.
 _ROWS = (np.array([1e-4, 0.1, 0.5, 0.9, 0.9999]), np.array([0.02, 0.3, 0.7, 0.98]))
 _PLACES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
+_MIDDLE = 0.5
+# In a part of a slab no larger than this share of the plane one place will do if no known cell contradicts it.
+_SMALL = 1e-4
 # How closely a boundary along a row is found, as a fraction of the slab, and where solutions may be too close to tell.
 _NARROW, _BLURRED = 1e-12, 1e-6
 # The code of no label.
@@ -42,6 +47,39 @@ _UNDECIDED = 0
 # Bits: code of the n/I label; above it the one of the dynamically stable motions; above that, whether one contradicts.
 _SIZE, _STATIC = 16, (1 << 16) - 1
 _CONTRADICTORY = 1 << 2 * _SIZE
+
+
+@dataclass(frozen=True, eq=False)
+class KnownCells:
+    """Cells of the plane whose labels are known already.
+
+    Parameters
+    ----------
+    p : (r,) array
+        Rows, ascending.
+    x : (c,) array
+        Columns, ascending.
+    codes : (r, c) int array
+        Codes of the labels, 0 where they are not known.
+    """
+
+    p: np.ndarray
+    x: np.ndarray
+    codes: np.ndarray
+
+    def within(self, slab: Slab) -> np.ndarray:
+        """The rows that lie in a slab, by number."""
+        low, high = slab.inner_ends
+        return np.arange(*np.searchsorted(self.p, [low, high]))
+
+    def votes(self, rows: np.ndarray, borders: np.ndarray, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How many cells of some rows say the same as `codes` (g,) between `borders` (rows, g - 1), and how many say
+        something else, (g,) each."""
+        gap = np.sum(borders[:, :, None] <= self.x, axis=1)
+        here = self.codes[rows]
+        same = here == codes[gap]
+        sides = same & (here != _UNDECIDED), ~same & (here != _UNDECIDED)
+        return tuple(np.bincount(gap[cells], minlength=codes.size) for cells in sides)
 
 
 class Labeller:
@@ -60,6 +98,9 @@ class Labeller:
     blur : float
         Where a part of a slab is no larger than this share of the plane, what most of its places say holds, or what
         holds beside it.
+    known : KnownCells, optional
+        Where they say what one place in the middle between two arcs says, or where there is little room and none of
+        them lies, no other place is asked.
     """
 
     def __init__(
@@ -71,16 +112,19 @@ class Labeller:
         rows=_ROWS,
         at=_PLACES,
         blur: float = 0.0,
+        known: KnownCells | None = None,
     ):
-        self.plane, self.crossings, self.amplitude_max = plane, crossings, amplitude_max
+        self.plane, self.crossings, self.amplitude_max, self._known = plane, crossings, amplitude_max, known
         self._codes, self._rows, self._at, self._blur = row_codes if codes is None else codes, rows, at, blur
 
     def expect(self, slabs: Sequence[Slab]) -> None:
         """Look up together the rows at which slabs are asked first."""
-        self.crossings.look_up(np.concatenate([np.empty(0), *(slab.rows(self._rows[0]) for slab in slabs)]))
+        rows = [slab.rows([*self._rows[0], _MIDDLE]) for slab in slabs]
+        rows += [self._known.p[self._known.within(slab)] for slab in slabs if self._known is not None]
+        self.crossings.look_up(np.concatenate([np.empty(0), *rows]))
 
-    def codes(self, slab: Slab, fractions, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows (v,), the places (v, arcs - 1, f) in them between arcs, and the codes of the labels there.
+    def codes(self, slab: Slab, fractions, places, gaps=slice(None)) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows (v,), the places (v, gaps, f) in them between arcs, and the codes of the labels there.
 
         Parameters
         ----------
@@ -89,11 +133,13 @@ class Labeller:
             Where the rows are between the slab's lowest and its highest one.
         places : (f,) sequence of float
             Where the places are between two arcs.
+        gaps : index, optional
+            Between which arcs; all unless given.
         """
         values = slab.rows(fractions)
         arcs, x = self.crossings.matrix(values)
         x = x[:, [arcs.index(arc) for arc in slab.arcs]]
-        at = x[:, :-1, None] + np.diff(x)[:, :, None] * np.asarray(places)
+        at = (x[:, :-1, None] + np.diff(x)[:, :, None] * np.asarray(places))[:, gaps]
         rows = zip(values, at, strict=True)
         codes = [self._codes(self.plane, value, row.ravel(), self.amplitude_max) for value, row in rows]
         return values, at, np.reshape(codes, at.shape)
@@ -107,16 +153,19 @@ class Labeller:
         RegionError
             If places between the same two arcs have different labels for another reason, or none can be decided.
         """
-        seen: list[dict[int, list[tuple[float, float]]]] = [{} for _ in slab.arcs[1:]]
+        seen = [{} for _ in slab.arcs[1:]] if self._known is None else self._borne_out(slab)
+        asked = np.flatnonzero([not found for found in seen])
+        if not asked.size:
+            return _settled(seen)
         whole = np.ptp(self.plane.x_range) * np.ptp(self.plane.p_range)
         for fractions in self._rows:
-            values, at, codes = self.codes(slab, fractions, self._at)
+            values, at, codes = self.codes(slab, fractions, self._at, asked)
             sizes = np.max(np.ptp(at, axis=2), axis=0) * (slab.high - slab.low) / whole
-            for gap, labels in enumerate(seen):
-                for row, place in zip(*np.nonzero(codes[:, gap] != _UNDECIDED), strict=True):
-                    labels.setdefault(int(codes[row, gap, place]), []).append((at[row, gap, place], values[row]))
-                if len({static_code(code) for code in labels}) > 1 and sizes[gap] > self._blur:
-                    further = self._level(slab, gap, fractions) or self._ceiling(values, at[:, gap], codes[:, gap])
+            for k, labels in enumerate(seen[gap] for gap in asked):
+                for row, place in zip(*np.nonzero(codes[:, k] != _UNDECIDED), strict=True):
+                    labels.setdefault(int(codes[row, k, place]), []).append((at[row, k, place], values[row]))
+                if len({static_code(code) for code in labels}) > 1 and sizes[k] > self._blur:
+                    further = self._level(slab, asked[k], fractions) or self._ceiling(values, at[:, k], codes[:, k])
                     if further is not None:
                         return further
                     where = "; ".join(
@@ -126,19 +175,33 @@ class Labeller:
                     raise RegionError(
                         f"no boundary parts different labels: {where} of ({self.plane.x_axis}, {self.plane.p_axis})"
                     )
-            if all(labels or size <= self._blur for labels, size in zip(seen, sizes, strict=True)):
+            if all(seen[gap] or size <= self._blur for gap, size in zip(asked, sizes, strict=True)):
                 return _settled(seen)
-        nowhere = next(gap for gap, labels in enumerate(seen) if not labels and sizes[gap] > self._blur)
+        nowhere = next(k for k, gap in enumerate(asked) if not seen[gap] and sizes[k] > self._blur)
         raise RegionError(
             f"the solutions next to {(float(at[0, nowhere, 0]), float(values[0]))} of "
             f"({self.plane.x_axis}, {self.plane.p_axis}) cannot be told apart"
         )
 
+    def _borne_out(self, slab: Slab) -> list[dict[int, list[tuple[float, float]]]]:
+        """What one place between every two arcs says, and where it is; nothing where known cells say something else, or
+        where none of them lies and there is room for much."""
+        values, at, codes = self.codes(slab, [_MIDDLE], [_MIDDLE])
+        at, codes = at[0, :, 0], codes[0, :, 0]
+        rows = self._known.within(slab)
+        arcs, x = self.crossings.matrix(np.concatenate([values, self._known.p[rows]]))
+        ends = x[:, [arcs.index(arc) for arc in slab.arcs]]
+        same, other = self._known.votes(rows, ends[1:, 1:-1], static_code(codes))
+        sizes = np.diff(ends[0]) * (slab.high - slab.low) / (np.ptp(self.plane.x_range) * np.ptp(self.plane.p_range))
+        clear = (codes != _UNDECIDED) & (other == 0) & ((same > 0) | (sizes <= _SMALL))
+        places = zip(clear.tolist(), codes.tolist(), at.tolist(), strict=True)
+        return [{code: [(place, values[0])]} if kept else {} for kept, code, place in places]
+
     def _level(self, slab: Slab, gap: int, fractions) -> float | None:
         """Where a whole gap changes its label at once: no row crosses such a boundary. None if it does not."""
 
         def labels(fraction: float) -> set[int]:
-            return {int(code) for code in self.codes(slab, [fraction], [0.02, 0.5, 0.98])[2][0, gap]}
+            return {int(code) for code in self.codes(slab, [fraction], [0.02, 0.5, 0.98], [gap])[2].ravel()}
 
         steps = [(a, b) for a, b in zip(fractions[:-1], fractions[1:], strict=True) if labels(a) != labels(b)]
         if not steps:

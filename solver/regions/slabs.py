@@ -147,10 +147,12 @@ class RowCrossings:
     def joined(rows, values) -> tuple[list[Arc], np.ndarray]:
         """`matrix` of rows of a `table`."""
         arcs = rows[0][0]
-        for (other, _), value in zip(rows, values, strict=True):
-            if not np.array_equal(arcs, other):
-                raise RegionError(f"the row at {value!r} is crossed by other boundaries than the one at {values[0]!r}")
-        return [tuple(int(i) for i in arc) for arc in arcs], np.array([x for _, x in rows])
+        if any(len(other) != len(arcs) for other, _ in rows) or np.any(np.stack([other for other, _ in rows]) != arcs):
+            value = next(
+                value for (other, _), value in zip(rows, values, strict=True) if not np.array_equal(arcs, other)
+            )
+            raise RegionError(f"the row at {value!r} is crossed by other boundaries than the one at {values[0]!r}")
+        return list(map(tuple, arcs.tolist())), np.stack([x for _, x in rows])
 
     def x(self, arc: Arc, value: float) -> float:
         """x of one arc at one value of p."""

@@ -9,6 +9,7 @@ import pytest
 @pytest.mark.parametrize(
     "module",
     [
+        "pipeline.errors",
         "pipeline.run.workforce",
         "pipeline.run.slurm_settings",
         "pipeline.cli.completion",

@@ -16,9 +16,9 @@ from pipeline.config.schema import Attractors
 from pipeline.plan.numerics import System, model_at
 from pipeline.plan.plan import Plan
 from pipeline.plan.traits import contact_system
-from pipeline.store import groups
 from pipeline.store.files import files_at
 from pipeline.store.row_groups import RowArray, RowGroup
+from pipeline.store.stored_arrays import open_group
 from solver import ImpactState
 from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorRow, SeenFrom
@@ -222,7 +222,7 @@ def row_of_values(values: dict[str, np.ndarray], size: int) -> AttractorRow:
 
 def read_attractors(path: Path) -> "xarray.Dataset | None":
     """The group of a store; None if there is none. Its arrays are read when they are used."""
-    if groups.open_group(path, GROUP) is None:
+    if open_group(path, GROUP) is None:
         return None
     import xarray
 

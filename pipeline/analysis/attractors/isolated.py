@@ -29,6 +29,7 @@ from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
 from pipeline.store.files import files_at
+from pipeline.store.stored_arrays import open_group
 from solver import Event, LiftedSeeds
 from solver.contact.impact import impact_of_range
 from solver.harmonic.galerkin import Galerkin
@@ -222,7 +223,7 @@ def _dataset(plan: Plan, found: "xarray.Dataset", results: list, order: int) -> 
 
 def read_isolated(path: Path) -> "xarray.Dataset | None":
     """What is stored of branches that rows lack; None if nothing is."""
-    if groups.open_group(path, GROUP) is None:
+    if open_group(path, GROUP) is None:
         return None
     import xarray
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.analysis.attractors.grid import Grid, chosen
 from pipeline.config.schema import Attractors
-from pipeline.errors import ConfigurationError, shown
+from pipeline.errors import ConfigurationError, refused
 from pipeline.plan.axes import Axis
 from pipeline.plan.plan import Plan
 
@@ -32,20 +32,20 @@ def check_options(options: Attractors, plan: Plan) -> None:
     axes = (plan.sweep, plan.parameter)
     names = f"[{axes[0].name}, {axes[1].name}]"
     if not isinstance(options.points, list) or not options.points:
-        _refuse("attractors.points", options.points, f"null or a list of {names}")
+        raise refused("attractors.points", options.points, f"null or a list of {names}")
     for point in options.points:
         if not _is_pair(point) or not all(_inside(value, axis) for value, axis in zip(point, axes, strict=True)):
             allowed = ", ".join(f"{axis.name} = {axis.low:g} ... {axis.high:g}" for axis in axes)
-            _refuse("attractors.points", point, f"{names} within {allowed}")
+            raise refused("attractors.points", point, f"{names} within {allowed}")
     if options.starts < 1:
-        _refuse("attractors.starts", options.starts, "at least 1 where attractors.points are given")
+        raise refused("attractors.starts", options.starts, "at least 1 where attractors.points are given")
     check_box(options.box)
 
 
 def check_box(box) -> None:
     """Raise ConfigurationError unless these are ranges of lambda and of its speed, or None."""
     if box is not None and not (_is_pair(box) and all(_is_pair(ends) and ends[0] < ends[1] for ends in box)):
-        _refuse("attractors.box", box, "null or [[lambda low, high], [speed low, high]], low below high")
+        raise refused("attractors.box", box, "null or [[lambda low, high], [speed low, high]], low below high")
 
 
 def _check_chosen(key: str, value, axis: Axis) -> None:
@@ -54,13 +54,9 @@ def _check_chosen(key: str, value, axis: Axis) -> None:
         return
     if isinstance(value, list):
         if not value or not all(_inside(one, axis) for one in value):
-            _refuse(key, value, allowed)
+            raise refused(key, value, allowed)
     elif isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= axis.num:
-        _refuse(key, value, allowed)
-
-
-def _refuse(key: str, value, allowed: str) -> None:
-    raise ConfigurationError(f"{key} = {shown(repr(value))} is not allowed: it must be {allowed}")
+        raise refused(key, value, allowed)
 
 
 def _is_pair(value) -> bool:

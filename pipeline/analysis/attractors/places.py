@@ -33,6 +33,7 @@ from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.files import files_at
+from pipeline.store.stored_arrays import open_group
 from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorRow, AttractorSearch, find_attractors, settle
 from solver.timedomain.row_systems import row_systems
@@ -260,7 +261,7 @@ def _dataset(plan: Plan, options: Attractors, points, places: list, messages: li
 
 def read_places(path: Path) -> "xarray.Dataset | None":
     """What is stored of places; None if nothing is."""
-    if groups.open_group(path, GROUP) is None:
+    if open_group(path, GROUP) is None:
         return None
     import xarray
 

@@ -83,16 +83,16 @@ def result_lines(path: Path, plan: Plan, found) -> Iterator[str]:
     labels, judged, count = map_labels(path, plan, found), found.credibility.values, found.n_attractors.values
     right, several = several_right(labels, judged)
     coexist = int(np.sum(count >= 2))
-    yield f"several attractors coexist in {coexist} of {count.size} cells; the map says so of {several}"
+    yield f"several attractors coexist in {coexist:,} of {count.size:,} cells; the map says so of {several:,}"
     if several:
-        yield f"of the {several} cells whose label counts several motions, {right} are right"
+        yield f"of the {several:,} cells whose label counts several motions, {right:,} are right"
     if np.any(labels != 0):
         counts = {kind: number for kind, number in label_lines(labels, judged)[-1].counts.items() if number}
         parts = zip(percents(list(counts.values())), counts, strict=True)
         yield f"labels of the map: {', '.join(f'{share} {kind.words}' for share, kind in parts)}"
         far = int(np.sum((judged == Credibility.CONFIRMED) & (found.deviation.values > found.attrs["tolerance"])))
         yield (
-            f"of the confirmed cells, {far} have a motion whose mean or amplitude is off by more than "
+            f"of the confirmed cells, {far:,} have a motion whose mean or amplitude is off by more than "
             f"{found.attrs['tolerance']:g} of gap + static deflection"
         )
     yield found.attrs["bound"]

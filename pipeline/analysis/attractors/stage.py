@@ -42,7 +42,7 @@ def _run_plane(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         open_log(job, reporter)
         group.begin()
         cells = grid.blocks.rows * len(grid.columns)
-        reporter.line(f"attractors: {cells} cells with {options.starts} random starts each; {where}")
+        reporter.line(f"attractors: {cells:,} cells with {options.starts} random starts each; {where}")
         lost = _compute(spec, workforce, reporter)
         if lost:
             say_failures([f"attractors: {text}: the same command goes on with them" for text in lost], reporter)
@@ -58,7 +58,7 @@ def _run_plane(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     for text in result_lines(path, job.plan, found):
         reporter.line(f"attractors: {text}")
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
-    reporter.line(f"attractors: {int(found.n_attractors.sum())} in {found.n_attractors.size} cells {end}")
+    reporter.line(f"attractors: {int(found.n_attractors.sum()):,} in {found.n_attractors.size:,} cells {end}")
     reporter.line(f"attractors: {', '.join(sheet.name for sheet in sheets)} in {folder.resolve()}")
     lost = 0
     if options.branches:
@@ -81,8 +81,10 @@ def _compute(spec, workforce: Workforce, reporter: Reporter) -> list[str]:
     def begins(round: int, rows: int) -> None:
         close()
         if rows:
-            what = "attractors" if round == 0 else f"attractors, round {round}"
-            bars.append(RowProgress(reporter, rows, what=what).__enter__())
+            bars.append(RowProgress(reporter, rows, what="attractors").__enter__())
+            if round:
+                # Plain lines say so, too: counting begins anew.
+                bars[-1].retell(f"attractors, round {round}", rows)
 
     try:
         return run_rounds(spec, workforce, Progress(begins, lambda *done: bars[-1].advance(*done), reporter.note))

@@ -13,7 +13,7 @@ from pipeline.plan.traits import dead_zone
 from pipeline.plane.stored import StoredPlane
 from solver import Event
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS
-from solver.model.packing import dead_zone_ends
+from solver.model.packing import GAP_AXES, dead_zone_ends
 from solver.model.parameter_path import place_on
 
 __all__ = ["MARGINS", "RowEvents", "dead_zone_at", "read_events"]
@@ -72,7 +72,7 @@ class RowEvents:
 def dead_zone_at(plan: Plan, x, p) -> tuple[np.ndarray, np.ndarray]:
     """Ends of the gap, low and high, at places of the plane, arrays of one shape."""
     system, x_axis, axis, _, _ = frame_of(plan)
-    if isinstance(axis, str) and axis not in _GAPS:
+    if isinstance(axis, str) and axis not in GAP_AXES:
         return dead_zone_ends(system, x_axis, np.asarray(x, dtype=float))
     rows, place = np.unique(p, return_inverse=True)
     if isinstance(axis, str):
@@ -82,10 +82,6 @@ def dead_zone_at(plan: Plan, x, p) -> tuple[np.ndarray, np.ndarray]:
         ends = np.array(zones).reshape(-1, 2).T
     low, high = (end[place].reshape(np.shape(p)) for end in ends)
     return low, high
-
-
-#: Axes that move the gap.
-_GAPS = ("b", "gap", "gap_scale")
 
 
 def read_events(path: Path, plan: Plan, layer: int | None = None) -> RowEvents:

@@ -7,7 +7,7 @@ from pipeline.analysis.boundaries.events import read_events
 from pipeline.analysis.boundaries.group import write_boundaries
 from pipeline.analysis.boundaries.sheets import write_sheets
 from pipeline.analysis.boundaries.tracing import layer_boundaries, summary_of
-from pipeline.errors import StoreError
+from pipeline.errors import StoreError, counted
 from pipeline.plan.layers import layer_name
 from pipeline.plane.boundaries import StoredBoundaries, read_boundaries
 from pipeline.run.job import Job, say_failures
@@ -43,7 +43,7 @@ def run_layers(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     counts: Counter[str] = Counter()
     for summary in summaries:
         counts.update(summary.curves)
-    told = ", ".join(f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in counts.items()) or "no boundaries"
+    told = ", ".join(f"{counted(n, f'{kind} curve')}" for kind, n in counts.items()) or "no boundaries"
     took = f"into {path} ({perf_counter() - begin:.2f} s)" if due else f"are in {path} already, nothing to do"
     reporter.line(f"boundaries: {told} in {len(summaries)} of {len(layers)} layers {took}")
     return 1 if failures else 0
@@ -57,7 +57,7 @@ def _trace(
     path, plan, failures = job.store_path, job.plan, []
     for layer in due:
         layers[layer] = None
-    reporter.line(f"boundaries: {len(due)} layers; {workforce.start()}")
+    reporter.line(f"boundaries: {counted(len(due), 'layer')}; {workforce.start()}")
     with RowProgress(reporter, len(due), what="boundaries", unit="layers") as bar:
         for (_, _, layer), result in workforce.run(layer_boundaries, [(path, plan, layer) for layer in due]):
             if isinstance(result, OSError | StoreError):
@@ -82,4 +82,4 @@ def write_layer_sheets(job: Job, reporter: Reporter) -> None:
             if (boundaries := read_boundaries(job.store_path, plan, number)) is not None:
                 names += write_sheets(boundaries, plan.layer(number), folder, layer_name(name, plan, number))
         write_record(record, origin, names)
-    reporter.line(f"boundaries: {len(names)} files in {folder.resolve()}")
+    reporter.line(f"boundaries: {counted(len(names), 'file')} in {folder.resolve()}")

@@ -5,7 +5,7 @@ from time import perf_counter
 import numpy as np
 
 from pipeline import store
-from pipeline.errors import WorkerLost
+from pipeline.errors import WorkerLost, counted
 from pipeline.plane.boundaries import read_boundaries
 from pipeline.run.job import Job, note_unfinished
 from pipeline.run.made import made_from, still_made, write_record
@@ -33,7 +33,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.error(f"boundaries of {path} cannot be traced: {' '.join(str(error).split())}")
         return 1
     seconds = perf_counter() - begin
-    counts = [f"{n} {kind} curve{'s' * (n != 1)}" for kind, n in summary.curves.items()] or ["no boundaries"]
+    counts = [f"{counted(n, f'{kind} curve')}" for kind, n in summary.curves.items()] or ["no boundaries"]
     special = ", ".join(f"{n} {kind.replace('_', '-')}" for kind, n in sorted(summary.special.items())) or "none"
     for text in summary.cut_short:
         reporter.error(text)
@@ -41,7 +41,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"boundaries: {', '.join(counts)} are in {path} already, nothing to do")
     else:
         reporter.line(
-            f"boundaries: {', '.join(counts)} of {summary.points} points into {path}; special points: {special} "
+            f"boundaries: {', '.join(counts)} of {summary.points:,} points into {path}; special points: {special} "
             f"({seconds:.2f} s)"
         )
     return 1 if summary.cut_short else 0

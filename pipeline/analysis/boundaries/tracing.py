@@ -16,7 +16,6 @@ from pipeline.plan.plan import Plan
 from pipeline.plane.boundaries import StoredBoundaries, StoredCurve, read_boundaries, special_places
 from solver import Continuation, EndReason, Event
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS, SPECTRAL, BoundaryCurve, SpecialPoint, boundary_curves
-from solver.boundaries.problem import SAME
 from solver.continuation.problem import Balance
 from solver.kernels.threads import side_by_side
 
@@ -148,7 +147,7 @@ def _side(curve: BoundaryCurve, plan: Plan, events: RowEvents) -> int:
         return 0
     here = events.kind == curve.kind
     points, ahead = events.points[here], events.ahead[here]
-    near = (curve.distances(points, _short_steps(plan)) <= SAME) & (ahead != 0.0)
+    near = curve.meets(points, _short_steps(plan)) & (ahead != 0.0)
     if not np.any(near):
         return 0
     points, ahead = points[near], ahead[near]

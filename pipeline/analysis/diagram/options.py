@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.config.schema import Diagram, Spectrum
-from pipeline.errors import ConfigurationError, shown
+from pipeline.errors import refused
 from pipeline.plan.plan import Plan
 from pipeline.plan.points import number_of
 from pipeline.plan.scales import scales_of
@@ -74,7 +74,7 @@ def way_of(key: str, options: Diagram | Spectrum, plan: Plan) -> Way:
     allowed = f"a value of {row.name} within {row.low:g} ... {row.high:g}"
     value = number_of(f"{key}.value", options.value, row.name, allowed, scales_of(plan))
     if not row.low <= value <= row.high:
-        raise ConfigurationError(f"{key}.value = {shown(repr(options.value))} is not allowed: it must be {allowed}")
+        raise refused(f"{key}.value", options.value, allowed)
     if options.columns is None and sweep.num >= FEWEST_COLUMNS:
         columns = sweep.values
     else:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.plan.plan import Plan
-from pipeline.store import groups
+from pipeline.store.stored_arrays import open_group
 
 __all__ = ["QUANTITIES", "Integrated", "Largest", "cells_in", "integrated"]
 
@@ -76,22 +76,22 @@ def integrated(path: Path, plan: Plan, x: tuple[float, float], p: tuple[float, f
     Integrated or None
         None where the store has no attractors of its rows as they are.
     """
-    group = groups.open_group(path, GROUP)
-    if group is None or group.attrs["configuration_hash"] != plan.fingerprint:
+    group = open_group(path, GROUP)
+    if group is None or group.attributes["configuration_hash"] != plan.fingerprint:
         return None
     axes = (plan.parameter, p), (plan.sweep, x)
-    values = [group[axis.name][...] for axis, _ in axes]
+    values = [group.read(axis.name) for axis, _ in axes]
     wanted = [axis.values[cells_in(axis, *ends)] for axis, ends in axes]
     rows, columns = (np.flatnonzero(np.isin(found, want)) for found, want in zip(values, wanted, strict=True))
 
     def part(name: str) -> np.ndarray:
         """The cells of the rectangle, (rows, columns, ...)."""
         if not (rows.size and columns.size):
-            return group[name][:0, :0]
-        whole = group[name][rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+            return group.read(name, slice(0), slice(0))
+        whole = group.read(name, slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
         return whole[rows - rows[0]][:, columns - columns[0]]
 
-    found = Counter(group["label"].attrs["labels"][code] for code in part("label").ravel().tolist())
+    found = Counter(group.attributes_of("label")["labels"][code] for code in part("label").ravel().tolist())
     # Cells of which nothing is known.
     found.pop("", None)
     there, largest = part("kind") > 0, []
@@ -102,4 +102,4 @@ def integrated(path: Path, plan: Plan, x: tuple[float, float], p: tuple[float, f
             where = float(values[1][columns[column]]), float(values[0][rows[row]])
             largest.append(Largest(words, unit, float(np.nanmax(sizes)), *where))
     cells = wanted[0].size * wanted[1].size
-    return Integrated(cells, dict(found.most_common()), group.attrs["bound"], tuple(largest))
+    return Integrated(cells, dict(found.most_common()), group.attributes["bound"], tuple(largest))

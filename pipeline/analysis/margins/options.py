@@ -4,7 +4,7 @@ import dataclasses
 from dataclasses import dataclass, field
 
 from pipeline.config.schema import Margins
-from pipeline.errors import ConfigurationError
+from pipeline.errors import ConfigurationError, refused
 from pipeline.plan.axes import Axis
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import model_at, row_axis
@@ -59,7 +59,7 @@ def design_of(options: Margins, plan: Plan) -> Design:
     low, high = _range(options.range, plan.sweep, x, scales)
     tolerances = options.tolerances or {}
     if not isinstance(tolerances, dict):
-        raise _refused("tolerances", tolerances, "numbers by name, such as {f_e: 0.02}")
+        raise refused("margins.tolerances", tolerances, "numbers by name, such as {f_e: 0.02}")
     allowed = "a number, at least 0"
     names = dict.fromkeys(("omega", *kind_of(plan).axes, plan.parameter.name))
     for name in tolerances:
@@ -70,20 +70,20 @@ def design_of(options: Margins, plan: Plan) -> Design:
     }
     for name, size in read.items():
         if size < 0.0:
-            raise _refused(f"tolerances.{name}", tolerances[name], "a number, at least 0")
+            raise refused(f"margins.tolerances.{name}", tolerances[name], "a number, at least 0")
         if name not in (plan.sweep.name, plan.parameter.name):
             row = float(read.get(plan.parameter.name, 0.0))
             _check_further(name, size, tolerances[name], plan, x, (p - row, p, p + row))
     spread, tolerance = read.pop(plan.sweep.name, 0.0), read.pop(plan.parameter.name, 0.0)
     for axis, value, size in ((plan.sweep, x, spread), (plan.parameter, p, tolerance)):
         if not axis.low <= value - size <= value + size <= axis.high:
-            raise _refused(
-                f"tolerances.{axis.name}",
+            raise refused(
+                f"margins.tolerances.{axis.name}",
                 size,
                 f"so small that {axis.name} = {value:g} +- it stays within {axis.low:g} ... {axis.high:g}",
             )
     if len(read) > _MOST_FURTHER:
-        raise _refused("tolerances", list(tolerances), f"of at most {_MOST_FURTHER} parameters that are no axis")
+        raise refused("margins.tolerances", list(tolerances), f"of at most {_MOST_FURTHER} parameters that are no axis")
     return Design(x, p, min(low, x - spread), max(high, x + spread), tolerance, read, float(options.reach))
 
 
@@ -92,23 +92,23 @@ def _range(given, axis: Axis, x: float, scales: Scales | None) -> tuple[float, f
         return x, x
     allowed = f"null or [{axis.name} low, {axis.name} high] around {x:g} within {axis.low:g} ... {axis.high:g}"
     if not isinstance(given, list) or len(given) != 2:
-        raise _refused("range", given, allowed)
+        raise refused("margins.range", given, allowed)
     low, high = (number_of("margins.range", value, axis.name, allowed, scales) for value in given)
     if not axis.low <= low <= x <= high <= axis.high:
-        raise _refused("range", given, allowed)
+        raise refused("margins.range", given, allowed)
     return low, high
 
 
 def _check_further(name: str, size: float, given, plan: Plan, x: float, rows: tuple[float, float, float]) -> None:
     """Raise unless a parameter that is no axis has one value in the middle row, and may have those at the ends of its
     tolerance in all three."""
-    key, p = f"tolerances.{name}", rows[1]
+    key, p = f"margins.tolerances.{name}", rows[1]
     try:
         value = nominal_value(plan, x, p, name)
     except ValueError:
-        raise _refused(key, given, "left out: this gear has several values of it") from None
+        raise refused(key, given, "left out: this gear has several values of it") from None
     if name in _moved(plan) and name not in row_axis(plan).shifts:
-        raise _refused(key, given, f"left out: {name} varies with {plan.parameter.name}, its tolerance with it")
+        raise refused(key, given, f"left out: {name} varies with {plan.parameter.name}, its tolerance with it")
     for end in (value - size, value + size):
         try:
             if name == "omega" and not end > 0.0:
@@ -118,7 +118,7 @@ def _check_further(name: str, size: float, given, plan: Plan, x: float, rows: tu
                 model_at(changed, row, x)
         except ParameterError as error:
             stays = f"it leaves {error.name} =" if error.name == plan.parameter.name else "it stays"
-            raise _refused(key, given, f"so small that {name} = {value:g} +- {stays} {error.allowed}") from None
+            raise refused(key, given, f"so small that {name} = {value:g} +- {stays} {error.allowed}") from None
 
 
 def _moved(plan: Plan) -> tuple[str, ...]:
@@ -143,7 +143,3 @@ def replaced(plan: Plan, values: dict[str, float], x: float, p: float) -> Plan:
     changed = dataclasses.replace(plan, gear=gear, omega=values.get("omega", plan.omega))
     model_at(changed, p, x)
     return changed
-
-
-def _refused(key: str, given, allowed: str) -> ConfigurationError:
-    return ConfigurationError(f"margins.{key} = {given} is not allowed: it must be {allowed}")

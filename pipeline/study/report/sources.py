@@ -12,7 +12,7 @@ from pipeline.config.typed import key_of
 from pipeline.errors import StoreError
 from pipeline.plan.planning import plan
 from pipeline.run.job import command
-from pipeline.store import groups
+from pipeline.store.stored_arrays import open_group
 
 __all__ = ["OTHER_GEARS", "STUDY_PLANES", "Source", "missing", "sources_of"]
 
@@ -95,7 +95,7 @@ def missing(sources: Sequence[Source]) -> Iterator[tuple[Source, str]]:
         pending = int(np.sum(store.statuses(source.path) == store.PENDING))
         if pending:
             yield source, f"{pending} rows of {source.path} are not computed yet"
-        elif groups.open_group(source.path, "boundaries") is None:
+        elif open_group(source.path, "boundaries") is None:
             yield source, f"{source.path} has no boundaries"
-        elif source.verified and groups.open_group(source.path, "attractors") is None:
+        elif source.verified and open_group(source.path, "attractors") is None:
             yield source, f"{source.path} has no attractors"

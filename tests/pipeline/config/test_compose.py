@@ -247,6 +247,13 @@ MISTAKES = [
     ("gear=null", "gear=null is not allowed"),
     ("gear=[miter]", "gear=[miter] is not allowed"),
     ("gear={a:1}", "gear={a:1} is not allowed"),
+    ("gear=5", "gear=5 is not allowed: it must be the name"),
+    ("gear=miter.yaml", "gear=miter.yaml is not allowed: it must be the name"),
+    ("gear.b=???", "gear.b has no value"),
+    ("store.name=\u2603", "stands in quotes"),
+    ("gear=spur", "alpha_phase, excitation with this gear"),
+    ("solver=hb solver.order=65", "solver.order = 65 is not allowed: it must be from 1 to 64"),
+    ("-m gear.b=0.5,0.50", "asks for one plane twice"),
     ("~gear", "gear has no value"),
     ("output=null", "output = null is not allowed"),
     ("-m gear.b=interval(0,1)", "range(0,1,0.1)"),
@@ -262,7 +269,9 @@ MISTAKES = [
     ("--cfg=hydra", "--cfg job"),
     ("--cfg=what", "--cfg=what"),
     ("--package gear", "--cfg job"),
-    ("--cfg job --package gear.nothing", "--package gear.nothing"),
+    ("--cfg job --package gear.nothing", "--package gear.nothing is not allowed: the configuration has no such"),
+    ("--cfg job --package ..", "Error resolving key"),
+    ("--cfg job --package figures.formats.png", "'png'"),
     ("--info=what", "--info=what"),
     ("--config-path=x", "--config-dir"),
     ("-cn mine", "--config-dir"),
@@ -296,6 +305,11 @@ def test_a_mistake_is_one_line_status_2_and_nothing_written(typed, said, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+def test_spaces_around_the_equals_sign_are_refused(capsys):
+    assert main(["gear.b = 0.5"]) == 2
+    assert "gear.b = 0.5 cannot be read as KEY=VALUE: spaces" in capsys.readouterr().err
+
+
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("mine")
@@ -324,6 +338,8 @@ def test_help_and_cfg(capsys, tmp_path, monkeypatch):
         assert "b: 0.25" in capsys.readouterr().out, words
     assert main(["--cfg", "job", "--package", "gear.variation"]) == 0
     assert capsys.readouterr().out == "translation: 1.0\nrotation: 0.0\n"
+    assert main(["--cfg", "job", "--package", "gear.physical"]) == 0
+    assert capsys.readouterr().out == "null\n"
     assert main(["-m", "--cfg", "job", "-p", "gear.b", "gear.b=0.5,0.6"]) == 0
     assert capsys.readouterr().out == "0.5\n0.6\n"
     for words in (["--info"], ["-i", "searchpath"]):

@@ -60,7 +60,7 @@ def serving(folder: Path, *overrides: str) -> Iterator[Served]:
         assert process.poll() is None, process.stdout.read()
         process.send_signal(signal.SIGINT)
         said, _ = process.communicate(timeout=_PATIENCE)
-        assert process.returncode == 130 and "interrupted" in said and "Traceback" not in said, said
+        assert process.returncode == 0 and "explore: ended" in said and "Traceback" not in said, said
     finally:
         if process.poll() is None:
             process.kill()

@@ -42,6 +42,15 @@ def test_figures_are_of_the_kind_that_was_asked_for(content, what, kind, view):
     assert file_name(content, view, what, kind).endswith(f".{kind}")
 
 
+@pytest.mark.parametrize("layer", ["domains", "rms"])
+def test_a_map_is_of_the_part_that_is_in_sight(content, layer):
+    whole, part, again = (
+        download(content, ViewState(layer=layer, window=window), "map", "png")
+        for window in (None, (0.5, 0.8, 0.1, 0.3), (0.5, 0.8, 0.1, 0.3))
+    )
+    assert part == again != whole
+
+
 def test_numbers_are_those_of_the_plane(content):
     told = pipeline.open_plane(content.path).motions_at(omega=0.6, f_e=0.2)
     table = pd.read_csv(io.BytesIO(download(content, VIEW, "motions", "csv")))

@@ -117,7 +117,7 @@ def test_listed_names_lead_nowhere(copy, made, tmp_path, capsys, name, document,
         with pytest.raises(StoreError, match="which is no name of this program"):
             pipeline.open_plane(copy)
         code, out, err = run(tmp_path, capsys, "stages=[check]", "check.repair=true")
-        assert code == 0 and "1 damaged files" in out and len(err.splitlines()) == 1 and "\x1b" not in err
+        assert code == 0 and "1 damaged file," in out and len(err.splitlines()) == 1 and "\x1b" not in err
     same(copy, made)
     assert store.find_damage(copy) == [] and (sister / "thesis.tex").read_text() == "mine"
     assert listing(copy.parent).entries[0].status == "complete"

@@ -116,12 +116,23 @@ def test_a_store_that_cannot_be_written_is_read_by_all_that_only_read(small_disk
     assert before == {file: file.stat().st_mtime_ns for file in root.rglob("*")}
 
 
+@pytest.mark.parametrize("link", ["outputs", "outputs/store", "outputs/store/plane.zarr"])
+def test_a_link_that_leads_to_itself_is_one_line(link, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / link).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / link).symlink_to((tmp_path / link).name)
+    for stage in ("sweep", "list", "figures"):
+        code, _, err = run_here(tmp_path, capsys, f"stages=[{stage}]")
+        assert code in (1, 2) and link in err and err.count("\n") == 1
+    assert (tmp_path / link).is_symlink()
+
+
 def test_the_home_folder_is_expanded(tmp_path, monkeypatch, undisturbed, capsys):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.chdir(tmp_path)
     shutil.copytree(undisturbed, tmp_path / "home/stores/plane.zarr")
     code, out, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.root=~/stores")
-    assert (code, err) == (0, "") and f"{tmp_path}/home/stores/plane.zarr already, nothing to do" in out
+    assert (code, err) == (0, "") and "in home/stores/plane.zarr already, nothing to do" in out
     assert [file.name for file in tmp_path.iterdir()] == ["home"]
     code, _, err = run_here(tmp_path, capsys, "stages=[sweep]", "store.root=~no.such.user/stores")
     assert code == 2 and "store.root" in err and err.count("\n") == 1

@@ -23,7 +23,7 @@ def _fails(fault, tmp_path, undisturbed, *words):
     assert (run.code, run.err) == (1, ""), run.err
     assert store.failures(run.path) == [(row, _REASONS[fault])]
     value = store.read_plan(run.path).row(row)[1]
-    assert f"  row {row} (f_e = {value:.6g}) failed: {_REASONS[fault]}" in run.out and "1 rows failed" in run.out
+    assert f"  row {row} (f_e = {value:.6g}) failed: {_REASONS[fault]}" in run.out and "1 row failed" in run.out
     status = store.statuses(run.path)
     assert status[row] == store.FAILED and np.all(np.delete(status, row) == store.COMPLETE)
     expected, found = contents(undisturbed), contents(run.path)

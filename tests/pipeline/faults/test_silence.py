@@ -1,14 +1,17 @@
 """A scheduler that is suspended says nothing and closes nothing: every wait for it ends within `cluster.timeout`."""
 
+import os
 import re
 import signal
+import subprocess
+import sys
 
 import pytest
 import zarr
 
 from pipeline import open_plane
 from pipeline.errors import ConfigurationError
-from tests.pipeline.faults.runs import KEPT, ROWS, complete, continued, finished, same, start, until
+from tests.pipeline.faults.runs import KEPT, ROOT, ROWS, complete, continued, finished, same, start, until
 from tests.pipeline.schedulers import Scheduler, there
 
 #: Seconds in which a run ends that waits for two at a time; without a bound it would never.
@@ -109,10 +112,23 @@ def test_a_plane_is_not_opened_where_zarr_would_wait_for_ever(concurrency, undis
         assert open_plane(undisturbed).tree["n_solutions"].shape[0] == ROWS
 
 
-@pytest.mark.parametrize("library", ["zarr", pytest.param("dask", marks=pytest.mark.slow)])
-def test_a_malformed_configuration_file_of_a_library_is_one_line(library, tmp_path):
+@pytest.mark.slow
+def test_a_malformed_configuration_file_of_dask_is_one_line(tmp_path):
     file = tmp_path / "malformed.yaml"
     file.write_text("a: [1")
-    run = finished(tmp_path, "cluster.workers=2", environment={f"{library.upper()}_CONFIG": str(file)})
-    assert run.code == 2 and run.err.count("\n") == 1 and library in run.err and str(file) in run.err, run.err
+    run = finished(tmp_path, "cluster.workers=2", environment={"DASK_CONFIG": str(file)})
+    assert run.code == 2 and run.err.count("\n") == 1 and "dask" in run.err and str(file) in run.err, run.err
     assert not (tmp_path / "outputs").exists()
+
+
+def test_a_malformed_configuration_file_of_zarr_matters_only_to_who_opens_stores_with_it(tmp_path):
+    file = tmp_path / "malformed.yaml"
+    file.write_text("a: [1")
+    program = "from pipeline.__main__ import main; from pipeline.store.files import files_at; "
+    program += "assert main(['stages=[list]']) == 0; files_at('any').zarr()"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "ZARR_CONFIG": str(file)}
+    run = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, env=environment, timeout=200
+    )
+    line = run.stderr.splitlines()[-1]
+    assert run.returncode == 1 and "ConfigurationError" in line and "zarr" in line and str(file) in line, run.stderr

@@ -56,6 +56,12 @@ def test_every_label_has_a_colour_of_its_own():
     assert len({state_colour(state.symbol) for state in ImpactState}) == len(ImpactState)
 
 
+def test_lines_of_states_differ_in_grey():
+    # As printers and image programs make grey of colours (ITU-R BT.601).
+    grey = np.array([state_colour(symbol) for symbol in "012f"]) @ (0.299, 0.587, 0.114)
+    assert np.diff(np.sort(grey)).min() > 15.0, grey
+
+
 def test_colours_of_quantities_are_even_and_read_in_grey():
     places = lab(sequential_colours(), EYES["normal"])
     # Between neighbours 8 bits a channel leave more than that.

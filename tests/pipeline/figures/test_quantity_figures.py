@@ -75,6 +75,14 @@ def test_every_cell_has_the_colour_of_its_value(traced, stability, of, names):
         assert "fold: $n$ changes" in said
 
 
+def test_a_part_of_the_plane_is_drawn_alone_in_the_colours_of_the_whole(traced):
+    plane, window = read_stored(traced), (0.55, 0.65, 0.1, 0.3)
+    whole, part = (draw_quantity_map(plane, "rms", "worst", here) for here in (None, window))
+    assert (*part.axes[0].get_xlim(), *part.axes[0].get_ylim()) == window
+    assert part.axes[-1].get_ylim() == whole.axes[-1].get_ylim() and len(part.axes) < len(whole.axes)
+    np.testing.assert_array_equal(colours_of(part, plane), colours_of(whole, plane))
+
+
 def test_worst_and_mildest_differ_where_motions_coexist_and_nowhere_else(traced):
     plane = read_stored(traced)
     worst, mildest = (plane.extreme("rms", of) for of in ("worst", "mildest"))

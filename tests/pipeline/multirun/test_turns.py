@@ -150,6 +150,28 @@ def test_results_of_what_a_run_has_left_are_dropped():
     assert got == [-1, 7]
 
 
+@pytest.mark.parametrize("fails", ["where results are used", "where tasks are taken"])
+def test_a_run_that_fails_has_no_task_under_way_when_its_lock_is_gone(fails):
+    """They would write into a store that is another run's by then; what has not begun is not begun."""
+    events, numbers = [], iter(range(1, 6))
+
+    def take():
+        if (number := next(numbers)) == 4 and fails == "where tasks are taken":
+            raise LookupError
+        return Task((number,))
+
+    def body(workforce):
+        with contextlib.suppress(LookupError), contextlib.ExitStack() as lock:
+            lock.callback(events.append, "lock gone")
+            for _ in workforce.serve(events.append, take):
+                if fails == "where results are used":
+                    raise LookupError
+
+    other, got, wanted = tasks_of("other", 3)
+    run_side_by_side(Slots(3), [body, other])
+    assert events == [1, 2, 3, "lock gone"] and sorted(got) == wanted
+
+
 def test_a_run_that_raises_ends_the_others():
     ended = []
 

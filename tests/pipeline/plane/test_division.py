@@ -8,15 +8,15 @@ import pytest
 import pipeline
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import frame_of
-from pipeline.plane.division import _without_missed, parting_arcs, stored_division
+from pipeline.plane.division import _PLACES, _ROWS, _without_missed, parting_arcs, stored_division
 from pipeline.plane.resonances import mesh_shares
 from pipeline.plane.stability import region_stability, together
 from pipeline.plane.stored import read_stored
 from solver import Event, domain_label
 from solver.boundaries.problem import Plane
-from solver.regions.division import DividedSlab
-from solver.regions.labelling import dynamic_code, is_contradictory, stability_codes, static_code
-from solver.regions.slabs import Slab
+from solver.regions.division import DividedSlab, divided
+from solver.regions.labelling import KnownCells, Labeller, dynamic_code, is_contradictory, stability_codes, static_code
+from solver.regions.slabs import RegionError, Slab
 from tests.conftest import MODELS
 from tests.pipeline.planes import small_plan, small_store, traced_store
 
@@ -77,6 +77,43 @@ def test_stored_cells_are_what_their_region_says(plane):
     np.testing.assert_array_equal(said[:, 1:-1], plane.stability_codes[:, 1:-1])
     assert np.any(is_contradictory(said)) and np.any(dynamic_code(said) != static_code(said))
     assert np.any(plane.contradictory) and np.any(plane.unstable)
+
+
+def asked_places(plane, known, curves=None):
+    """How many places a division enumerates, and its codes."""
+    division, asked = stored_division(plane), []
+
+    def codes(frame, p, x, ceiling):
+        asked.append(x.size)
+        return stability_codes(frame, p, x, ceiling)
+
+    found = divided(
+        division.plane,
+        division.curves if curves is None else curves,
+        lambda met: Labeller(division.plane, met, 100.0, codes, _ROWS, _PLACES, 1e-8, known),
+    )
+    return sum(asked), [part.codes for part in found.slabs]
+
+
+def cells_of(plane):
+    return KnownCells(plane.rows, plane.plan.sweep.values[1:-1], plane.domain[:, 1:-1].astype(np.int64))
+
+
+def test_what_known_cells_bear_out_is_asked_once(plane):
+    """Cells save places; what one says that is wrong only makes them be asked again."""
+    known = cells_of(plane)
+    wrong = KnownCells(known.p, known.x, np.where(known.codes == known.codes.max(), 0, known.codes.max()))
+    (fewest, codes), (fewer, same), (all_places, expected) = (
+        asked_places(plane, cells) for cells in (known, wrong, None)
+    )
+    assert codes == same == expected == [part.codes for part in stored_division(plane).slabs]
+    assert fewest < fewer < all_places
+
+
+def test_cells_notice_that_a_boundary_is_missing(plane):
+    curves = tuple(curve for curve in stored_division(plane).curves if curve.kind is not Event.FOLD)
+    with pytest.raises(RegionError, match="no boundary parts different labels"):
+        asked_places(plane, cells_of(plane), curves)
 
 
 def test_shares_are_those_of_the_thresholds(plane):

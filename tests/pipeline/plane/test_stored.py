@@ -11,6 +11,7 @@ from pipeline import store
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane, read_stored
 from pipeline.store import groups
+from pipeline.store.stored_arrays import open_group
 from tests.pipeline.planes import small_plan, small_store
 
 _CELLS = ("domain", "n_stable", "open")
@@ -105,6 +106,6 @@ def test_a_group_is_the_dataset_it_was_written_from(plane, tmp_path):
     )
     groups.write_group(copy, "places", written)
     xr.testing.assert_identical(xr.open_zarr(copy, group="places").load().astype(written.dtypes), written)
-    group = groups.open_group(copy, "places")
-    assert group.attrs["coordinates"] == "cell_omega" and group["kind"].dtype == np.int8
+    group = open_group(copy, "places")
+    assert group.attributes["coordinates"] == "cell_omega" and group.read("kind").dtype == np.int8
     assert store.find_damage(copy) == []

@@ -5,6 +5,7 @@ import sys
 import obstore
 
 from pipeline.errors import StoreError
+from pipeline.store import lease
 from pipeline.store.lease import check_held, leased
 
 #: The object that is leased, and the one of the lease.
@@ -14,6 +15,11 @@ DATA, NAME = "plane.zarr/data", ".plane.zarr.lease"
 def say(*words: object) -> None:
     """A line for the test."""
     print(*words, flush=True)
+
+
+def record(store):
+    """What the lease says."""
+    return lease._record(obstore.get(store, NAME).bytes().to_bytes())
 
 
 def main(url: str, seconds: float, wait: bool) -> None:

@@ -183,7 +183,7 @@ def test_a_plane_that_was_interrupted_is_gone_on_with(swept, tmp_path, capsys):
     for name in [name for name in remote.files.sizes() if "/c/2" in name]:
         remote.files.remove(name)
     out, _ = run(remote, capsys, tmp_path, "stages=[sweep]")
-    assert "continues: 1 rows" in out
+    assert "continues: 1 row " in out
     found, expected = contents_of(remote.files), contents_of(swept.files)
     # What was computed from the rows as they were is gone.
     assert {name for name in expected if found.get(name) != expected[name] and "boundaries/" not in name} <= {METADATA}

@@ -14,6 +14,7 @@ from pipeline.store import groups
 from pipeline.store.folder_files import FolderFiles
 from pipeline.store.repair import repair
 from pipeline.store.row_groups import RowArray, RowGroup
+from pipeline.store.stored_arrays import open_group
 from tests.pipeline.planes import small_plan, small_store
 
 ROWS = RowBlocks((7,), 3)
@@ -58,7 +59,7 @@ def write_all(group):
 def test_what_is_written_is_read_by_anybody_and_checked(path, rows):
     group = group_of(path, rows, ("layer", "p")[-len(rows.shape) :])
     write_all(group)
-    assert not group.is_finished and groups.open_group(path, "attractors") is None
+    assert not group.is_finished and open_group(path, "attractors") is None
     for block in rows.all:
         found, wanted = group.read(block), values_of(block)
         assert all(np.array_equal(found[name], wanted[name], equal_nan=name == "mean") for name in wanted)

@@ -154,6 +154,20 @@ def test_one_boundary_is_one_curve(axis, counts):
                 assert other.distances(middle)[0] > 1e-5
 
 
+def test_which_points_are_met_is_what_their_distances_say():
+    """Along a curve the true distance; places off it by so much, to all sides, and those of the other curves."""
+    rng, curves = np.random.default_rng(2), curves_of("published", "f_e")
+    for curve in curves[::2]:
+        places = curve.points[rng.integers(0, len(curve.points), 60)]
+        sizes = np.repeat([0.0, 1e-10, 1e-7, 1e-5, 1e-3, 0.1], 10)
+        aside = rng.normal(size=(60, 5)) * (sizes[:, None] * curve.scale)
+        points = np.concatenate([places + aside, *(other.points[::40] for other in curves)])
+        far = curve.distances(points)
+        clear = (far < 0.5e-6) | (far > 2e-6)
+        np.testing.assert_array_equal(curve.meets(points)[clear], far[clear] < 1e-6)
+        assert np.all(curve.meets(places)) and np.count_nonzero(far[clear] > 1e-6) > 20
+
+
 def test_order_of_the_starts_does_not_matter():
     _, starts = starts_of("isola", "alpha")
     shuffled = [starts[i] for i in np.random.default_rng(3).permutation(len(starts))]

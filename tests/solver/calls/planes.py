@@ -18,6 +18,11 @@ CALLS = {
         "points": argument(plane()[0].points[:2], array(plane()[0].points[:2], np.ones((2, 4)), np.ones(5))),
         "continuation": argument(None, wrong_settings()),
     },
+    "solver.boundaries.BoundaryCurve.meets": lambda: {
+        "self": plane()[0],
+        "points": argument(plane()[0].points[:2], array(plane()[0].points[:2], np.ones((2, 4)), np.ones(5))),
+        "continuation": argument(None, wrong_settings()),
+    },
     "solver.boundaries.boundary_curves": lambda: {
         "system": argument(model(), OBJECT),
         "x_axis": argument("omega", (*NAME, "f_e"), "p_axis", "omega"),

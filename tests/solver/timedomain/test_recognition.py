@@ -6,7 +6,7 @@ import pytest
 from solver import gear_system
 from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorSearch, advance, monodromy, settle, shoot
-from solver.timedomain.attractors import _RowSearch
+from solver.timedomain.row_search import RowSearch
 from solver.timedomain.row_systems import random_states, row_systems
 from tests.conftest import MODELS, published
 
@@ -14,7 +14,7 @@ from tests.conftest import MODELS, published
 def _searched(model, omega, search):
     """The search of one cell after its random starts, with what is known of it."""
     systems = row_systems(model, "omega", np.array([omega]), None)
-    row = _RowSearch(systems, search, 0)
+    row = RowSearch(systems, search, 0)
     row.start(np.empty((1, 0, systems.size)), random_states(systems, np.zeros(1, np.uint64), search.starts), 1)
     return row, row.known[0]
 

@@ -11,8 +11,8 @@ from pipeline.__main__ import main
 from pipeline.analysis.attractors import grid as grid_module
 from pipeline.analysis.attractors import rounds, tasks
 from pipeline.plan.plan import Plan
-from pipeline.store import groups
 from pipeline.store.folder_files import FolderFiles
+from pipeline.store.stored_arrays import open_group
 from solver.timedomain import AttractorKind
 from tests.conftest import slow_but
 from tests.made_once import made_once
@@ -89,7 +89,7 @@ def test_an_attractor_found_in_one_cell_is_followed_over_its_whole_domain(run, w
     assert found["attractors/round"].max() >= 4  # up, down and up again
     assert found["attractors/rounds"].min() >= 0
     np.testing.assert_array_equal(found["attractors/n_attractors"], 1 + snake() + island())
-    label, told = found["attractors/label"], groups.open_group(run.path, "attractors")["label"].attrs
+    label, told = found["attractors/label"], open_group(run.path, "attractors").attributes_of("label")
     assert told["labels"][label[5, 7]] == "1T/0 + chaotic/2" and told["labels"][label[0, 0]] == "1T/0"
     assert len(told["labels"]) == len(told["flag_values"]) == len(told["flag_meanings"].split())
     assert store.find_damage(run.path) == []
@@ -189,9 +189,9 @@ def test_a_row_that_raises_is_recorded_with_its_reason(run, world, round):
 @pytest.mark.costly
 def test_other_settings_and_another_map_begin_anew(run, whole):
     assert run()[0] == 0
-    first = groups.open_group(run.path, "attractors").attrs["made_from"]
+    first = open_group(run.path, "attractors").attributes["made_from"]
     assert run("attractors.seed=1")[0] == 0
-    second = groups.open_group(run.path, "attractors").attrs["made_from"]
+    second = open_group(run.path, "attractors").attributes["made_from"]
     assert first != second
     assert run("attractors.columns=3", "attractors.rows=[0.1,0.3]")[0] == 0
     found = contents(run.path)

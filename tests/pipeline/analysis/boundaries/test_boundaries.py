@@ -373,7 +373,7 @@ def test_incomplete_rows_are_left_out_and_said(tmp_path, monkeypatch, capsys):
     zarr.open_group(path, mode="r+")["status"][3] = store.FAILED
     capsys.readouterr()
     assert main([*SMALL, "stages=[boundaries,figures]"]) == 0
-    assert capsys.readouterr().out.count("note: 1 rows") == 2
+    assert capsys.readouterr().out.count("note: 1 row ") == 2
     stored = store.read_plan(path)
     assert read_events(path, stored).rows == 7
     # A sweep that goes on takes the boundaries of the rows as they were away.
