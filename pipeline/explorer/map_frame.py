@@ -78,7 +78,7 @@ def map_lines(plane: StoredPlane, frame: MapFrame) -> tuple[LineKind, ...]:
     allowed = DETAIL * np.array([high - low for low, high in ends])
     kinds = [
         LineKind(kind, plain(LINES[kind][1]), tuple(line * frame.size for line in _lines(outline, allowed)))
-        for kind, outline in lines_of(plane, *ends, detail).items()
+        for kind, outline in lines_of(plane, *ends, DETAIL).items()
     ]
     return (*kinds, *_modes(plane, frame, allowed))
 
