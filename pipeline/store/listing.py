@@ -116,7 +116,7 @@ def _described(files: Files, attributes: dict) -> Entry:
 def _solver(plan: Plan) -> str:
     """By what balance, and of which order."""
     order, period = plan.solver["order"], plan.solver["period"]
-    if plan.solver["balance"] == "describing_function":
+    if plan.is_first_order:
         return "first order"
     return f"hb order {order}" + (f" period {period}" if period != 1 else "")
 
