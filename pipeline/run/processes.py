@@ -36,13 +36,14 @@ def deaf_to_interrupts() -> Iterator[None]:
         yield
         return
     numbers = (signal.SIGINT, signal.SIGHUP)
-    # Where it starts its process, it unblocks them.
+    handlers = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
+    # It unblocks signals where it starts its process, which has to inherit that they are ignored.
     resource_tracker.ensure_running()
     heard, before = [], signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
     # Other threads do not block them: what one of them is given comes to the handler.
-    handlers = {number: signal.getsignal(number) for number in numbers if callable(signal.getsignal(number))}
-    for number in handlers:
-        signal.signal(number, lambda number, _: heard.append(number))
+    for number, handler in handlers.items():
+        if handler != signal.SIG_IGN:
+            signal.signal(number, lambda number, _: heard.append(number))
     try:
         yield
     finally:
