@@ -10,10 +10,10 @@ from pipeline.analysis.attractors.dataset import read_attractors
 from pipeline.analysis.attractors.wording import cell_label
 from pipeline.explorer.layer_data import Cells, LineKind, MapAxis, MarkKind, Told
 from pipeline.explorer.plain_text import axis_text, plain
-from pipeline.figures.cell_panels import borders_between
+from pipeline.figures.cell_panels import attractor_borders
 from pipeline.figures.map_legend import LINES, MARK_NAMES
 from pipeline.figures.naming import axis_label, mesh_energies, symbol
-from pipeline.figures.panels import cell_borders, lines_of
+from pipeline.figures.panels import DETAIL, cell_borders, lines_of
 from pipeline.plan.scales import scales_of
 from pipeline.plane.outlines import flattened, thinned
 from pipeline.plane.stored import StoredPlane
@@ -58,10 +58,10 @@ def label_text(label: str) -> str:
     return label.replace("/-", "/\u2013")
 
 
-def map_lines(plane: StoredPlane, frame: MapFrame, detail: float) -> tuple[LineKind, ...]:
+def map_lines(plane: StoredPlane, frame: MapFrame) -> tuple[LineKind, ...]:
     """The boundaries between labels by kind, as the map of the figures has them, and the natural frequencies."""
     ends = (plane.plan.sweep.low, plane.plan.sweep.high), (plane.plan.parameter.low, plane.plan.parameter.high)
-    allowed = detail * np.array([high - low for low, high in ends])
+    allowed = DETAIL * np.array([high - low for low, high in ends])
     kinds = [
         LineKind(kind, plain(LINES[kind][1]), tuple(line * frame.size for line in _lines(outline, allowed)))
         for kind, outline in lines_of(plane, *ends).items()
@@ -114,8 +114,7 @@ def told_of_cells(plane: StoredPlane, frame: MapFrame) -> tuple[Told, ...]:
     code = np.sort(np.where(kinds > 0, kinds * 16 + impacts + 1, 0), axis=-1)
     sets, place = np.unique(code.reshape(-1, code.shape[-1]), axis=0, return_inverse=True)
     texts = tuple(cell_label(one // 16, one % 16 - 1) or "nothing found" for one in sets)
-    columns = borders_between(found[plane.plan.sweep.name].values, plane.plan.sweep)
-    rows = borders_between(found[plane.plan.parameter.name].values, plane.plan.parameter)
+    columns, rows = attractor_borders(plane, found)
     place, judged = place.reshape(kinds.shape[:-1]), found.credibility.values.astype(np.int64)
     words = tuple(kind.words for kind in Credibility)
     return (

@@ -88,9 +88,7 @@ class RowCurves:
     @property
     def _omega(self) -> float | None:
         """The frequency, where it is not swept."""
-        if self.plan.parameter.name == "omega":
-            return self.value
-        return None if self.plan.sweep.name == "omega" else self.plan.omega
+        return self.plan.frequency(self.value)
 
     @cached_property
     def lasting(self) -> np.ndarray:
@@ -134,7 +132,6 @@ def stored_row(plane: StoredPlane, row: int) -> RowCurves:
     """The branches of a stored row, by number."""
     count = int(plane.n_points[row])
     points = plane.row_points(row)
-    points |= {name: plane.array(f"branches/{name}")[row, :count] for name in ("cos", "sin")}
     if plane.plan.motion_size:
         points["motion"] = plane.array("branches/motion")[row, :count]
     else:

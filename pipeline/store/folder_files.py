@@ -43,7 +43,7 @@ class FolderFiles:
     def sizes(self) -> dict[str, int]:
         """Raises StoreError where there is a link: what is behind it is outside."""
         found = {}
-        for name, entry in _files(self.place):
+        for name, entry in self._inside(missing_ok=False):
             if not entry.is_file(follow_symlinks=False):
                 kind = "a link" if entry.is_symlink() else "neither a file nor a folder"
                 raise StoreError(f"{self.place} is not allowed: {name!r} is {kind}; a store has files and folders only")
@@ -54,12 +54,22 @@ class FolderFiles:
 
     def versions(self) -> dict[str, tuple]:
         found = {}
-        for name, entry in _files(self.place) if self.place.is_dir() else ():
-            # A run may rename it meanwhile.
+        for name, entry in self._inside(missing_ok=True):
             with contextlib.suppress(FileNotFoundError):
                 status = entry.stat(follow_symlinks=False)
                 found[name] = status.st_size, status.st_mtime_ns
         return found
+
+    def _inside(self, missing_ok: bool) -> Iterator[tuple[str, os.DirEntry]]:
+        """Everything but folders, with its name; no link is followed."""
+        waiting = [("", self.place)]
+        while waiting:
+            prefix, folder = waiting.pop()
+            for entry in _entries(folder, missing_ok or bool(prefix)):
+                if entry.is_dir(follow_symlinks=False):
+                    waiting.append((f"{prefix}{entry.name}/", entry.path))
+                else:
+                    yield prefix + entry.name, entry
 
     def folders(self) -> list[str]:
         return sorted(path.name for path in self.place.iterdir() if path.is_dir()) if self.place.is_dir() else []
@@ -171,18 +181,6 @@ class _FileLog:
 
     def remove(self) -> None:
         self._file.unlink(missing_ok=True)
-
-
-def _files(place: Path) -> Iterator[tuple[str, os.DirEntry]]:
-    """All below a folder that is no folder, links among it, by name."""
-    waiting: list[tuple[str, Path | str]] = [("", place)]
-    while waiting:
-        prefix, folder = waiting.pop()
-        for entry in _entries(folder, missing_ok=bool(prefix)):
-            if entry.is_dir(follow_symlinks=False):
-                waiting.append((f"{prefix}{entry.name}/", entry.path))
-            else:
-                yield prefix + entry.name, entry
 
 
 def _entries(folder: Path | str, missing_ok: bool) -> list[os.DirEntry]:
