@@ -157,16 +157,23 @@ class Division:
         -------
         (p, x) int64 array
         """
+        codes, number = self.lattice(x, p)
+        return codes[number]
+
+    def lattice(self, x: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """`codes_at` as the codes of the division, ascending (k,) int64, and which of them holds, (p, x) uint16."""
+        codes = np.unique(np.array([code for part in self.slabs for code in part.codes], np.int64))
         number, table = self._met(p, self.curves)
-        found, alike = [np.empty((0, x.size), np.int64)], zip(number.tolist(), table, strict=True)
+        found, alike = [np.empty((0, x.size), np.uint16)], zip(number.tolist(), table, strict=True)
         for (k, _), rows in itertools.groupby(alike, lambda row: (row[0], row[1][0].tobytes())):
             arcs, ends = zip(*(row for _, row in rows), strict=True)
             part, arcs, ends = self.slabs[k], list(map(tuple, arcs[0].tolist())), np.stack(ends)
             ends = np.maximum.accumulate(ends[:, [arcs.index(arc) for arc in part.slab.arcs[1:-1]]], axis=1)
             # How many of x lie between every two of them.
             count = np.diff(np.searchsorted(x, ends), axis=1, prepend=0, append=x.size)
-            found.append(np.repeat(np.tile(part.codes, len(ends)), count.ravel()).reshape(len(ends), x.size))
-        return np.concatenate(found)
+            here = np.tile(np.searchsorted(codes, part.codes).astype(np.uint16), len(ends))
+            found.append(np.repeat(here, count.ravel()).reshape(len(ends), x.size))
+        return codes, np.concatenate(found)
 
 
 class Labels(Protocol):
