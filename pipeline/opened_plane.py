@@ -15,7 +15,7 @@ from pipeline.plan.layers import layer_name
 from pipeline.plan.scales import scales_of
 from pipeline.plane.datasets import dataset_of_branches, dataset_of_motions
 from pipeline.plane.labels import TRAITS
-from pipeline.plane.motions import MOTION, is_enumerated, proven_label, solved_motions
+from pipeline.plane.motions import MOTION, proven_label, solved_motions
 from pipeline.plane.places import cell_of, nearest, place_of, value_of
 from pipeline.plane.row_curves import solved_curves, stored_row
 from pipeline.plane.summary import summary_of
@@ -153,7 +153,7 @@ class OpenPlane(OpenStore):
         solver.ParameterError
             As `label_near`.
         """
-        if not is_enumerated(self.plan):
+        if not self.plan.is_first_order:
             raise StoreError(
                 f"{self.path} is of order {self.plan.solver['order']}, of which solutions cannot be enumerated: "
                 "label_near reads the stored one"

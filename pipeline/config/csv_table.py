@@ -8,18 +8,15 @@ import csv
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
-__all__ = ["Table", "TableError", "read_table"]
+from pipeline.config.number_files import NumbersError, read_bytes
+
+__all__ = ["Table", "read_table"]
 
 _MOST_BYTES, _MOST_ROWS = 10_000_000, 100_000
 _SEPARATORS = ("\t", ";", ",")
 _LARGEST = 1e30
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-
-
-class TableError(Exception):
-    """Why a file is no table of numbers, as the end of a sentence."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +45,7 @@ def read_table(path: str) -> Table:
 
     Raises
     ------
-    TableError
+    NumbersError
         Naming the line, and what to write instead.
     """
     comments, entries = [], []
@@ -59,45 +56,35 @@ def read_table(path: str) -> Table:
         elif line.strip():
             entries.append((number, line))
     if not entries:
-        raise TableError("it is empty")
+        raise NumbersError("it is empty")
     # Programs such as numpy.savetxt write the header as a comment.
     if comments and _of_numbers(entries[0][1]):
         entries.insert(0, comments[-1])
     if len(entries) > _MOST_ROWS + 1:
-        raise TableError(f"it has {len(entries) - 1} rows, of which {_MOST_ROWS} are allowed")
+        raise NumbersError(f"it has {len(entries) - 1} rows, of which {_MOST_ROWS} are allowed")
     separator = next((one for one in _SEPARATORS if one in entries[0][1]), ",")
     (_, header), *rows = _split(entries, separator)
     for number, row in rows:
         if len(row) != len(header):
             hint = ": separate columns by ; where numbers have decimal commas" if separator == "," else ""
-            raise TableError(f"line {number} has {len(row)} entries, the header has {len(header)}{hint}")
+            raise NumbersError(f"line {number} has {len(row)} entries, the header has {len(header)}{hint}")
     texts = [text for _, row in rows for text in row]
     if separator != "," and any("," in text for text in texts):
         if any("." in text for text in texts):
-            raise TableError("its numbers have both points and commas: write one of them, as decimal mark only")
+            raise NumbersError("its numbers have both points and commas: write one of them, as decimal mark only")
         rows = [(number, [text.replace(",", ".") for text in row]) for number, row in rows]
     return Table(header, [number for number, _ in rows], [_numbers(header, *one) for one in rows])
 
 
 def _text(path: str) -> str:
-    try:
-        # A pipe or a device has no size, and no end.
-        if not Path(path).is_file() and Path(path).exists() and not Path(path).is_dir():
-            raise TableError("it must be a file")
-        if Path(path).stat().st_size > _MOST_BYTES:
-            raise TableError(f"it must be a file of at most {_MOST_BYTES / 1e6:g} MB")
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise TableError(f"it cannot be read ({error.strerror})") from None
-    except ValueError:
-        raise TableError("it cannot be read (no path)") from None
+    data = read_bytes(path, _MOST_BYTES)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
     text = text.replace("\xa0", " ")
     if not all(c.isprintable() or c in "\t\r\n" for c in text):
-        raise TableError("it must be a CSV file in UTF-8 or Latin-1")
+        raise NumbersError("it must be a CSV file in UTF-8 or Latin-1")
     return text
 
 
@@ -107,7 +94,7 @@ def _split(entries: list[tuple[int, str]], separator: str) -> Iterator[tuple[int
         try:
             (row,) = csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True)
         except (csv.Error, ValueError):
-            raise TableError(f"line {number} is not of a CSV file") from None
+            raise NumbersError(f"line {number} is not of a CSV file") from None
         yield number, [text.strip() for text in row]
 
 
@@ -119,5 +106,5 @@ def _of_numbers(line: str) -> bool:
 def _numbers(header: list[str], line: int, row: list[str]) -> list[float]:
     for name, text in zip(header, row, strict=True):
         if not _NUMBER.fullmatch(text) or abs(float(text)) > _LARGEST:
-            raise TableError(f"line {line}: {name[:40]!r} = {text[:40]!r} must be a finite number")
+            raise NumbersError(f"line {line}: {name[:40]!r} = {text[:40]!r} must be a finite number")
     return [float(text) for text in row]

@@ -6,21 +6,18 @@ a system of the largest size needs.
 
 import csv
 import zipfile
-from pathlib import Path
 
 import numpy as np
 
-__all__ = ["MOST_DEGREES", "MatrixError", "numbers_of", "read_matrix", "read_npz"]
+from pipeline.config.number_files import NumbersError, read_bytes
+
+__all__ = ["MOST_DEGREES", "numbers_of", "read_matrix", "read_npz"]
 
 #: Coordinates of a system.
 MOST_DEGREES = 40
 #: Bytes of a file, and of an array in it.
 _MOST_BYTES = 2_000_000
 _LARGEST = 1e30
-
-
-class MatrixError(Exception):
-    """Why something is no array of numbers, as the end of a sentence."""
 
 
 def read_matrix(path: str) -> np.ndarray:
@@ -35,20 +32,20 @@ def read_matrix(path: str) -> np.ndarray:
 
     Raises
     ------
-    MatrixError
+    NumbersError
         Saying what is wrong, with the line.
     """
     rows = []
-    for number, line in enumerate(_bytes(path).decode("utf-8-sig", errors="replace").splitlines(), 1):
+    for number, line in enumerate(read_bytes(path, _MOST_BYTES).decode("utf-8-sig", errors="replace").splitlines(), 1):
         text = line.partition("#")[0].strip()
         if text:
             row = next(csv.reader([text.replace(";", ",").replace("\t", ",")]))
             words = row if len(row) > 1 else text.split()
             rows.append([_number(word, f"line {number}") for word in words])
             if len(rows[-1]) != len(rows[0]):
-                raise MatrixError(f"line {number} has {len(rows[-1])} numbers, the first one has {len(rows[0])}")
+                raise NumbersError(f"line {number} has {len(rows[-1])} numbers, the first one has {len(rows[0])}")
     if not rows:
-        raise MatrixError("it is empty")
+        raise NumbersError("it is empty")
     array = np.array(rows)
     return array.ravel() if 1 in array.shape else array
 
@@ -62,19 +59,19 @@ def read_npz(path: str) -> dict[str, np.ndarray]:
 
     Raises
     ------
-    MatrixError
+    NumbersError
         If it is none, an array holds no numbers, or is too large.
     """
-    _bytes(path)
+    read_bytes(path, _MOST_BYTES)
     try:
         with zipfile.ZipFile(path) as archive:
             for entry in archive.infolist():
                 if entry.file_size > _MOST_BYTES:
-                    raise MatrixError(f"{entry.filename[:40]!r} in it is larger than {_MOST_BYTES / 1e6:g} MB")
+                    raise NumbersError(f"{entry.filename[:40]!r} in it is larger than {_MOST_BYTES / 1e6:g} MB")
         with np.load(path, allow_pickle=False) as found:
             return {name: numbers_of(found[name], infinite=name == "back_gap") for name in found.files}
     except (OSError, ValueError, zipfile.BadZipFile, KeyError, EOFError) as error:
-        raise MatrixError(f"it must be an NPZ file of numbers ({' '.join(str(error).split())[:80]})") from None
+        raise NumbersError(f"it must be an NPZ file of numbers ({' '.join(str(error).split())[:80]})") from None
 
 
 def numbers_of(value, infinite: bool = False) -> np.ndarray:
@@ -88,19 +85,19 @@ def numbers_of(value, infinite: bool = False) -> np.ndarray:
 
     Raises
     ------
-    MatrixError
+    NumbersError
         If it is nothing of the kind.
     """
     try:
         array = np.array(_parsed(value))
     except ValueError:
-        raise MatrixError("its rows must be of one length") from None
+        raise NumbersError("its rows must be of one length") from None
     if (
         array.dtype.kind not in "iufc"
         or array.size == 0
         or not np.all((np.abs(array) < _LARGEST) | (infinite & np.isinf(array)))
     ):
-        raise MatrixError("it must hold finite numbers")
+        raise NumbersError("it must hold finite numbers")
     return array
 
 
@@ -114,21 +111,7 @@ def _number(text: str, where: str) -> complex | float:
     try:
         number = complex(text.strip().replace(" ", ""))
     except ValueError:
-        raise MatrixError(f"{where}: {text[:40]!r} must be a number") from None
+        raise NumbersError(f"{where}: {text[:40]!r} must be a number") from None
     if not abs(number) < _LARGEST:
-        raise MatrixError(f"{where}: {text[:40]!r} must be a finite number")
+        raise NumbersError(f"{where}: {text[:40]!r} must be a finite number")
     return number if number.imag else number.real
-
-
-def _bytes(path: str) -> bytes:
-    try:
-        file = Path(path)
-        # A pipe or a device has no size, and no end.
-        if not file.is_file():
-            raise MatrixError("it must be a file" if file.exists() else "there is no such file")
-        if file.stat().st_size > _MOST_BYTES:
-            raise MatrixError(f"it must be at most {_MOST_BYTES / 1e6:g} MB large")
-        return file.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "no path"
-        raise MatrixError(f"it cannot be read ({reason})") from None

@@ -2,11 +2,12 @@
 
 import math
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.config.csv_table import Table, TableError, read_table
+from pipeline.config.csv_table import Table, read_table
+from pipeline.config.number_files import NumbersError
 from pipeline.config.units import quantity, unit_size
 from pipeline.errors import ConfigurationError, refused
 from solver import CycleFit, ParameterError, PitchCones, fit_cycle
@@ -55,10 +56,6 @@ class MeshCycle:
     stiffness: CycleFit | None
     error: CycleFit | None
 
-    def report(self) -> dict:
-        """As plain data."""
-        return asdict(self)
-
 
 @dataclass(frozen=True)
 class _Columns:
@@ -93,7 +90,7 @@ def read_mesh_cycle(path: str, count: int, cones: PitchCones, length=None) -> Me
     """
     try:
         table = read_table(path)
-    except TableError as error:
+    except NumbersError as error:
         raise _wrong(path, str(error)) from None
     columns = _columns(path, table, cones.face_width)
     for line, value in zip(columns.lines, columns.values.get("stiffness", ()), strict=False):

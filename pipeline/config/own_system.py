@@ -8,7 +8,8 @@ import numpy as np
 
 from pipeline.config.gear_schema import System
 from pipeline.config.harmonics import pairs_of
-from pipeline.config.matrix_files import MOST_DEGREES, MatrixError, numbers_of, read_matrix, read_npz
+from pipeline.config.matrix_files import MOST_DEGREES, numbers_of, read_matrix, read_npz
+from pipeline.config.number_files import NumbersError
 from pipeline.errors import ConfigurationError, refused, shown
 
 __all__ = ["system_numbers"]
@@ -43,7 +44,7 @@ def system_numbers(config: System) -> tuple[dict, None]:
     if config.file is not None:
         try:
             file = read_npz(config.file)
-        except MatrixError as error:
+        except NumbersError as error:
             raise ConfigurationError(f"gear.system.file = {shown(config.file)!r} is not allowed: {error}") from None
         if foreign := sorted(set(file) - set(names)):
             raise ConfigurationError(
@@ -98,7 +99,7 @@ def _array(name: str, value) -> np.ndarray:
         if isinstance(value, str):
             return read_npz(value)[name] if Path(value).suffix == ".npz" else read_matrix(value)
         return np.array(value) if name in _GAPS else numbers_of(value)
-    except MatrixError as error:
+    except NumbersError as error:
         raise ConfigurationError(f"gear.system.{name} = {shown(str(value))!r} is not allowed: {error}") from None
     except KeyError:
         raise ConfigurationError(

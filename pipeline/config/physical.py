@@ -43,12 +43,20 @@ _KINDS = {
 }
 
 
-def value_of(key: str, name: str, value, scales) -> float:
-    """A number, or a text with a unit made dimensionless."""
+def value_of(
+    key: str, name: str, value, scales: Scales | None, allowed: str = "a finite number, or a text with a unit"
+) -> float:
+    """A value of parameter `name` as the user wrote it, a number or a text with a unit, as a dimensionless number.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the key, its value and what is allowed.
+    """
     if isinstance(value, str):
         return place_of(key, name, value, scales)
-    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > sys.float_info.max:
-        raise refused(key, value, "a finite number, or a text with a unit")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
+        raise refused(key, value, allowed)
     return float(value)
 
 
@@ -83,7 +91,7 @@ def describe(config: PhysicalGear) -> dict:
         pair = GearPair(**values)
     except ParameterError as error:
         raise ConfigurationError(f"{_PREFIX}{error}") from None
-    found = {"gear": asdict(pair), "mesh_cycle": None if cycle is None else cycle.report()}
+    found = {"gear": asdict(pair), "mesh_cycle": None if cycle is None else asdict(cycle)}
     return found if drawn is None else found | {"teeth": asdict(drawn)}
 
 

@@ -4,15 +4,15 @@ import contextlib
 import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from pipeline.analysis import margins
 from pipeline.analysis.attractors.options import search_of
-from pipeline.analysis.attractors.places import Place, place_of, states_at_rest
+from pipeline.analysis.attractors.places import IntegratedPlace, place_of, states_at_rest
 from pipeline.analysis.motion.motions import MapMotion, Motion, Motions, attractor_motion, map_motion, motions_at
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.config.schema import Attractors
 from pipeline.errors import refused
 from pipeline.explorer.fixed_parameters import changed_plan
@@ -21,7 +21,7 @@ from pipeline.plan.plan import Plan
 from pipeline.plane.motions import SolvedMotions, motions_of_place
 from pipeline.plane.row_curves import RowCurves, solved_curves
 from pipeline.run.kernels import kernels_for
-from solver import RowError, domain_code, domain_label
+from solver import RowError
 from solver.kernels.warm import kernels_of, warm
 from solver.timedomain import AttractorKind, settle
 from solver.timedomain.row_systems import motion_states, row_systems
@@ -34,7 +34,6 @@ __all__ = [
     "ending_of_motion",
     "ending_of_state",
     "integrated",
-    "label_of",
     "motions",
     "ready",
     "row",
@@ -95,19 +94,6 @@ def motions(plan: Plan, x: float, p: float) -> SolvedMotions:
     return motions_of_place(plan, x, p)
 
 
-def label_of(found: SolvedMotions) -> str:
-    """The n/I label of the motions at a place.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> label_of(SimpleNamespace(stable=np.array([1, 0, 1]), impact=np.array([0, 1, 1])))
-    '2/0-1'
-    """
-    states = np.asarray(found.impact)[np.asarray(found.stable) == 1].astype(np.int64)
-    return domain_label(int(domain_code(np.array(states.size), np.bitwise_or.reduce(1 << states, initial=0))))
-
-
 def integrated(plan: Plan, x: float, p: float) -> Motions:
     """Every motion at a place with what integration says of it: attractors from the motions of the map and from random
     states, with the settings that the configuration has for them.
@@ -158,7 +144,7 @@ def _ending(model, omega: float, state: np.ndarray, of_map: MapMotion | None) ->
     return Ending((float(state[state.size // 2 - 1]), float(state[-1])), of_map, motion)
 
 
-def basins(plan: Plan, x: float, p: float) -> Place:
+def basins(plan: Plan, x: float, p: float) -> IntegratedPlace:
     """A slice of the basins at a place: initial states in lambda and lambda', and what each of them ends on.
 
     Raises
@@ -172,13 +158,13 @@ def basins(plan: Plan, x: float, p: float) -> Place:
 
 
 def design_answer(
-    path: Path, plan: Plan, point: tuple[float, float], tolerances: tuple[float, float]
+    path: Place, plan: Plan, point: tuple[float, float], tolerances: tuple[float, float]
 ) -> margins.Answer:
     """Margins of a design point with tolerances, cut at the ends of the axes.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store, its boundaries traced.
     plan : Plan
         The store's own.

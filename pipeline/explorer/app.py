@@ -21,6 +21,7 @@ from pipeline.explorer.map_view import MapView
 from pipeline.explorer.messages import message, note, text
 from pipeline.explorer.opened import Content, Opened, said
 from pipeline.explorer.place_column import PlaceColumn
+from pipeline.explorer.quiet import Quiet
 from pipeline.explorer.reproduction import python_lines, shell_command
 from pipeline.explorer.site import Site
 from pipeline.explorer.style import CARDS, CSS, LAYOUT, PLACES, WIDGETS
@@ -104,7 +105,7 @@ class _Page:
         self._units = self._units_select(content.allowed.physical)
         self._lines = text()
         self._take = self._download_row()
-        self._busy, self._layer_shown = False, None
+        self._quiet, self._layer_shown = Quiet(), None
         self.view = self._layout()
         self._show(state, wrong)
         if location is not None:
@@ -132,12 +133,9 @@ class _Page:
             # Something else is asked for by now.
             return
         self._wrong.object = note(wrong)
-        self._busy = True
-        try:
+        with self._quiet:
             self._layer.value = state.layer
             self._units.value = "physical" if state.physical else "dimensionless"
-        finally:
-            self._busy = False
         self._ask_layer(state.layer, state.physical)
         if self._map is not None:
             self._map.show(state)
@@ -235,7 +233,7 @@ class _Page:
         return group
 
     def _by_hand(self, **values) -> None:
-        if not self._busy:
+        if not self._quiet:
             self.change(**values)
 
     def _download_row(self) -> pn.Row:
@@ -276,11 +274,8 @@ class _Page:
     def _layout(self):
         plan = self._content.plan
         sizes = " × ".join(str(axis.num) for axis in plan.axes)
-        order = (
-            "first order" if plan.solver["balance"] == "describing_function" else f"{plan.solver['order']} harmonics"
-        )
         title = text(
-            f"<h1>{html.escape(self._content.path.stem)}</h1><p class='quiet'>{sizes} cells, {order}. "
+            f"<h1>{html.escape(self._content.path.stem)}</h1><p class='quiet'>{sizes} cells, {plan.order_text}. "
             "Click a place; zoom with the wheel.</p>"
         )
         self._hint = text(

@@ -7,9 +7,9 @@ import sys
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.config.secrets import HIDDEN
 from pipeline.config.typed import key_of
 from pipeline.errors import ConfigurationError
@@ -32,12 +32,12 @@ class NewPlane:
     ----------
     overrides : tuple of str
         As typed, without stages.
-    path : Path
+    path : Place
         Of its store, whose name is its own.
     """
 
     overrides: tuple[str, ...]
-    path: Path
+    path: Place
 
     @property
     def command(self) -> str:

@@ -13,7 +13,7 @@ from pipeline.explorer.map_frame import MapFrame, evenly, map_lines, plane_cells
 from pipeline.explorer.plain_text import quantity_title
 from pipeline.explorer.region_layers import label_cells
 from pipeline.figures.attractors import CLASSES, class_of
-from pipeline.figures.cell_panels import borders_between
+from pipeline.figures.cell_panels import attractor_borders
 from pipeline.figures.palette import hex_colour
 from pipeline.figures.panels import cell_borders
 from pipeline.figures.quantity_map import ends_of
@@ -28,7 +28,7 @@ _EXTREMES = {"worst": "Largest", "mildest": "Smallest"}
 _INK = "#262626"
 
 
-def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFrame, detail: float) -> Layer:
+def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFrame) -> Layer:
     """A quantity of the motions that labels count, one value a cell."""
     scale = scale_of(quantity, frame.scales)
     values = plane.extreme(quantity.name, of) * (1.0 if scale is None else scale.shown)
@@ -41,7 +41,7 @@ def quantity_layer(plane: StoredPlane, quantity: Quantity, of: str, frame: MapFr
         frame.y,
         cells=plane_cells(plane, values, frame),
         ends=ends_of(values),
-        lines=map_lines(plane, frame, detail),
+        lines=map_lines(plane, frame),
         shades=_without_value(plane, values, frame),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
     )
@@ -71,11 +71,11 @@ def _told_label(plane: StoredPlane, frame: MapFrame) -> Told:
     return Told("n/I", Cells(cells.x, cells.y, values), texts)
 
 
-def attractor_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer:
+def attractor_layer(plane: StoredPlane, frame: MapFrame) -> Layer:
     """What motions end on: the calmest kind as a colour, the most alarming of several as lines over it."""
     found = read_attractors(plane.path)
     kinds, impact = class_of(found.kind.values), found.impact.values
-    columns, rows = _borders(plane, found)
+    columns, rows = attractor_borders(plane, found)
     calmest = np.min(np.where(kinds < 0, len(CLASSES), kinds), axis=-1)
     alarming, several = np.max(kinds, axis=-1), np.sum(kinds >= 0, axis=-1) >= 2
     alone = np.where(several, len(CLASSES), np.where(calmest == len(CLASSES), len(CLASSES) + 1, calmest))
@@ -110,13 +110,13 @@ def attractor_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer
         classes=classes,
         cells=evenly(np.where(calmest == len(CLASSES), -1, calmest), columns, rows, frame, plane),
         shades=tuple(shades),
-        lines=map_lines(plane, frame, detail),
+        lines=map_lines(plane, frame),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
         notes=(str(found.attrs["bound"]),),
     )
 
 
-def credibility_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Layer:
+def credibility_layer(plane: StoredPlane, frame: MapFrame) -> Layer:
     """How far the label of every cell holds by the cell's own attractors."""
     found = read_attractors(plane.path)
     labels, judged = map_labels(plane.path, plane.plan, found), found.credibility.values
@@ -140,12 +140,7 @@ def credibility_layer(plane: StoredPlane, frame: MapFrame, detail: float) -> Lay
         frame.x,
         frame.y,
         classes=classes,
-        cells=evenly(np.where(labels == 0, -1, table[judged]), *_borders(plane, found), frame, plane),
-        lines=map_lines(plane, frame, detail),
+        cells=evenly(np.where(labels == 0, -1, table[judged]), *attractor_borders(plane, found), frame, plane),
+        lines=map_lines(plane, frame),
         told=(_told_label(plane, frame), *told_of_cells(plane, frame)),
     )
-
-
-def _borders(plane: StoredPlane, found) -> tuple[np.ndarray, np.ndarray]:
-    sweep, parameter = plane.plan.sweep, plane.plan.parameter
-    return borders_between(found[sweep.name].values, sweep), borders_between(found[parameter.name].values, parameter)

@@ -9,6 +9,7 @@ from pipeline.explorer.later import Later
 from pipeline.explorer.messages import note, text
 from pipeline.explorer.opened import Content, Opened, said
 from pipeline.explorer.plain_text import plain
+from pipeline.explorer.quiet import Quiet
 from pipeline.explorer.style import WIDGETS
 from pipeline.explorer.view_state import ViewState
 from pipeline.explorer.words import chip, margin_table, place_text
@@ -34,7 +35,7 @@ class DesignPanel:
 
     def __init__(self, opened: Opened, content: Content, later: Later, change: Callable):
         self._opened, self._content, self._later, self._change = opened, content, later, change
-        self._state, self._busy, self._shown = ViewState(), False, None
+        self._state, self._quiet, self._shown = ViewState(), Quiet(), None
         self.wanted = pn.widgets.Checkbox(name="Show a design point; drag it, and its edges", stylesheets=[WIDGETS])
         self.wanted.param.watch(self._toggled, "value")
         self.told = text()
@@ -58,13 +59,11 @@ class DesignPanel:
 
     def show(self, state: ViewState) -> None:
         """The design point of a view."""
-        self._state, self._busy = state, True
-        try:
+        self._state = state
+        with self._quiet:
             self.wanted.value = self._row.visible = state.design is not None
             for widget, value in zip(self._tolerances, state.tolerances, strict=True):
                 widget.value = value
-        finally:
-            self._busy = False
         if self._shown == (state.design, state.tolerances, state.physical):
             return
         self._shown = state.design, state.tolerances, state.physical
@@ -102,7 +101,7 @@ class DesignPanel:
         self.told.object = note(said(error, self._opened.path))
 
     def _toggled(self, event) -> None:
-        if self._busy:
+        if self._quiet:
             return
         if not event.new:
             self._change(design=None)
@@ -112,7 +111,7 @@ class DesignPanel:
         self._change(design=self._state.at or middle)
 
     def _typed(self, number: int, value: float | None) -> None:
-        if not self._busy and value is not None:
+        if not self._quiet and value is not None:
             tolerances = list(self._state.tolerances)
             tolerances[number] = float(value)
             self._change(tolerances=tuple(tolerances))

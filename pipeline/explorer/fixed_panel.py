@@ -10,6 +10,7 @@ from pipeline.explorer.background_run import BackgroundRun, new_plane
 from pipeline.explorer.fixed_parameters import FixedParameter, fixed_parameters
 from pipeline.explorer.messages import note, text
 from pipeline.explorer.plain_text import plain
+from pipeline.explorer.quiet import Quiet
 from pipeline.explorer.style import CARDS, TYPED, WIDGETS
 from pipeline.explorer.view_state import ViewState
 from pipeline.figures.naming import symbol
@@ -42,7 +43,7 @@ class FixedPanel:
     def __init__(self, plan: Plan, command: str, run: BackgroundRun, change: Callable, arrived: Callable):
         self._plan, self._command, self._run = plan, command, run
         self._change, self._arrived = change, arrived
-        self._parameters, self._busy, self._watched = fixed_parameters(plan), False, None
+        self._parameters, self._quiet, self._watched = fixed_parameters(plan), Quiet(), None
         self._state = ViewState()
         self._sliders: dict[str, pn.widgets.EditableFloatSlider] = {}
         self.reset = pn.widgets.Button(name="Reset", width=70, stylesheets=[WIDGETS])
@@ -115,7 +116,7 @@ class FixedPanel:
         return slider
 
     def _moved(self, one: FixedParameter, shown: float | None) -> None:
-        if self._busy or shown is None:
+        if self._quiet or shown is None:
             return
         value = min(max(float(f"{shown / self._sizes[one.name]:.6g}"), one.low), one.high)
         fixed = {**dict(self._state.fixed), one.name: value}
@@ -124,14 +125,12 @@ class FixedPanel:
         self._change(fixed=tuple(sorted(fixed.items())))
 
     def _set(self, state: ViewState) -> None:
-        fixed, self._busy = dict(state.fixed), True
-        try:
+        fixed = dict(state.fixed)
+        with self._quiet:
             for one in self._parameters:
                 slider, value = self._sliders.get(one.name), fixed.get(one.name, one.value)
                 if slider is not None and slider.value != value * self._sizes[one.name]:
                     slider.value = value * self._sizes[one.name]
-        finally:
-            self._busy = False
 
     def show(self, state: ViewState) -> None:
         """The values of a view."""

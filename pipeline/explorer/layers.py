@@ -10,11 +10,8 @@ from pipeline.explorer.region_layers import region_layer, sketch
 from pipeline.plan.kinds import kind_of
 from pipeline.plane.stored import StoredPlane
 
-__all__ = ["DETAIL", "layer", "layer_names", "layer_sketch"]
+__all__ = ["layer", "layer_names", "layer_sketch"]
 
-#: How far what is drawn of a curve may be off it, as a share of the axes: at twenty times the size of a map that is
-#: 1500 pixels wide, a thirtieth of a pixel.
-DETAIL = 1e-6
 _LABELS = ("domains", "dynamic")
 
 
@@ -31,7 +28,7 @@ def layer_names(plane: StoredPlane) -> tuple[str, ...]:
     return (*_LABELS, *found, *(name for name in QUANTITIES if name not in kind_of(plane.plan).lacks))
 
 
-def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "worst", detail: float = DETAIL) -> Layer:
+def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "worst") -> Layer:
     """One layer of the map.
 
     Parameters
@@ -44,8 +41,6 @@ def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "w
         Whether axes and quantities are in physical units.
     of : str
         Where several stable motions coexist, a quantity is the "worst", the largest, or the "mildest", the smallest.
-    detail : float
-        How far what is drawn of a curve may be off it, as a share of the axes.
 
     Raises
     ------
@@ -61,13 +56,13 @@ def layer(plane: StoredPlane, name: str, *, physical: bool = False, of: str = "w
         )
     frame = frame_of_map(plane, physical)
     if name in _LABELS:
-        return region_layer(plane.counting(dynamic=name == "dynamic"), name, frame, detail)
+        return region_layer(plane.counting(dynamic=name == "dynamic"), name, frame)
     static = plane.counting(dynamic=False)
     if name == "attractors":
-        return attractor_layer(static, frame, detail)
+        return attractor_layer(static, frame)
     if name == "credibility":
-        return credibility_layer(static, frame, detail)
-    return quantity_layer(static, QUANTITIES[name], of, frame, detail)
+        return credibility_layer(static, frame)
+    return quantity_layer(static, QUANTITIES[name], of, frame)
 
 
 def layer_sketch(plane: StoredPlane, name: str, *, physical: bool = False) -> Layer | None:

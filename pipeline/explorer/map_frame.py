@@ -10,7 +10,7 @@ from pipeline.analysis.attractors.dataset import read_attractors
 from pipeline.analysis.attractors.wording import cell_label
 from pipeline.explorer.layer_data import Cells, LineKind, MapAxis, MarkKind, Told
 from pipeline.explorer.plain_text import axis_text, plain
-from pipeline.figures.cell_panels import borders_between
+from pipeline.figures.cell_panels import attractor_borders
 from pipeline.figures.map_legend import LINES, MARK_NAMES
 from pipeline.figures.naming import axis_label, mesh_energies, symbol
 from pipeline.figures.panels import cell_borders, lines_of
@@ -19,7 +19,21 @@ from pipeline.plane.outlines import flattened, thinned
 from pipeline.plane.stored import StoredPlane
 from solver import Scales
 
-__all__ = ["MapFrame", "evenly", "frame_of_map", "label_text", "map_lines", "marks_of", "plane_cells", "told_of_cells"]
+__all__ = [
+    "DETAIL",
+    "MapFrame",
+    "evenly",
+    "frame_of_map",
+    "label_text",
+    "map_lines",
+    "marks_of",
+    "plane_cells",
+    "told_of_cells",
+]
+
+#: How far what is drawn of a curve may be off it, as a share of the axes: at twenty times the size of a map that is
+#: 1500 pixels wide, a thirtieth of a pixel.
+DETAIL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +72,13 @@ def label_text(label: str) -> str:
     return label.replace("/-", "/\u2013")
 
 
-def map_lines(plane: StoredPlane, frame: MapFrame, detail: float) -> tuple[LineKind, ...]:
+def map_lines(plane: StoredPlane, frame: MapFrame) -> tuple[LineKind, ...]:
     """The boundaries between labels by kind, as the map of the figures has them, and the natural frequencies."""
     ends = (plane.plan.sweep.low, plane.plan.sweep.high), (plane.plan.parameter.low, plane.plan.parameter.high)
-    allowed = detail * np.array([high - low for low, high in ends])
+    allowed = DETAIL * np.array([high - low for low, high in ends])
     kinds = [
         LineKind(kind, plain(LINES[kind][1]), tuple(line * frame.size for line in _lines(outline, allowed)))
-        for kind, outline in lines_of(plane, *ends, detail).items()
+        for kind, outline in lines_of(plane, *ends, DETAIL).items()
     ]
     return (*kinds, *_modes(plane, frame, allowed))
 
@@ -114,8 +128,7 @@ def told_of_cells(plane: StoredPlane, frame: MapFrame) -> tuple[Told, ...]:
     code = np.sort(np.where(kinds > 0, kinds * 16 + impacts + 1, 0), axis=-1)
     sets, place = np.unique(code.reshape(-1, code.shape[-1]), axis=0, return_inverse=True)
     texts = tuple(cell_label(one // 16, one % 16 - 1) or "nothing found" for one in sets)
-    columns = borders_between(found[plane.plan.sweep.name].values, plane.plan.sweep)
-    rows = borders_between(found[plane.plan.parameter.name].values, plane.plan.parameter)
+    columns, rows = attractor_borders(plane, found)
     place, judged = place.reshape(kinds.shape[:-1]), found.credibility.values.astype(np.int64)
     words = tuple(kind.words for kind in Credibility)
     return (

@@ -8,6 +8,7 @@ from bokeh.models import BoxAnnotation, ColumnDataSource, Span
 from pipeline.explorer.later import Later
 from pipeline.explorer.layer_data import Layer
 from pipeline.explorer.map_figure import map_figure, update_map
+from pipeline.explorer.quiet import Quiet
 from pipeline.explorer.view_state import ViewState
 from pipeline.plan.plan import Plan
 
@@ -34,7 +35,7 @@ class MapView:
 
     def __init__(self, layer: Layer, plan: Plan, later: Later, change: Callable):
         self._plan, self._later, self._change = plan, later, change
-        self._layer, self._setting = layer, False
+        self._layer, self._quiet = layer, Quiet()
         self.figure = map_figure(layer, legend=False, sizing_mode="stretch_width", height=_HEIGHT)
         # What the map shows is said by the choice beside it.
         self.figure.title.visible = False
@@ -85,11 +86,8 @@ class MapView:
         self._row.visible = state.at is not None
         if state.at is not None:
             self._row.location = state.at[1] * sizes[1]
-        self._setting = True
-        try:
+        with self._quiet:
             self._show_design(state, sizes)
-        finally:
-            self._setting = False
 
     def _show_design(self, state: ViewState, sizes: tuple[float, float]) -> None:
         self._box.visible = state.design is not None
@@ -136,7 +134,7 @@ class MapView:
             self._change(window=None if window == whole else window)
 
     def _dragged(self, name: str, before: float, after: float) -> None:
-        if self._setting:
+        if self._quiet:
             return
         # All four sides come one after the other: they are one change.
         self._later.ask("design box", lambda: None, lambda _: self._box_moved(), lambda error: None)

@@ -99,7 +99,7 @@ def fill_motions(figures: dict, cards: Sequence[Motion | MapMotion], found: Moti
         "dash": ["6 4" if isinstance(card, MapMotion) else "" for card in cards],
         "width": [_WIDTH] * len(cards),
     }
-    in_time = [_over(one, shown) for one in curves]
+    in_time = [one.over(shown) for one in curves]
     source_of(figures["time"], "motions").data = {
         "time": [numbers(periods * units.time) for periods, _, _ in in_time],
         "displacement": [numbers(values * units.length) for _, values, _ in in_time],
@@ -153,14 +153,6 @@ def _set_ranges(figures: dict, cards, found: Motions, units: Units, shown: int) 
     set_range(figures["phase"].y_range, *limits["speed"])
     set_range(figures["spectrum"].y_range, *limits["amplitude"])
     return limits["amplitude"][0]
-
-
-def _over(curves, shown: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time in periods, lambda and force over so many periods."""
-    each = round(1.0 / (curves.periods[1] - curves.periods[0]))
-    count = shown * each + 1
-    times = -(-count // curves.periods.size)
-    return np.arange(count) / each, *(np.tile(part, times)[:count] for part in (curves.displacement, curves.force))
 
 
 def _path(values: np.ndarray, closed: bool) -> np.ndarray:

@@ -1,9 +1,9 @@
 """The explorer in a notebook."""
 
 import shlex
-from pathlib import Path
 
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.errors import ConfigurationError
 from pipeline.explorer import answers
 from pipeline.explorer.app import explorer
@@ -15,12 +15,12 @@ from pipeline.plan.planning import plan as plan_of
 __all__ = ["in_notebook"]
 
 
-def in_notebook(path: Path, view: str):
+def in_notebook(path: Place, view: str):
     """The explorer of a store.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     view : str
 
     Raises
@@ -37,7 +37,7 @@ def in_notebook(path: Path, view: str):
     return explorer(opened, view)
 
 
-def _command(path: Path, plan: Plan) -> str:
+def _command(path: Place, plan: Plan) -> str:
     """The command of a plane that is called as its file in `conf/plane` is; empty where that makes another."""
     words = [f"plane={path.stem}", f"store.root={path.parent}"]
     sizes = [f"plane.sweep.num={plan.sweep.num}", f"plane.parameter.num={plan.parameter.num}"]

@@ -2,11 +2,11 @@
 
 import contextlib
 import threading
-from pathlib import Path
 
 import numpy as np
 
 from pipeline import store
+from pipeline.config.places import Place
 from pipeline.errors import ConfigurationError, StoreError
 from pipeline.explorer.answers import Answers
 from pipeline.explorer.layer_data import Layer
@@ -25,11 +25,11 @@ class Content:
 
     Parameters
     ----------
-    path : Path
+    path : Place
     plan : Plan
     """
 
-    def __init__(self, path: Path, plan: Plan):
+    def __init__(self, path: Place, plan: Plan):
         self.path, self.plan, self.answers = path, plan, Answers(plan)
         self.plane = StoredPlane(path, plan)
         self.allowed: Allowed = allowed_of(plan, layer_names(self.plane))
@@ -58,12 +58,12 @@ class Opened:
 
     Parameters
     ----------
-    path : Path
+    path : Place
     command : str
         That of its plane, "python -m pipeline plane=omega_fe"; empty where it is not known.
     """
 
-    def __init__(self, path: Path, command: str = ""):
+    def __init__(self, path: Place, command: str = ""):
         self.path, self.command = path, command
         #: Set once kernels are loaded: answers wait for it.
         self.ready = threading.Event()
@@ -100,7 +100,7 @@ class Opened:
             raise StoreError(said(error, self.path)) from None
 
 
-def said(error: Exception, path: Path) -> str:
+def said(error: Exception, path: Place) -> str:
     """What a page says of an error: damage of the store, or that it is gone, if that is what it is."""
     if not store.exists(path):
         return f"{path} is gone: the command that made it makes it again"

@@ -18,13 +18,14 @@ from pipeline.explorer.messages import note, text
 from pipeline.explorer.motion_figures import fill_motions, motion_figures
 from pipeline.explorer.opened import Content, Opened, said
 from pipeline.explorer.plain_figure import source_of
+from pipeline.explorer.quiet import Quiet
 from pipeline.explorer.state_plane import fill_states, state_plane
 from pipeline.explorer.style import WIDGETS
 from pipeline.explorer.view_state import ViewState
 from pipeline.explorer.words import chip, found_by_integration, motion_table, place_text
 from pipeline.figures.motion_axes import units_of
 from pipeline.plan.scales import scales_of
-from pipeline.plane.motions import SolvedMotions
+from pipeline.plane.motions import SolvedMotions, label_of
 from pipeline.plane.row_curves import RowCurves
 
 __all__ = ["PlaceColumn"]
@@ -56,7 +57,7 @@ class PlaceColumn:
         self._opened, self._later, self._name, self._change = opened, later, name, change
         self._place_of = self._card_of = self._plane_of = None
         self._found: Motions | None = None
-        self._busy = False
+        self._quiet = Quiet()
         self._line = Span(dimension="height", **_HERE)
         # Each holds figures that are made once and then filled with what there is at a place.
         self.heading, self.verdict, self.motions, self.told = text(), text(), text(), text()
@@ -147,7 +148,7 @@ class PlaceColumn:
         _put(self.row, [self._curves])
 
     def _show_motions(self, found: SolvedMotions) -> None:
-        label = answers.label_of(found)
+        label = label_of(found.stable, found.impact)
         self.verdict.object = f"<p>{chip(label)} <span class='quiet'>integration is asked …</span></p>"
         doubts = "".join(note(one, "note") for one in found.doubts)
         self.motions.object = motion_table(found, self._scales) + doubts
@@ -163,7 +164,8 @@ class PlaceColumn:
         self._found = found
         options = {f"attractor {one.name}, {one.label}": one.name for one in found.attractors}
         options |= {f"from motion {i} of the map": str(i) for i in range(1, count + 1)}
-        self._quietly(options={**options, "from a state of one's own": _OWN})
+        with self._quiet:
+            self.which.options = {**options, "from a state of one's own": _OWN}
         self._show_card()
         self._show_states()
 
@@ -174,13 +176,15 @@ class PlaceColumn:
             return
         self._card_of = state.motion, state.start
         if state.start is not None:
-            self._quietly(value=_OWN)
+            with self._quiet:
+                self.which.value = _OWN
             self._ask("card", answers.ending_of_state, (*self._at, *state.start), self._show_ending)
             return
         by_letter = {one.name: one for one in found.attractors}
         chosen = state.motion or next(iter(by_letter), "1")
         if chosen in self.which.options.values():
-            self._quietly(value=chosen)
+            with self._quiet:
+                self.which.value = chosen
         if chosen in by_letter:
             self._draw(by_letter[chosen], standing(by_letter[chosen], found))
         elif chosen.isdigit():
@@ -212,7 +216,8 @@ class PlaceColumn:
     def _show_states(self) -> None:
         """The plane of initial states, where the view asks for it: with basins, or with a state to drag."""
         state = self._state
-        self._quietly_toggle(state.basins)
+        with self._quiet:
+            self.slice.value = state.basins
         wanted = state.basins or state.start is not None
         if self._plane_of == (state.basins, wanted):
             if wanted and self.states.children:
@@ -240,12 +245,8 @@ class PlaceColumn:
         x, speed = self._state.start or self._first_state()
         source, shown = source_of(self._plane, "start"), {"x": [x], "y": [speed]}
         if dict(source.data) != shown:
-            # The view's own state is nothing that the reader has dragged.
-            self._busy = True
-            try:
+            with self._quiet:
                 source.data = shown
-            finally:
-                self._busy = False
 
     def _first_state(self) -> tuple[float, float]:
         """Where an own state begins: on the first attractor."""
@@ -255,12 +256,12 @@ class PlaceColumn:
         return float(f"{x:.4g}"), float(f"{speed:.4g}")
 
     def _dragged(self, name: str, before: dict, after: dict) -> None:
-        if not self._busy and len(after["x"]) == 1:
+        if not self._quiet and len(after["x"]) == 1:
             x, speed = (float(f"{after[key][0]:.4g}") for key in ("x", "y"))
             self._change(start=(x, speed), motion=None)
 
     def _chosen(self, event) -> None:
-        if self._busy or event.new is None or self._change is None:
+        if self._quiet or event.new is None or self._change is None:
             return
         if event.new == _OWN:
             self._change(start=self._state.start or self._first_state(), motion=None)
@@ -268,23 +269,8 @@ class PlaceColumn:
             self._change(motion=event.new, start=None)
 
     def _toggled(self, event) -> None:
-        if not self._busy and self._change is not None:
+        if not self._quiet and self._change is not None:
             self._change(basins=event.new)
-
-    def _quietly(self, **values) -> None:
-        """What the view sets is nothing that the reader has asked for."""
-        self._busy = True
-        try:
-            self.which.param.update(**values)
-        finally:
-            self._busy = False
-
-    def _quietly_toggle(self, value: bool) -> None:
-        self._busy = True
-        try:
-            self.slice.value = value
-        finally:
-            self._busy = False
 
 
 def _pane(drawn) -> pn.pane.Bokeh:

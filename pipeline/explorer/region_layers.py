@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.explorer.boxes import cell_boxes
 from pipeline.explorer.layer_data import AreaClass, Layer, Shade, Written
-from pipeline.explorer.map_frame import MapFrame, label_text, map_lines, marks_of, plane_cells, told_of_cells
+from pipeline.explorer.map_frame import DETAIL, MapFrame, label_text, map_lines, marks_of, plane_cells, told_of_cells
 from pipeline.figures.layout import HEIGHT, PANEL
 from pipeline.figures.map import label_places
 from pipeline.figures.map_legend import share_text
@@ -24,7 +24,7 @@ from solver.regions.labelling import dynamic_code, is_contradictory, static_code
 __all__ = ["label_cells", "region_layer", "sketch"]
 
 
-def region_layer(plane: StoredPlane, name: str, frame: MapFrame, detail: float) -> Layer:
+def region_layer(plane: StoredPlane, name: str, frame: MapFrame) -> Layer:
     """The labels of a plane, counted as it counts them.
 
     Parameters
@@ -33,16 +33,14 @@ def region_layer(plane: StoredPlane, name: str, frame: MapFrame, detail: float) 
     name : str
         Of the layer.
     frame : MapFrame
-    detail : float
-        How far polygons and lines may be off their curves, as a share of the axes.
     """
     division, panel = stored_division(plane), panel_of(plane)
     if division is None:
         classes, cells = label_cells(plane, frame, shares_of_labels(plane))
         shades = _shaded_cells(plane, frame)
     else:
-        classes, cells = _regions(plane, division, frame, detail), None
-        shades = _shaded_regions(plane, division, frame, detail)
+        classes, cells = _regions(plane, division, frame), None
+        shades = _shaded_regions(plane, division, frame)
     return Layer(
         name,
         _title(plane),
@@ -52,7 +50,7 @@ def region_layer(plane: StoredPlane, name: str, frame: MapFrame, detail: float) 
         classes=classes,
         cells=cells,
         shades=(*shades, *_unknown(plane, frame)),
-        lines=map_lines(plane, frame, detail),
+        lines=map_lines(plane, frame),
         marks=marks_of(panel.marks, frame),
         written=_written(plane, panel, frame),
         told=told_of_cells(plane, frame),
@@ -86,9 +84,9 @@ def _class(plane: StoredPlane, code: int, shares: Mapping[int, float] | None, po
     return AreaClass(label_text(label), hex_colour(label_colour(label)), share, polygons)
 
 
-def _regions(plane: StoredPlane, division: Division, frame: MapFrame, detail: float) -> tuple[AreaClass, ...]:
+def _regions(plane: StoredPlane, division: Division, frame: MapFrame) -> tuple[AreaClass, ...]:
     meaning, shares = dynamic_code if plane.dynamic else static_code, shares_of_labels(plane)
-    found = region_polygons(division, detail, lambda code: int(meaning(code)))
+    found = region_polygons(division, DETAIL, lambda code: int(meaning(code)))
     return tuple(
         _class(plane, code, shares, tuple(polygon * frame.size for polygon in polygons))
         for code, polygons in found.items()
@@ -96,14 +94,14 @@ def _regions(plane: StoredPlane, division: Division, frame: MapFrame, detail: fl
     )
 
 
-def _shaded_regions(plane: StoredPlane, division: Division, frame: MapFrame, detail: float) -> list[Shade]:
+def _shaded_regions(plane: StoredPlane, division: Division, frame: MapFrame) -> list[Shade]:
     """Where motions that are counted are dynamically unstable, and where the two kinds of stability contradict."""
 
     def kind(code: int) -> int:
         unstable = not plane.dynamic and static_code(code) != dynamic_code(code)
         return int(unstable) | 2 * int(bool(is_contradictory(code)))
 
-    found, shares = region_polygons(division, detail, kind), _shares_by(division, kind)
+    found, shares = region_polygons(division, DETAIL, kind), _shares_by(division, kind)
     shades = []
     for bit, (text, pattern) in _SHADES.items():
         polygons = tuple(one * frame.size for code, some in found.items() if code & bit for one in some)

@@ -1,20 +1,19 @@
 """What makes a view again: the Python lines, and the shell command."""
 
-from pathlib import Path
-
+from pipeline.config.places import Place
 from pipeline.explorer.view_state import ViewState, query_of
 from pipeline.plan.plan import Plan
 
 __all__ = ["python_lines", "shell_command"]
 
 
-def python_lines(state: ViewState, path: Path, plan: Plan) -> str:
+def python_lines(state: ViewState, path: Place, plan: Plan) -> str:
     """Lines of Python that ask for what the view shows, and open the view itself.
 
     Parameters
     ----------
     state : ViewState
-    path : Path
+    path : Place
         The store.
     plan : Plan
         Its plan.

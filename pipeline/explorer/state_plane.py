@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from bokeh.models import HoverTool, LinearColorMapper, PointDrawTool
 
-from pipeline.analysis.attractors.places import Place
+from pipeline.analysis.attractors.places import IntegratedPlace
 from pipeline.analysis.attractors.wording import attractor_name
 from pipeline.analysis.motion.motions import Motion
 from pipeline.explorer.legend import Entry, area_entry
 from pipeline.explorer.plain_figure import empty, name_axes, numbers, plain_figure, set_range, source_of
-from pipeline.figures.basins import basin_colours
+from pipeline.figures.basins import basin_colours, slice_ends
 from pipeline.figures.palette import hex_colour
 
 __all__ = ["fill_states", "state_plane"]
@@ -44,7 +44,7 @@ def state_plane(**options):
     return found
 
 
-def fill_states(found, attractors: Sequence[Motion], place: Place | None) -> list[Entry]:
+def fill_states(found, attractors: Sequence[Motion], place: IntegratedPlace | None) -> list[Entry]:
     """Show states in a figure of `state_plane`.
 
     Parameters
@@ -52,7 +52,7 @@ def fill_states(found, attractors: Sequence[Motion], place: Place | None) -> lis
     found : bokeh.plotting.figure
     attractors : sequence of Motion
         Whose states at tau = 0 mod 2 pi / Omega are marked.
-    place : Place or None
+    place : IntegratedPlace or None
         With a slice of the basins.
 
     Returns
@@ -69,12 +69,12 @@ def fill_states(found, attractors: Sequence[Motion], place: Place | None) -> lis
     return _fill_basins(found, place)
 
 
-def _fill_basins(found, place: Place) -> list[Entry]:
+def _fill_basins(found, place: IntegratedPlace) -> list[Entry]:
     kinds, impacts = place.row.kind[0], place.row.impact[0]
     colours = [hex_colour(colour) for colour in basin_colours(kinds)]
     (basins,) = (one for one in found.renderers if one.name == "basins")
     basins.glyph.color_mapper.update(palette=["#ffffff", *colours], low=-1.5, high=len(colours) - 0.5)
-    x, y = (_ends(values) for values in (place.displacement, place.speed))
+    x, y = (slice_ends(values) for values in (place.displacement, place.speed))
     columns = {"x": [x[0]], "y": [y[0]], "dw": [x[1] - x[0]], "dh": [y[1] - y[0]]}
     basins.data_source.data = {"image": [place.slots.astype(np.int8)], **columns}
     set_range(found.x_range, *x)
@@ -93,8 +93,3 @@ def _fit(found, points: np.ndarray) -> None:
         low, high = float(values.min()), float(values.max())
         room = 0.5 * (high - low) or max(0.5 * abs(high), 0.5)
         set_range(axis, low - room, high + room)
-
-
-def _ends(values: np.ndarray) -> tuple[float, float]:
-    half = 0.5 * (values[-1] - values[0]) / max(values.size - 1, 1)
-    return float(values[0] - half), float(values[-1] + half)

@@ -105,28 +105,26 @@ def query_of(state: ViewState) -> str:
     >>> query_of(ViewState(layer="dynamic", at=(0.6, 0.2), fixed=(("b", 0.5),)))
     'layer=dynamic&at=0.6,0.2&b=0.5'
     """
-    usual, parts = ViewState(), {}
-    if state.layer != usual.layer:
-        parts["layer"] = state.layer
-    for name in ("at", "pin"):
-        if (pair := getattr(state, name)) is not None:
-            parts[name] = _text(pair)
-    parts |= {name: repr(float(value)) for name, value in state.fixed}
-    if state.motion is not None:
-        parts["motion"] = state.motion
-    if state.start is not None:
-        parts["start"] = _text(state.start)
-    if state.basins:
-        parts["basins"] = "1"
-    if state.design is not None:
-        parts["design"] = _text(state.design)
-    if state.tolerances != usual.tolerances:
-        parts["tolerances"] = _text(state.tolerances)
-    if state.window is not None:
-        parts["window"] = _text(state.window)
-    if state.physical:
-        parts["units"] = "physical"
+    usual = _texts(ViewState())
+    parts = {key: text for key, text in _texts(state).items() if text is not None and text != usual.get(key)}
     return urlencode(parts, safe=",", quote_via=quote)
+
+
+def _texts(state: ViewState) -> dict[str, str | None]:
+    """Key of an address -> its text, None where there is none."""
+    return {
+        "layer": state.layer,
+        "at": _text(state.at),
+        "pin": _text(state.pin),
+        **{name: repr(float(value)) for name, value in state.fixed},
+        "motion": state.motion,
+        "start": _text(state.start),
+        "basins": "1" if state.basins else None,
+        "design": _text(state.design),
+        "tolerances": _text(state.tolerances),
+        "window": _text(state.window),
+        "units": "physical" if state.physical else None,
+    }
 
 
 def state_of(query: str, allowed: Allowed) -> ViewState:
@@ -199,8 +197,8 @@ def _units(allowed: Allowed) -> tuple[str, ...]:
     return ("dimensionless", "physical") if allowed.physical else ("dimensionless",)
 
 
-def _text(numbers: tuple[float, ...]) -> str:
-    return ",".join(repr(float(number)) for number in numbers)
+def _text(numbers: tuple[float, ...] | None) -> str | None:
+    return None if numbers is None else ",".join(repr(float(number)) for number in numbers)
 
 
 def _numbers(key: str, text: str, ranges: tuple[_Range, ...]) -> tuple[float, ...]:

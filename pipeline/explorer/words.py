@@ -1,20 +1,18 @@
 """What a page tells in words, as HTML: nothing that comes from outside stands in it as markup."""
 
 import html
-import math
 from collections.abc import Sequence
 
 from pipeline.analysis.margins.distances import Margin
 from pipeline.analysis.margins.sheets import margin_cells
 from pipeline.analysis.motion.motions import Motions
+from pipeline.analysis.motion.wording import quantity_text
 from pipeline.config.quantities import QUANTITIES
 from pipeline.explorer.plain_text import plain
 from pipeline.figures.naming import symbol, value_text
 from pipeline.figures.palette import hex_colour, label_colour, text_colour
 from pipeline.plan.plan import Plan
 from pipeline.plane.motions import SolvedMotions
-from pipeline.plane.quantities import scale_of
-from pipeline.run.sheets import number_text
 from solver import ImpactState, Scales
 from solver.stability import Instability
 
@@ -81,12 +79,7 @@ def _quantity(name: str, found: SolvedMotions, i: int, scales: Scales | None) ->
     one = QUANTITIES[name]
     own = {"amplitude": found.amplitude}
     value = float(own[name][i] if name in own else found.quantities[i, one.slot])
-    if math.isnan(value):
-        return "–"
-    if name == "contact_loss":
-        return f"{number_text(100.0 * value)} %"
-    scale = scale_of(one, scales)
-    return number_text(value) if scale is None else f"{number_text(value * scale.shown)} {scale.unit}"
+    return quantity_text(one, value, scales)
 
 
 def margin_table(margins: Sequence[Margin], plan: Plan, scales: Scales | None) -> str:

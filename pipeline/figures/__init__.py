@@ -7,12 +7,14 @@ from functools import partial
 from pathlib import Path
 
 from pipeline import store
+from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE
-from pipeline.figures.options import check_options
+from pipeline.config.schema import Figures
+from pipeline.figures.options import check_options, figure_options
 from pipeline.plan.layers import layer_name
-from pipeline.plane.stored import read_stored
+from pipeline.plane.stored import StoredPlane, read_stored
 
-__all__ = ["NAMES", "check_options", "draw", "draw_design", "draw_followed", "draw_named", "draw_spectra", "names_of"]
+__all__ = ["NAMES", "check_options", "draw", "draw_named", "draw_one", "figure_options", "names_of"]
 
 #: Figures of a plane, those that take longest first.
 NAMES = (
@@ -29,48 +31,26 @@ NAMES = (
 
 
 def draw(
-    store_path: Path,
+    store_path: Place,
     folder: Path,
     curves: list[float] | None,
-    formats: list[str],
+    formats: Sequence[str],
     dpi: int,
-    window: list[float] | None = None,
-    stability: str = "static",
-    units: str = "dimensionless",
-    multipliers: list[float] | None = None,
-    quantity: str | None = None,
-    of: str = "worst",
+    *,
     only: Sequence[str] | None = None,
+    **further,
 ) -> list[Path]:
     """Draw the map, the amplitude-frequency curves and the backbone of a stored plane, and a part of the map if asked.
 
     Parameters
     ----------
-    store_path : Path
+    store_path : Place
         A store of this program.
     folder : Path
         Where the files go; made if need be.
-    curves : list of float or None
-        Parameter values whose curves are drawn, solved where no row has them; None: a quarter, half and three quarters
-        of the way.
-    formats : list of str
-        Of "png", "pdf" and "svg".
-    dpi : int
-        Pixels per inch of the PNG.
-    window : list of float or None
-        A part of the plane, [x low, x high, p low, p high], drawn in addition as map-window.
-    stability : str
-        Which motions the labels count: "static" (det J > 0, what is dynamically unstable is shaded) or "dynamic".
-    units : str
-        Of the axes: "dimensionless", or "physical" with the dimensionless value on the opposite side.
-    multipliers : list of float or None
-        Parameter values along whose branches Floquet multipliers are drawn; None draws none.
-    quantity : str or None
-        One of `pipeline.config.quantities.QUANTITIES`: its map is drawn in addition, and curves of it instead of those
-        of the amplitude.
-    of : str
-        Where several motions coexist that a label counts, that map shows the "worst", the largest value, or the
-        "mildest", the smallest.
+    curves, formats, dpi, **further
+        As for `pipeline.figures.options.figure_options`. Curves are solved where no row has them; None: a quarter, half
+        and three quarters of the way.
     only : sequence of str, optional
         Names of the figures that are drawn; all there are unless given.
 
@@ -89,28 +69,25 @@ def draw(
     ConfigurationError
         If the options are not allowed for this plane, or there is no store of ours.
     """
-    options = {"curves": curves, "formats": formats, "dpi": dpi, "window": window, "stability": stability}
-    options |= {"units": units, "multipliers": multipliers, "quantity": quantity, "of": of}
+    options = figure_options(curves, formats, dpi, **further)
     drawn = draw_named(store_path, folder, options, NAMES if only is None else only)
     return [path for paths in drawn.values() for path in paths]
 
 
-def draw_named(store_path: Path, folder: Path, options: dict, names: Sequence[str]) -> dict[str, list[Path]]:
+def draw_named(store_path: Place, folder: Path, options: Figures, names: Sequence[str]) -> dict[str, list[Path]]:
     """`draw` some figures, as a task of a worker: name -> its paths, without those that the plane does not have."""
-    formats, dpi = options["formats"], options["dpi"]
-    plane = read_stored(store_path, options["stability"] == "dynamic", options["units"] == "physical")
-    check_options(plane.plan, **options)
+    plane = read_stored(store_path, options.stability == "dynamic", options.units == "physical")
+    check_options(plane.plan, options)
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector():
         if plane.plan.parameter2 is not None:
-            return {"layers": _draw_layers(plane, folder, formats, dpi)}
-        asked = {name: options[name] for name in ("curves", "window", "multipliers", "quantity", "of")}
-        return _draw(plane, folder, formats, dpi, names, **asked)
+            return {"layers": _draw_layers(plane, folder, options)}
+        return _draw(plane, folder, options, names)
 
 
-def names_of(store_path: Path, options: dict) -> list[str]:
+def names_of(store_path: Place, options: Figures) -> list[str]:
     """Figures that a plane may have with the options of `draw`, those that take longest first."""
-    kept = {"map-quantity": options["quantity"], "map-window": options["window"], "multipliers": options["multipliers"]}
+    kept = {"map-quantity": options.quantity, "map-window": options.window, "multipliers": options.multipliers}
     lacking = {name for name, value in kept.items() if value is None}
     if not store.exists(store_path / "attractors"):
         lacking |= {"attractors", "verification"}
@@ -119,68 +96,28 @@ def names_of(store_path: Path, options: dict) -> list[str]:
     return [name for name in NAMES if name not in lacking]
 
 
-def draw_design(
-    store_path: Path, folder: Path, answer, formats: list[str], dpi: int, units: str = "dimensionless"
+def draw_one(
+    store_path: Place, folder: Path, name: str, drawn: Callable[[StoredPlane], object], options: Figures
 ) -> list[Path]:
-    """Draw a design point with its margins on the map of its plane, as `margins` in all formats.
+    """Draw one figure of a stored plane as `name` in all formats.
 
     Parameters
     ----------
-    store_path, folder, formats, dpi, units
-        As for `draw`.
-    answer : pipeline.analysis.margins.Answer
-    """
-    from pipeline.figures.margins import draw_margins
-
-    return _draw_one(store_path, folder, "margins", formats, dpi, units, lambda plane: draw_margins(plane, answer))
-
-
-def draw_followed(
-    store_path: Path, folder: Path, name: str, followed, formats: list[str], dpi: int, units: str = "dimensionless"
-) -> list[Path]:
-    """Draw a row that was followed up and down, over the branches of the map there, as `name` in all formats.
-
-    Parameters
-    ----------
-    store_path, folder, formats, dpi, units
+    store_path, folder
         As for `draw`.
     name : str
-    followed : pipeline.analysis.diagram.following.Followed, pipeline.plane.row_curves.RowCurves
-        Both.
+    drawn : callable
+        drawn(plane) is the figure.
+    options : Figures
+        Its formats, dpi and units.
     """
-    from pipeline.figures.diagram import draw_diagram
-
-    return _draw_one(store_path, folder, name, formats, dpi, units, lambda plane: draw_diagram(plane, *followed))
-
-
-def draw_spectra(
-    store_path: Path, folder: Path, name: str, spectra, formats: list[str], dpi: int, units: str = "dimensionless"
-) -> list[Path]:
-    """Draw spectra along a row as `name` in all formats.
-
-    Parameters
-    ----------
-    store_path, folder, formats, dpi, units
-        As for `draw`.
-    name : str
-    spectra : pipeline.analysis.diagram.spectra.Spectra
-    """
-    from pipeline.figures.spectrum import draw_spectrum
-
-    return _draw_one(store_path, folder, name, formats, dpi, units, lambda plane: draw_spectrum(plane, spectra))
-
-
-def _draw_one(
-    store_path: Path, folder: Path, name: str, formats: list[str], dpi: int, units: str, drawn: Callable
-) -> list[Path]:
-    """Write the one figure that `drawn` makes of the stored plane."""
     from pipeline.figures.drawing import own_style
     from pipeline.figures.output import write_figure
 
     folder.mkdir(parents=True, exist_ok=True)
     with _without_collector(), own_style():
-        plane = read_stored(store_path, physical=units == "physical")
-        return write_figure(drawn(plane), plane, folder, name, formats, dpi)
+        plane = read_stored(store_path, physical=options.units == "physical")
+        return write_figure(drawn(plane), plane, folder, name, options.formats, options.dpi)
 
 
 @contextmanager
@@ -198,7 +135,7 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _draw(plane, folder, formats, dpi, names, curves, window, multipliers, quantity, of) -> dict[str, list[Path]]:
+def _draw(plane: StoredPlane, folder: Path, options: Figures, names: Sequence[str]) -> dict[str, list[Path]]:
     # Here, because options are checked long before anything is drawn and matplotlib takes half a second to import.
     from pipeline.figures.backbone import draw_backbone, has_backbone
     from pipeline.figures.curves import draw_curves
@@ -207,20 +144,20 @@ def _draw(plane, folder, formats, dpi, names, curves, window, multipliers, quant
     from pipeline.figures.output import write_figure
 
     drawers = {"map": lambda: draw_map(plane)}
-    if window is not None:
-        drawers["map-window"] = lambda: draw_window(plane, window)
-    shown = quantity or AMPLITUDE.name
-    drawers["curves"] = lambda: draw_curves(plane, curves, shown)
+    if options.window is not None:
+        drawers["map-window"] = lambda: draw_window(plane, options.window)
+    shown = options.quantity or AMPLITUDE.name
+    drawers["curves"] = lambda: draw_curves(plane, options.curves, shown)
     files = {} if shown == AMPLITUDE.name else {"curves": f"curves-{shown}"}
-    if quantity is not None:
+    if options.quantity is not None:
         from pipeline.figures.quantity_map import draw_quantity_map
 
-        drawers["map-quantity"] = lambda: draw_quantity_map(plane, quantity, of)
-        files["map-quantity"] = f"map-{quantity}-{of}"
-    if multipliers is not None:
+        drawers["map-quantity"] = lambda: draw_quantity_map(plane, shown, options.of)
+        files["map-quantity"] = f"map-{shown}-{options.of}"
+    if options.multipliers is not None:
         from pipeline.figures.multipliers import draw_multipliers
 
-        drawers["multipliers"] = lambda: draw_multipliers(plane, multipliers)
+        drawers["multipliers"] = lambda: draw_multipliers(plane, options.multipliers)
     if any(store.exists(plane.path / group) for group in ("attractors", "places")):
         # What it needs of the solver are many kernels, and most planes have none.
         drawers |= _of_attractors(plane)
@@ -228,7 +165,7 @@ def _draw(plane, folder, formats, dpi, names, curves, window, multipliers, quant
         drawers["backbone"] = lambda: draw_backbone(plane)
     with own_style():
         return {
-            name: write_figure(drawn(), plane, folder, files.get(name, name), formats, dpi)
+            name: write_figure(drawn(), plane, folder, files.get(name, name), options.formats, options.dpi)
             for name, drawn in drawers.items()
             if name in names
         }
@@ -251,15 +188,16 @@ def _of_attractors(plane) -> dict:
     return drawers
 
 
-def _draw_layers(volume, folder, formats, dpi) -> list[Path]:
+def _draw_layers(volume: StoredPlane, folder: Path, options: Figures) -> list[Path]:
     from pipeline.figures.drawing import own_style
     from pipeline.figures.output import write_figure
     from pipeline.figures.volume import draw_volume
 
+    how = options.formats, options.dpi
     with own_style():
-        paths = write_figure(draw_volume(volume), volume, folder, "layers", formats, dpi)
+        paths = write_figure(draw_volume(volume), volume, folder, "layers", *how)
         for layer, drawer in _of_layers(volume):
-            paths += write_figure(drawer(), layer, folder, f"attractors-{_layer_text(volume, layer)}", formats, dpi)
+            paths += write_figure(drawer(), layer, folder, f"attractors-{_layer_text(volume, layer)}", *how)
     return paths
 
 

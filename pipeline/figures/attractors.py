@@ -12,7 +12,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
 from pipeline.analysis.attractors.wording import likely_missed, percents
-from pipeline.figures.cell_panels import borders_between, cell_image, draw_cells, line_entries, outline_of
+from pipeline.figures.cell_panels import attractor_borders, cell_image, draw_cells, line_entries, outline_of
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.map_legend import Entry
 from pipeline.figures.palette import hex_colour
@@ -86,8 +86,7 @@ def draw_attractors(plane: StoredPlane, found, window: Sequence[float] | None = 
     kind, impact = found.kind.values, found.impact.values
     classes = class_of(kind)
     parts, several = stripes(classes), np.sum(classes >= 0, axis=-1) >= 2
-    columns = borders_between(found[plane.plan.sweep.name].values, plane.plan.sweep)
-    rows = borders_between(found[plane.plan.parameter.name].values, plane.plan.parameter)
+    columns, rows = attractor_borders(plane, found)
     struck = np.isin(impact, (ImpactState.DOUBLE_SIDED,)).any(axis=-1)
     lost = np.isin(impact, (ImpactState.SINGLE_SIDED, ImpactState.FREE, ImpactState.MIRRORED_SINGLE_SIDED)).any(axis=-1)
     lost &= ~struck

@@ -47,7 +47,7 @@ def draw_basins(plane: StoredPlane, found) -> Drawing:
         if np.all(np.isfinite(x)):
             axes.imshow(
                 enlarged(_colours(place)),
-                extent=(*_ends(x), *_ends(y)),
+                extent=(*slice_ends(x), *slice_ends(y)),
                 origin="lower",
                 aspect="auto",
                 interpolation="none",
@@ -60,7 +60,8 @@ def draw_basins(plane: StoredPlane, found) -> Drawing:
     return figure
 
 
-def _ends(values: np.ndarray) -> tuple[float, float]:
+def slice_ends(values: np.ndarray) -> tuple[float, float]:
+    """Outer borders of cells around the states of a slice, along one of its sides."""
     half = 0.5 * (values[-1] - values[0]) / max(values.size - 1, 1)
     return float(values[0] - half), float(values[-1] + half)
 

@@ -33,7 +33,15 @@ from pipeline.figures.physical_axes import lift, show_units, spare, titled
 from pipeline.figures.windows import coexistence_windows
 from pipeline.plane.stored import StoredPlane
 
-__all__ = ["borders_between", "cell_image", "draw_cells", "line_entries", "outline_of", "with_lines"]
+__all__ = [
+    "attractor_borders",
+    "borders_between",
+    "cell_image",
+    "draw_cells",
+    "line_entries",
+    "outline_of",
+    "with_lines",
+]
 
 #: Inches of a line of text above the panel; to the right end of the legend's numbers.
 _LINE, _SHARE = 0.19, 1.54
@@ -119,6 +127,12 @@ def line_entries(plane: StoredPlane, window: Sequence[float] | None = None) -> l
     lines = lines_of(plane, tuple(ends[:2]), tuple(ends[2:]))
     found = [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
     return [Entry(), Entry("lines: the map"), *found] if found else []
+
+
+def attractor_borders(plane: StoredPlane, found) -> tuple[np.ndarray, np.ndarray]:
+    """Borders (X + 1,) and (P + 1,) of the cells of the group `attractors`."""
+    sweep, parameter = plane.plan.sweep, plane.plan.parameter
+    return borders_between(found[sweep.name].values, sweep), borders_between(found[parameter.name].values, parameter)
 
 
 def borders_between(values: np.ndarray, axis) -> np.ndarray:

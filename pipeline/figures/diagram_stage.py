@@ -24,6 +24,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline import figures
     from pipeline.analysis.diagram.following import follow
     from pipeline.analysis.diagram.sheets import diagram_lines, diagram_sheets, row_name
+    from pipeline.figures.diagram import draw_diagram
     from pipeline.plane.row_curves import curves_at
     from pipeline.plane.stored import read_stored
 
@@ -36,8 +37,9 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"diagram: {text}")
     folder, name = settings.output_root / "diagram" / settings.store_name, row_name(job.plan, way)
     paths = write_files(folder, diagram_sheets(followed, curves, name))
-    drawn = (followed, curves), options.formats, options.dpi, options.units
-    paths += figures.draw_followed(job.store_path, folder, name, *drawn)
+    paths += figures.draw_one(
+        job.store_path, folder, name, lambda plane: draw_diagram(plane, followed, curves), options
+    )
     took = f"{perf_counter() - begin:.2f} s"
     reporter.line(f"diagram: {', '.join(path.name for path in paths)} in {folder.resolve()} ({took})")
     return 0

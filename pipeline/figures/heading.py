@@ -69,4 +69,8 @@ def balance_text(plan: Plan) -> str:
 def _unfelt(plan: Plan) -> str:
     """What the balance does not feel of the excitation; empty where it feels everything."""
     found = unfelt_harmonics(plan)
-    return "" if found is None else f"not felt: {found.words}"
+    if found is None:
+        return ""
+    # Of what they are is for the run to say: the gear needs the room.
+    numbers = sorted({*found.stiffness, *found.error})
+    return f"not felt: harmonic{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))} of the excitation"

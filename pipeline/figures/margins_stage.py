@@ -23,6 +23,8 @@ def _check(job: Job) -> None:
 
 
 def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
+    from pipeline.figures.margins import draw_margins
+
     settings, path = job.settings, job.store_path
     name, options = settings.store_name, settings.config.figures
     begin = perf_counter()
@@ -37,7 +39,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     folder = settings.output_root / "margins"
     sheets = margins.write_sheets(found, folder, name)
     drawn = settings.output_root / "figures" / name
-    paths = figures.draw_design(path, drawn, found, options.formats, options.dpi, options.units)
+    paths = figures.draw_one(path, drawn, "margins", lambda plane: draw_margins(plane, found), options)
     for there, files in ((folder, sheets), (drawn, paths)):
         reporter.line(f"margins: {', '.join(file.name for file in files)} in {there.resolve()}")
     reporter.line(

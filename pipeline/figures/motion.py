@@ -151,7 +151,7 @@ def _draw_solid(
     curves: Curves, gap: tuple[float, float], units: Units, shown: int, time: Axes, force: Axes, phase: Axes
 ) -> None:
     """What integration gives: its colour tells which flank is in contact."""
-    periods, displacement, forces = _over(curves, shown)
+    periods, displacement, forces = curves.over(shown)
     for zone, (x, y) in _parts(periods * units.time, displacement, gap):
         time.plot(x, y * units.length, color=_ZONES[zone], linewidth=1.0, zorder=3)
     force.plot(periods * units.time, forces * units.force, color=_ZONES[0], linewidth=0.9, zorder=3)
@@ -166,7 +166,7 @@ def _draw_solid(
 def _draw_balance(curves: Curves, units: Units, shown: int, time, force, phase, spectrum, alone: bool) -> None:
     """What the harmonic balance gives, dashed."""
     style = {**_BALANCE, "linewidth": 1.0} if alone else _BALANCE
-    periods, displacement, forces = _over(curves, shown)
+    periods, displacement, forces = curves.over(shown)
     time.plot(periods * units.time, displacement * units.length, **style)
     force.plot(periods * units.time, forces * units.force, **style)
     path = [np.append(part, part[:1]) for part in (curves.displacement, curves.speed)]
@@ -215,14 +215,6 @@ def _draw_force_marks(card: Motion | MapMotion, found: Motions, units: Units, ax
         fontsize=8,
         zorder=7,
     )
-
-
-def _over(curves: Curves, shown: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time in periods, lambda and force over so many periods."""
-    each = round(1.0 / (curves.periods[1] - curves.periods[0]))
-    count = shown * each + 1
-    times = -(-count // curves.periods.size)
-    return np.arange(count) / each, *(np.tile(part, times)[:count] for part in (curves.displacement, curves.force))
 
 
 def _parts(x: np.ndarray, y: np.ndarray, gap: tuple[float, float], of: np.ndarray | None = None):

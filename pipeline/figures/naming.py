@@ -1,12 +1,11 @@
 """How parameters are written in figures."""
 
-from functools import singledispatch
 from itertools import zip_longest
 
 from pipeline.config.physical import TEMPERATURE
 from pipeline.config.quantities import Quantity
 from pipeline.plan.kinds import kind_of
-from pipeline.plan.numerics import frame_of, row_system
+from pipeline.plan.numerics import System, frame_of, row_system
 from pipeline.plan.plan import Plan
 from pipeline.plan.traits import excitation_harmonics
 from pipeline.plane.resonances import contact_modes
@@ -101,20 +100,11 @@ def fixed_parameters(plan: Plan, scales: Scales | None = None) -> str:
     return shown if plan.thermal is None else f"at {value_text(TEMPERATURE, 0.0)}:  {shown}"
 
 
-@singledispatch
-def _told_first(system, plan: Plan) -> dict[str, float]:
+def _told_first(system: System, plan: Plan) -> dict[str, float]:
     """Parameter -> value, of those that a reader asks for first."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@_told_first.register
-def _(system: Model, plan: Plan) -> dict[str, float]:
-    values = {"b": system.b, "alpha": system.alpha, "f_e": system.f_e, "f_pm": system.f_pm}
-    return values | ({"f_pv": system.f_pv} if system.f_pv else {})
-
-
-@_told_first.register
-def _(system: ContactSystem, plan: Plan) -> dict[str, float]:
+    if isinstance(system, Model):
+        values = {"b": system.b, "alpha": system.alpha, "f_e": system.f_e, "f_pm": system.f_pm}
+        return values | ({"f_pv": system.f_pv} if system.f_pv else {})
     values = {name: plan.gear[name] for name in kind_of(plan).axes if name in plan.gear}
     still = values.get("alpha", 1.0) == 0.0
     # What is not there needs no number.
@@ -138,16 +128,11 @@ _OF_GEAR = (
 
 def gear_text(plan: Plan) -> str:
     """The numbers of a gear that its plane holds fixed, those of a reference reader's table of data."""
-    return _gear_text(frame_of(plan if plan.parameter2 is None else plan.layer(0))[0], plan)
+    system = frame_of(plan if plan.parameter2 is None else plan.layer(0))[0]
+    return _bevel_text(system, plan) if isinstance(system, Model) else _system_text(system, plan)
 
 
-@singledispatch
-def _gear_text(system, plan: Plan) -> str:
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@_gear_text.register
-def _(model: Model, plan: Plan) -> str:
+def _bevel_text(model: Model, plan: Plan) -> str:
     values = {**plan.gear, "translation_coupling": model.sigma, "rotation_coupling": model.rotation}
     axes = {axis.name for axis in plan.axes}
     texts = [
@@ -156,8 +141,7 @@ def _(model: Model, plan: Plan) -> str:
     return "gear:  " + ",  ".join(texts)
 
 
-@_gear_text.register
-def _(system: ContactSystem, plan: Plan) -> str:
+def _system_text(system: ContactSystem, plan: Plan) -> str:
     kind = kind_of(plan)
     harmonics = {
         r"$\alpha_{2\ldots}$": system.stiffness_harmonics[1:],

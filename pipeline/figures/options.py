@@ -1,6 +1,7 @@
 """What may be asked of the figures, checked before anything is computed or drawn."""
 
 import math
+from collections.abc import Sequence
 
 from pipeline.config.allowed import check_one, sentence_of
 from pipeline.config.quantities import QUANTITIES
@@ -9,47 +10,56 @@ from pipeline.errors import ConfigurationError
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.plan import Plan
 
-__all__ = ["check_options", "check_quantity", "check_units"]
+__all__ = ["check_options", "check_quantity", "check_units", "figure_options"]
 
 #: As a share of an axis: down to here, what stored boundaries are known to is less than a pixel.
 NARROWEST = 1e-5
 
 
-def check_options(
-    plan: Plan,
+def figure_options(
     curves: list[float] | None,
-    formats: list[str],
+    formats: Sequence[str],
     dpi: int,
+    *,
     window: list[float] | None = None,
     stability: str = "static",
     units: str = "dimensionless",
     multipliers: list[float] | None = None,
     quantity: str | None = None,
     of: str = "worst",
-) -> None:
-    """Raise unless these figures can be drawn of this plane.
+) -> Figures:
+    """Options of figures, as the configuration has them under `figures`.
 
     Parameters
     ----------
-    plan : Plan
     curves : list of float or None
         Parameter values whose amplitude-frequency curves are drawn; None leaves the choice to us.
-    formats : list of str
+    formats : sequence of str
         Of "png", "pdf" and "svg".
     dpi : int
         Pixels per inch of the PNG.
-    window : list of float or None
-        A part of the plane, [x low, x high, p low, p high]; None draws none.
-    stability : str
-        "static" or "dynamic".
-    units : str
-        "dimensionless" or "physical"; the latter needs a gear in physical units.
-    multipliers : list of float or None
+    window : list of float, optional
+        A part of the plane, [x low, x high, p low, p high], drawn in addition as map-window.
+    stability : str, optional
+        Which motions the labels count: "static" (det J > 0, what is dynamically unstable is shaded) or "dynamic".
+    units : str, optional
+        Of the axes: "dimensionless", or "physical" with the dimensionless value on the opposite side; that needs a gear
+        in physical units.
+    multipliers : list of float, optional
         Parameter values along whose branches Floquet multipliers are drawn.
-    quantity : str or None
-        One of `pipeline.config.quantities.QUANTITIES`, drawn over the plane and along the curves.
-    of : str
-        "worst" or "mildest".
+    quantity : str, optional
+        One of `pipeline.config.quantities.QUANTITIES`: its map is drawn in addition, and curves of it instead of those
+        of the amplitude.
+    of : str, optional
+        Where several motions coexist that a label counts, that map shows the "worst", the largest value, or the
+        "mildest", the smallest.
+    """
+    further = {"window": window, "stability": stability, "units": units, "quantity": quantity, "of": of}
+    return Figures(curves=curves, multipliers=multipliers, formats=list(formats), dpi=dpi, **further)
+
+
+def check_options(plan: Plan, options: Figures) -> None:
+    """Raise unless these figures can be drawn of this plane.
 
     Raises
     ------
@@ -58,14 +68,13 @@ def check_options(
     """
     row = plan.parameter
     if plan.parameter2 is not None:
-        asked = {"curves": curves, "window": window, "units": units, "multipliers": multipliers, "quantity": quantity}
-        for key, value in asked.items():
-            if value not in (None, "dimensionless"):
+        for key in ("curves", "window", "units", "multipliers", "quantity"):
+            if (value := getattr(options, key)) not in (None, "dimensionless"):
                 raise ConfigurationError(
                     f"figures.{key} = {value} is not allowed for a volume: with plane.layer=VALUE, a value of "
                     f"{plan.parameter2.name}, it is drawn of the plane of that layer"
                 )
-    for key, values in (("curves", curves), ("multipliers", multipliers)):
+    for key, values in (("curves", options.curves), ("multipliers", options.multipliers)):
         if values is not None and not values:
             raise ConfigurationError(f"figures.{key} = [] is not allowed: it must be null or hold at least one value")
         for value in values or []:
@@ -74,16 +83,15 @@ def check_options(
                     f"figures.{key} = {value} is not allowed: it must lie within {row.name} = {row.low:g} ... "
                     f"{row.high:g}"
                 )
-    if not formats:
+    if not options.formats:
         names = sentence_of(Figures, "formats").removeprefix("one of ")
         raise ConfigurationError(f"figures.formats = [] is not allowed: it must be a list of {names}")
-    words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
-    for name, value in {"formats": formats, "dpi": dpi, **words}.items():
-        check_one(Figures, f"figures.{name}", value)
-    check_quantity(plan, "figures.quantity", quantity)
-    check_units(plan, units)
-    if window is not None:
-        _check_window(plan, window)
+    for name in ("formats", "dpi", "stability", "units", "quantity", "of"):
+        check_one(Figures, f"figures.{name}", getattr(options, name))
+    check_quantity(plan, "figures.quantity", options.quantity)
+    check_units(plan, options.units)
+    if options.window is not None:
+        _check_window(plan, options.window)
 
 
 def check_quantity(plan: Plan, key: str, quantity: str | None) -> None:

@@ -1,19 +1,20 @@
 """The figures of an opened plane, as matplotlib figures for a notebook or a script."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from pathlib import Path
 
 from pipeline.analysis.attractors.options import check_box
 from pipeline.config.allowed import sentence_of
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE
 from pipeline.config.schema import Attractors, Figures
-from pipeline.errors import ConfigurationError
-from pipeline.figures.options import check_options
+from pipeline.errors import ConfigurationError, refused
+from pipeline.figures.options import check_options, figure_options
 from pipeline.plan.plan import Plan
+from pipeline.plane.stored import StoredPlane, read_stored
 from solver import ParameterError
 from solver.model.checks import finite_array, finite_number
 
@@ -26,7 +27,7 @@ class Plots:
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store.
     plan : Plan
         Its plan; of the layer, where it is one.
@@ -34,7 +35,7 @@ class Plots:
         Number of the layer in a volume.
     """
 
-    path: Path
+    path: Place
     plan: Plan
     layer: int | None = None
 
@@ -75,16 +76,16 @@ class Plots:
             If the window is no four numbers.
         """
         window = None if window is None else finite_array("window", window, (4,)).tolist()
-        self._check(None, window, stability, units, quantity, of)
-        from pipeline.figures.drawing import own_style
+        self._check(units, window=window, stability=stability, quantity=quantity, of=of)
         from pipeline.figures.map import draw_map, draw_window
         from pipeline.figures.quantity_map import draw_quantity_map
 
-        plane = self._read(stability, units)
-        with own_style():
+        def drawn(plane: StoredPlane):
             if quantity is not None:
                 return draw_quantity_map(plane, quantity, of, window)
             return draw_map(plane) if window is None else draw_window(plane, window)
+
+        return self._drawn(drawn, units, stability)
 
     def curves(self, units: str = "dimensionless", quantity: str | None = None, **values: float | Sequence[float]):
         """A quantity and the mean over the sweep axis at some values of the row parameter.
@@ -111,13 +112,10 @@ class Plots:
             If a value is no finite number.
         """
         chosen = self._rows("curves", values)
-        self._check(chosen, None, "static", units, quantity)
+        self._check(units, chosen, quantity=quantity)
         from pipeline.figures.curves import draw_curves
-        from pipeline.figures.drawing import own_style
 
-        plane = self._read("static", units)
-        with own_style():
-            return draw_curves(plane, chosen, quantity or AMPLITUDE.name)
+        return self._drawn(lambda plane: draw_curves(plane, chosen, quantity or AMPLITUDE.name), units)
 
     def multipliers(self, units: str = "dimensionless", **values: float | Sequence[float]):
         """Floquet multipliers along the branches at some values of the row parameter.
@@ -145,13 +143,10 @@ class Plots:
             raise ConfigurationError(
                 f"multipliers = {values} is not allowed: it must name a value of {self.plan.parameter.name}"
             )
-        self._check(None, None, "static", units, multipliers=chosen)
-        from pipeline.figures.drawing import own_style
+        self._check(units, multipliers=chosen)
         from pipeline.figures.multipliers import draw_multipliers
 
-        plane = self._read("static", units)
-        with own_style():
-            return draw_multipliers(plane, chosen)
+        return self._drawn(lambda plane: draw_multipliers(plane, chosen), units)
 
     def backbone(self, units: str = "dimensionless"):
         """Backbones of the free vibration, and the largest stable amplitude near each resonance over the rows.
@@ -171,18 +166,18 @@ class Plots:
             If the plane has none: its rows do not run over the mesh frequency, there is no mean load, or it is of a
             system that is no bevel pair.
         """
-        self._check(None, None, "static", units)
+        self._check(units)
         from pipeline.figures.backbone import draw_backbone, has_backbone
-        from pipeline.figures.drawing import own_style
 
-        plane = self._read("static", units)
-        if not has_backbone(plane):
-            raise ConfigurationError(
-                "backbone is not allowed for this plane: its rows must run over omega, those of a bevel pair, and f_pm "
-                "must not be 0"
-            )
-        with own_style():
+        def drawn(plane: StoredPlane):
+            if not has_backbone(plane):
+                raise ConfigurationError(
+                    "backbone is not allowed for this plane: its rows must run over omega, those of a bevel pair, and "
+                    "f_pm must not be 0"
+                )
             return draw_backbone(plane)
+
+        return self._drawn(drawn, units)
 
     def motion(self, units: str = "dimensionless", attractors: Mapping[str, object] | None = None, **place: float):
         """Every motion at a point, computed anew: time history, mesh force, phase portrait and spectrum of each.
@@ -217,15 +212,12 @@ class Plots:
         if set(place) != {axis.name for axis in axes}:
             raise ParameterError("place", place, f"given by {axes[0].name} and {axes[1].name}, each with a value")
         x, p = (finite_number(a.name, place[a.name], at_least=a.low, at_most=a.high) for a in axes)
-        self._check(None, None, "static", units)
+        self._check(units)
         settings = _search_settings(attractors)
         from pipeline.analysis.motion.motions import motions_at
-        from pipeline.figures.drawing import own_style
         from pipeline.figures.motion import draw_motions
 
-        plane = self._read("static", units)
-        with own_style():
-            return draw_motions(plane, motions_at(self.plan, x, p, settings))
+        return self._drawn(lambda plane: draw_motions(plane, motions_at(self.plan, x, p, settings)), units)
 
     def diagram(
         self, units: str = "dimensionless", columns: int | None = None, max_periods: int | None = None, **value: float
@@ -256,12 +248,12 @@ class Plots:
         from pipeline.analysis.diagram.following import follow
         from pipeline.analysis.diagram.options import way_of
         from pipeline.figures.diagram import draw_diagram
-        from pipeline.figures.drawing import own_style
         from pipeline.plane.row_curves import curves_at
 
-        way, plane = way_of("diagram", options, self.plan), self._read("static", units)
-        with own_style():
-            return draw_diagram(plane, follow(self.plan, way), curves_at(plane, way.value))
+        way = way_of("diagram", options, self.plan)
+        return self._drawn(
+            lambda plane: draw_diagram(plane, follow(self.plan, way), curves_at(plane, way.value)), units
+        )
 
     def spectrum(
         self,
@@ -307,12 +299,10 @@ class Plots:
         from pipeline.analysis.diagram.following import follow
         from pipeline.analysis.diagram.options import spectrum_of
         from pipeline.analysis.diagram.spectra import spectra_of
-        from pipeline.figures.drawing import own_style
         from pipeline.figures.spectrum import draw_spectrum
 
-        asked, plane = spectrum_of(options, self.plan), self._read("static", units)
-        with own_style():
-            return draw_spectrum(plane, spectra_of(follow(self.plan, asked.way), asked))
+        asked = spectrum_of(options, self.plan)
+        return self._drawn(lambda plane: draw_spectrum(plane, spectra_of(follow(self.plan, asked.way), asked)), units)
 
     def _along(self, key: str, value: dict, units: str, **own):
         """Settings of a row that is followed, what is None as the configuration has it."""
@@ -321,7 +311,7 @@ class Plots:
             raise ConfigurationError(f"{key} is not allowed for a volume: plane.layer=VALUE takes out a plane")
         if set(value) != {name}:
             raise ConfigurationError(f"{key} = {value} is not allowed: rows of this plane are chosen by {name}")
-        self._check(None, None, "static", units)
+        self._check(units)
         typed = [f"{key}.{setting}={given}" for setting, given in own.items() if given is not None]
         given = value[name]
         given = float(given) if isinstance(given, Real) and not isinstance(given, int) else given
@@ -335,29 +325,21 @@ class Plots:
         chosen = values.get(name)
         return None if chosen is None else finite_array(name, chosen, None).ravel().tolist()
 
-    def _check(
-        self,
-        curves,
-        window,
-        stability: str,
-        units: str,
-        quantity: str | None = None,
-        of: str = "worst",
-        multipliers: list[float] | None = None,
-    ):
-        words = {"stability": stability, "units": units, "quantity": quantity, "of": of}
-        for name, value in words.items():
+    def _check(self, units: str, curves: list[float] | None = None, **further) -> None:
+        options = figure_options(curves, ["png"], 100, units=units, **further)
+        for name in ("stability", "units", "quantity", "of"):
+            value = getattr(options, name)
             if not isinstance(value, str) and (name, value) != ("quantity", None):
-                raise ConfigurationError(
-                    f"figures.{name} = {value!r} is not allowed: it must be {sentence_of(Figures, name)}"
-                )
-        check_options(self.plan, curves, ["png"], 100, window, stability, units, multipliers, quantity, of)
+                raise refused(f"figures.{name}", value, sentence_of(Figures, name))
+        check_options(self.plan, options)
 
-    def _read(self, stability: str, units: str):
-        from pipeline.plane.stored import read_stored
+    def _drawn(self, draw: Callable[[StoredPlane], object], units: str, stability: str = "static"):
+        """The figure that `draw` makes of the plane."""
+        from pipeline.figures.drawing import own_style
 
         stored = read_stored(self.path, stability == "dynamic", units == "physical")
-        return stored if self.layer is None else stored.layer_at(self.layer)
+        with own_style():
+            return draw(stored if self.layer is None else stored.layer_at(self.layer))
 
 
 def _search_settings(given: Mapping[str, object] | None) -> Attractors:

@@ -25,6 +25,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     from pipeline.analysis.diagram.following import follow
     from pipeline.analysis.diagram.sheets import row_name, spectrum_lines, spectrum_sheets
     from pipeline.analysis.diagram.spectra import spectra_of
+    from pipeline.figures.spectrum import draw_spectrum
 
     settings, begin = job.settings, perf_counter()
     options, drawing = spectrum_of(settings.config.spectrum, job.plan), settings.config.figures
@@ -35,8 +36,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     folder = settings.output_root / "spectrum" / settings.store_name
     name = row_name(job.plan, options.way, options.of, options.direction)
     paths = write_files(folder, spectrum_sheets(spectra, name))
-    drawn = spectra, drawing.formats, drawing.dpi, drawing.units
-    paths += figures.draw_spectra(job.store_path, folder, name, *drawn)
+    paths += figures.draw_one(job.store_path, folder, name, lambda plane: draw_spectrum(plane, spectra), drawing)
     took = f"{perf_counter() - begin:.2f} s"
     reporter.line(f"spectrum: {', '.join(path.name for path in paths)} in {folder.resolve()} ({took})")
     return 0

@@ -12,19 +12,10 @@ from pipeline.run.workforce import Workforce
 __all__ = ["STAGE"]
 
 
-def _options(job: Job) -> dict:
-    """The settings of figures as `pipeline.figures.draw` takes them."""
-    options = job.settings.config.figures
-    return {
-        name: getattr(options, name)
-        for name in ("curves", "formats", "dpi", "window", "stability", "units", "multipliers", "quantity", "of")
-    }
-
-
 def _check_options(job: Job) -> None:
     from pipeline import figures
 
-    figures.check_options(job.plan, **_options(job))
+    figures.check_options(job.plan, job.settings.config.figures)
 
 
 def _folder(job: Job) -> Path:
@@ -35,7 +26,7 @@ def _tasks(job: Job) -> list[tuple]:
     """Arguments of `pipeline.figures.draw_named`, one figure each, what takes longest first."""
     from pipeline import figures
 
-    options = _options(job)
+    options = job.settings.config.figures
     names = figures.names_of(job.store_path, options)
     return [(job.store_path, _folder(job), options, (name,)) for name in names]
 
@@ -53,7 +44,8 @@ def _draw(job: Job, workforce: Workforce) -> list[Path]:
     from pipeline import figures
 
     if not workforce.has_local_workers or job.plan.parameter2 is not None:
-        return figures.draw(job.store_path, _folder(job), **_options(job))
+        drawn = figures.draw_named(job.store_path, _folder(job), job.settings.config.figures, figures.NAMES)
+        return [path for paths in drawn.values() for path in paths]
     drawn = {}
     for _, result in workforce.run_beside(figures.draw_named, _tasks(job)):
         if isinstance(result, Exception):
@@ -66,7 +58,7 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     note_unfinished(job, reporter, "the figures leave them blank")
     begin = perf_counter()
     folder = _folder(job)
-    record, origin = folder / ".figures.json", made_from(job.store_path, _options(job))
+    record, origin = folder / ".figures.json", made_from(job.store_path, job.settings.config.figures)
     if (paths := still_made(record, origin)) is None:
         paths = _draw(job, workforce)
         write_record(record, origin, paths)

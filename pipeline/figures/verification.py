@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from pipeline.analysis.attractors.credibility import Credibility
 from pipeline.analysis.attractors.sheets import map_labels, several_right
 from pipeline.analysis.attractors.wording import percents
-from pipeline.figures.cell_panels import borders_between, cell_image, draw_cells, line_entries
+from pipeline.figures.cell_panels import attractor_borders, cell_image, draw_cells, line_entries
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.map_legend import Entry
 from pipeline.figures.palette import hex_colour
@@ -49,8 +49,7 @@ def draw_verification(plane: StoredPlane, found, window: Sequence[float] | None 
     labels, judged = map_labels(plane.path, plane.plan, found), found.credibility.values
     colours = np.array([COLOURS[kind] for kind in Credibility], dtype=np.uint8)[judged]
     colours[labels == 0] = _NO_LABEL
-    columns = borders_between(found[plane.plan.sweep.name].values, plane.plan.sweep)
-    rows = borders_between(found[plane.plan.parameter.name].values, plane.plan.parameter)
+    columns, rows = attractor_borders(plane, found)
 
     def paint(axes: Axes) -> None:
         cell_image(axes, colours, columns, rows)

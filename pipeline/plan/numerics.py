@@ -167,7 +167,6 @@ def row_of(plan: Plan, value: float, balance: Balance, continuation: Continuatio
     # Most of the solver, which a plan can do without.
     from solver import sweep_row
 
-    omega = value if plan.parameter.name == "omega" else plan.omega
     grid = plan.sweep.values if columns is None else columns
-    kept = dict(omega=omega, continuation=continuation, seeds=seeds, balance=balance)
+    kept = dict(omega=plan.frequency(value), continuation=continuation, seeds=seeds, balance=balance)
     return sweep_row(row_system(plan, value), sweep_axis(plan), grid, **kept)

@@ -102,6 +102,10 @@ class Plan:
         layer, place = divmod(number, self.parameter.num)
         return self if self.parameter2 is None else self.layer(layer), float(self.parameter.values[place])
 
+    def frequency(self, value: float) -> float | None:
+        """The mesh frequency of the row at a value of the row parameter; None where it is what changes along rows."""
+        return value if self.parameter.name == "omega" else self.omega
+
     def row_text(self, number: int) -> str:
         """Which row that is, for messages."""
         places = np.unravel_index(number, [axis.num for axis in self.row_axes])
@@ -115,6 +119,16 @@ class Plan:
     def chunk_of(self, block: Block) -> tuple[int, ...]:
         """Numbers of a block's chunk along `row_axes`."""
         return self.row_blocks.chunk_of(block)
+
+    @property
+    def is_first_order(self) -> bool:
+        """Whether motions are balanced by the describing function: all at a place can then be found, with proof."""
+        return self.solver["balance"] == "describing_function"
+
+    @property
+    def order_text(self) -> str:
+        """To which order motions are balanced, in words."""
+        return "first order" if self.is_first_order else f"{self.solver['order']} harmonics"
 
     @property
     def motion_size(self) -> int:

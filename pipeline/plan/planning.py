@@ -202,9 +202,8 @@ def _check_provable(plan: Plan) -> None:
     ends = np.array([plan.sweep.low, plan.sweep.high])
     for plane in _outer_planes(plan):
         for row in (plan.parameter.low, plan.parameter.high):
-            omega = row if plan.parameter.name == "omega" else plane.omega
             try:
-                condensed_over(row_system(plane, row), sweep_axis(plane), ends, omega)
+                condensed_over(row_system(plane, row), sweep_axis(plane), ends, plane.frequency(row))
             except UnprovableError as error:
                 asked = plan.solver["certify"]
                 raise ConfigurationError(

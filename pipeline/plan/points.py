@@ -1,14 +1,11 @@
 """A point of a plane as users write it: two values in the order of the axes or by name, with or without units."""
 
-import sys
-
-from pipeline.config.physical import place_of
+from pipeline.config.physical import value_of
 from pipeline.errors import refused
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import scales_of
-from solver import Scales
 
-__all__ = ["number_of", "point_on"]
+__all__ = ["point_on"]
 
 
 def point_on(key: str, given, plan: Plan) -> tuple[float, float]:
@@ -35,16 +32,7 @@ def point_on(key: str, given, plan: Plan) -> tuple[float, float]:
         values = [given[name] for name in names]
     if not isinstance(values, list) or len(values) != 2:
         raise refused(key, given, allowed)
-    point = [number_of(key, value, name, allowed, scales) for name, value in zip(names, values, strict=True)]
+    point = [value_of(key, name, value, scales, allowed) for name, value in zip(names, values, strict=True)]
     if not all(axis.low <= value <= axis.high for axis, value in zip(axes, point, strict=True)):
         raise refused(key, given, allowed)
     return point[0], point[1]
-
-
-def number_of(key: str, given, name: str, allowed: str, scales: Scales | None) -> float:
-    """A value of parameter `name` as the user wrote it, with or without a unit: the one place where they are read."""
-    if isinstance(given, str):
-        return place_of(key, name, given, scales)
-    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= sys.float_info.max:
-        raise refused(key, given, allowed)
-    return float(given)

@@ -1,7 +1,5 @@
 """What a system says of itself, whichever kind it is: the one place that knows a bevel pair from other systems."""
 
-from functools import singledispatch
-
 import numpy as np
 
 from solver import ContactSystem, Model, gear_system
@@ -26,19 +24,10 @@ __all__ = [
 _ANGLES = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 
 
-@singledispatch
-def contact_system(system) -> ContactSystem:
+def contact_system(system: Model | ContactSystem) -> ContactSystem:
     """The equations of motion of a system, as integration takes them."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@contact_system.register
-def _(system: Model) -> ContactSystem:
-    return gear_system(system)
-
-
-@contact_system.register
-def _(system: ContactSystem) -> ContactSystem:
+    if isinstance(system, Model):
+        return gear_system(system)
     return system
 
 
@@ -53,19 +42,10 @@ def dead_zone(system: Model | ContactSystem) -> tuple[float, float]:
     return float(low[0]), float(high[0])
 
 
-@singledispatch
-def static_force(system) -> float:
+def static_force(system: Model | ContactSystem) -> float:
     """The contact force f at rest under the mean load, with the front flank closed; 0 where that does not press it."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@static_force.register
-def _(system: Model) -> float:
-    return system.f_pm / system.rotation
-
-
-@static_force.register
-def _(system: ContactSystem) -> float:
+    if isinstance(system, Model):
+        return system.f_pm / system.rotation
     closed = np.linalg.pinv(system.stiffness + np.outer(system.force, system.contact))
     rest = closed @ (system.load[0].real + system.force * system.front_gap)
     return max(float(system.contact @ rest) - system.front_gap, 0.0)
@@ -80,54 +60,27 @@ def contact_force(system: Model | ContactSystem, displacement: np.ndarray, angle
     return (1.0 + force_share(system) * varied) * squeezed(system, displacement)
 
 
-@singledispatch
-def squeezed(system, displacement: np.ndarray) -> np.ndarray:
+def squeezed(system: Model | ContactSystem, displacement: np.ndarray) -> np.ndarray:
     """f at displacements lambda."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@squeezed.register
-def _(system: Model, displacement: np.ndarray) -> np.ndarray:
-    return np.maximum(displacement - system.b, 0.0) + np.minimum(displacement + system.b, 0.0)
-
-
-@squeezed.register
-def _(system: ContactSystem, displacement: np.ndarray) -> np.ndarray:
+    if isinstance(system, Model):
+        return np.maximum(displacement - system.b, 0.0) + np.minimum(displacement + system.b, 0.0)
     return system.contact_force(displacement)
 
 
-@singledispatch
-def force_share(system) -> float:
+def force_share(system: Model | ContactSystem) -> float:
     """How much of the stiffness variation enters the mesh force."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@force_share.register
-def _(system: Model) -> float:
-    return system.variation_translation
-
-
-@force_share.register
-def _(system: ContactSystem) -> float:
+    if isinstance(system, Model):
+        return system.variation_translation
     strength = float(system.force @ system.force)
     share = float(system.varying_force @ system.force) / strength if strength > 0.0 else 0.0
     along = np.allclose(system.varying_force, share * system.force, rtol=1e-12, atol=0.0)
     return share if along else float("nan")
 
 
-@singledispatch
-def feels(system, axis: str) -> bool:
+def feels(system: Model | ContactSystem, axis: str) -> bool:
     """Whether an axis, as the solver calls it, changes anything of a system."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@feels.register
-def _(system: Model, axis: str) -> bool:
-    return True
-
-
-@feels.register
-def _(system: ContactSystem, axis: str) -> bool:
+    if isinstance(system, Model):
+        return True
     if axis == "omega":
         return True
     if axis in ("alpha", "alpha_phase"):
@@ -136,37 +89,19 @@ def _(system: ContactSystem, axis: str) -> bool:
     return any(not np.array_equal(one[name], two[name]) for name in one)
 
 
-@singledispatch
-def stiffness_harmonics(system) -> Harmonics:
+def stiffness_harmonics(system: Model | ContactSystem) -> Harmonics:
     """(amplitude, phase) of harmonics 1, 2, ... of the contact stiffness, as far as they act at all."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@stiffness_harmonics.register
-def _(system: Model) -> Harmonics:
-    acts = system.variation_translation or system.variation_rotation
-    return system.stiffness_harmonics() if acts else ()
-
-
-@stiffness_harmonics.register
-def _(system: ContactSystem) -> Harmonics:
+    if isinstance(system, Model):
+        acts = system.variation_translation or system.variation_rotation
+        return system.stiffness_harmonics() if acts else ()
     return system.stiffness_harmonics if np.any(system.varying_force) else ()
 
 
-@singledispatch
-def excitation_harmonics(system) -> Harmonics:
+def excitation_harmonics(system: Model | ContactSystem) -> Harmonics:
     """(amplitude, phase) of harmonics 1, 2, ... of what drives the motion besides the stiffness; of a load on several
     coordinates the largest amplitude."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@excitation_harmonics.register
-def _(system: Model) -> Harmonics:
-    return system.error_harmonics()
-
-
-@excitation_harmonics.register
-def _(system: ContactSystem) -> Harmonics:
+    if isinstance(system, Model):
+        return system.error_harmonics()
     rows = max(len(system.load), len(system.inertial_load))
     both = [np.zeros((rows, system.degrees), complex) for _ in range(2)]
     for whole, part in zip(both, (system.load, system.inertial_load), strict=True):
@@ -175,19 +110,10 @@ def _(system: ContactSystem) -> Harmonics:
     return tuple((float(np.abs(number)), float(np.angle(number))) for number in largest)
 
 
-@singledispatch
-def lowest_stiffness(system) -> float:
+def lowest_stiffness(system: Model | ContactSystem) -> float:
     """Smallest contact stiffness over a mesh cycle, over its mean; below 0 it is unphysical."""
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@lowest_stiffness.register
-def _(system: Model) -> float:
-    return system.lowest_stiffness()
-
-
-@lowest_stiffness.register
-def _(system: ContactSystem) -> float:
+    if isinstance(system, Model):
+        return system.lowest_stiffness()
     varied = sum((a * np.cos(l * _ANGLES + p) for l, (a, p) in enumerate(system.stiffness_harmonics, start=1)), 0.0)
     share = force_share(system)
     return 1.0 if np.isnan(share) else 1.0 + float(np.min(share * varied))

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
+from pipeline.config.places import Place
 from pipeline.plan.plan import Plan
 from pipeline.plane.arcs import Arcs, arcs_of
 from pipeline.store.stored_arrays import open_group
@@ -85,12 +85,12 @@ class StoredBoundaries:
     digest: str
 
 
-def read_boundaries(path: Path, plan: Plan, layer: int | None = None) -> StoredBoundaries | None:
+def read_boundaries(path: Place, plan: Plan, layer: int | None = None) -> StoredBoundaries | None:
     """The boundaries of a stored plane; None if they have not been traced since its rows were computed.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     plan : Plan
         Of the store.
     layer : int, optional

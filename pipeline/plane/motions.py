@@ -14,15 +14,10 @@ from solver.enumeration.solutions import Above, Proof, Solutions
 from solver.harmonic.quantities import balance_quantities
 from solver.stability import assess
 
-__all__ = ["MOTION", "SolvedMotions", "is_enumerated", "motions_of_place", "proven_label", "solved_motions"]
+__all__ = ["MOTION", "SolvedMotions", "label_of", "motions_of_place", "proven_label", "solved_motions"]
 
 #: What is told of a motion, besides the quantities that are read of it.
 MOTION = ("amplitude", "phase", "stable", "impact", "instability", "multiplier")
-
-
-def is_enumerated(plan: Plan) -> bool:
-    """Whether every solution at a place can be found with proof: of first order alone."""
-    return plan.solver["balance"] == "describing_function"
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +67,7 @@ def motions_of_place(plan: Plan, x: float, p: float) -> SolvedMotions:
     solver.RowError
         If the row cannot be solved.
     """
-    return _enumerated(plan, x, p) if is_enumerated(plan) else _of_row(plan, x, p)
+    return _enumerated(plan, x, p) if plan.is_first_order else _of_row(plan, x, p)
 
 
 def _solutions(plan: Plan, x: float, p: float) -> Solutions:
@@ -89,9 +84,19 @@ def proven_label(plan: Plan, x: float, p: float) -> str:
     found, ends = _solutions(plan, x, p), dead_zone(point_of(plan, p, x)[0])
     if found.proof is not Proof.PROVEN:
         raise _unproven(plan, x, p, found.proof)
-    states = impact_of_range(found.mean - found.amplitude, found.mean + found.amplitude, *ends)[found.stable == 1]
-    mask = np.bitwise_or.reduce(1 << states.astype(np.int64), initial=0)
-    return domain_label(int(domain_code(np.array(states.size), mask)))
+    return label_of(found.stable, impact_of_range(found.mean - found.amplitude, found.mean + found.amplitude, *ends))
+
+
+def label_of(stable: np.ndarray, impact: np.ndarray) -> str:
+    """The n/I label of the motions at a place.
+
+    Examples
+    --------
+    >>> label_of(np.array([1, 0, 1]), np.array([0, 1, 1]))
+    '2/0-1'
+    """
+    states = impact[stable == 1].astype(np.int64)
+    return domain_label(int(domain_code(np.array(states.size), np.bitwise_or.reduce(1 << states, initial=0))))
 
 
 def solved_motions(plan: Plan, x: float, p: float) -> dict[str, np.ndarray]:

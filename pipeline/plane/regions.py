@@ -1,10 +1,8 @@
 """Regions of equal n/I label in a stored plane: shares and thresholds from the boundary curves, not from the raster."""
 
-from collections.abc import Sequence
-from pathlib import Path
-
 import numpy as np
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import continuation_of, frame_of
 from pipeline.plane.stored import StoredPlane, read_stored
@@ -14,17 +12,17 @@ from solver.boundaries import FOLDS_AND_GRAZINGS, BoundaryCurve, boundary_curves
 from solver.model.checks import value_range
 from solver.regions.regions import Occurrence, RegionError, Regions, regions
 
-__all__ = ["label_occurrences", "stored_curves", "stored_regions", "thresholds", "thresholds_of"]
+__all__ = ["stored_curves", "stored_regions", "thresholds", "thresholds_of"]
 
 
 def thresholds(
-    path: Path | str, label: str | None = None, window: tuple[float, float] | None = None
+    path: Place | str, label: str | None = None, window: tuple[float, float] | None = None
 ) -> tuple[Occurrence, ...]:
     """Where in the row parameter the labels of a stored plane appear and disappear, and their shares of the area.
 
     Parameters
     ----------
-    path : Path or str
+    path : Place or str
         The store of a plane that was swept.
     label : str, optional
         For example "2/0-1"; all labels unless given.
@@ -78,37 +76,17 @@ def thresholds_of(
         label_parts(label)
     if window is not None:
         window = value_range("window", window)
-    (found,) = _occurrences(plane, [window])
-    return tuple(one for name in (found if label is None else (label,)) for one in found.get(name, ()))
-
-
-def label_occurrences(
-    path: Path, windows: Sequence[tuple[float, float] | None]
-) -> list[dict[str, tuple[Occurrence, ...]]]:
-    """For every window of the swept axis (None: all of it), the unbroken ranges of the row parameter of every label.
-
-    Raises
-    ------
-    StoreError
-        As `thresholds`.
-    """
-    return _occurrences(read_stored(path), windows)
-
-
-def _occurrences(
-    plane: StoredPlane, windows: Sequence[tuple[float, float] | None]
-) -> list[dict[str, tuple[Occurrence, ...]]]:
     try:
-        whole = _regions_of(plane)
-        parts = [whole if window is None else whole.within(window) for window in windows]
-        return [{label: tuple(part.occurrences(label)) for label in part.labels} for part in parts]
+        part = _regions_of(plane) if window is None else _regions_of(plane).within(window)
+        wanted = [name for name in part.labels if label in (None, name)]
+        return tuple(one for name in wanted for one in part.occurrences(name))
     except RegionError as error:
         raise StoreError(f"{plane.path} has no regions of one label: {error}") from error
     except ParameterError as error:
         raise StoreError(f"{plane.path}: {error}") from error
 
 
-def stored_regions(path: Path) -> Regions:
+def stored_regions(path: Place) -> Regions:
     """The regions of a stored plane.
 
     Raises

@@ -1,8 +1,8 @@
 """Linear resonances of a system in contact: natural frequencies, names, and the share of each mode in the contact."""
 
+import dataclasses
 import functools
-from dataclasses import dataclass, field
-from functools import singledispatch
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -58,8 +58,7 @@ def resonances(plan: Plan, value: float) -> tuple[Resonance, ...]:
     return resonances_of(*(natural for natural, _ in contact_modes(row_system(plan, value))))
 
 
-@singledispatch
-def contact_modes(system) -> tuple[tuple[float, float], ...]:
+def contact_modes(system: Model | ContactSystem) -> tuple[tuple[float, float], ...]:
     """Natural frequency of every linear mode in contact that a figure shows, ascending, and the share of its strain
     energy that is in the contact.
 
@@ -67,33 +66,8 @@ def contact_modes(system) -> tuple[tuple[float, float], ...]:
     due to the contact, (l h)(w r)/(l M r omega^2) with the left and the right mode l and r: the energy, where the
     equations have one.
     """
-    raise TypeError(f"{type(system).__name__} is no system")
-
-
-@contact_modes.register
-def _(system: Model) -> tuple[tuple[float, float], ...]:
-    return _pair_modes(_Alike(tuple(getattr(system, name) for name in _OF_MODES), system))
-
-
-#: What the modes of a bevel pair depend on.
-_OF_MODES = ("pitch_cone_angle", "pressure_angle", "translation_coupling", "rotation_coupling", "kappa", "k_support")
-
-
-@dataclass(frozen=True)
-class _Alike:
-    """A bevel pair that is equal to all that have its modes, as the rows of most planes have."""
-
-    felt: tuple
-    model: Model = field(compare=False)
-
-
-@functools.lru_cache(maxsize=1024)
-def _pair_modes(pair: _Alike) -> tuple[tuple[float, float], ...]:
-    return tuple(zip(pair.model.mesh_modes(), mesh_shares(pair.model), strict=True))
-
-
-@contact_modes.register
-def _(system: ContactSystem) -> tuple[tuple[float, float], ...]:
+    if isinstance(system, Model):
+        return _pair_modes(dataclasses.replace(system, **_UNFELT))
     kept = reduced(system)
     squares, right = np.linalg.eig(np.linalg.solve(kept.mass, kept.stiffness + np.outer(kept.force, kept.contact)))
     # The rows of the inverse are the left modes, of l M r = 1.
@@ -103,6 +77,15 @@ def _(system: ContactSystem) -> tuple[tuple[float, float], ...]:
     heard = (squares.real > 0.0) & (shares > _SILENT)
     found = sorted(zip(np.sqrt(squares.real[heard]).tolist(), shares[heard].tolist(), strict=True))
     return tuple((natural, min(share, 1.0)) for natural, share in found)
+
+
+#: What most planes have along their rows and modes do not depend on: so all rows are one pair.
+_UNFELT = {"b": 1.0, "alpha": 0.0, "f_e": 0.0, "f_pm": 1.0}
+
+
+@functools.lru_cache(maxsize=1024)
+def _pair_modes(pair: Model) -> tuple[tuple[float, float], ...]:
+    return tuple(zip(pair.mesh_modes(), mesh_shares(pair), strict=True))
 
 
 def mesh_shares(model: Model) -> tuple[float, float]:

@@ -88,9 +88,7 @@ class RowCurves:
     @property
     def _omega(self) -> float | None:
         """The frequency, where it is not swept."""
-        if self.plan.parameter.name == "omega":
-            return self.value
-        return None if self.plan.sweep.name == "omega" else self.plan.omega
+        return self.plan.frequency(self.value)
 
     @cached_property
     def lasting(self) -> np.ndarray:

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plane.division import stored_division
 from pipeline.plane.stored import StoredPlane, read_stored
@@ -38,13 +38,13 @@ class RegionStability:
 
 
 def region_stability(
-    path: Path | str | StoredPlane, window: tuple[float, float] | None = None, rows: tuple[float, float] | None = None
+    path: Place | str | StoredPlane, window: tuple[float, float] | None = None, rows: tuple[float, float] | None = None
 ) -> dict[str, RegionStability]:
     """What dynamic stability says of every n/I region of a stored plane.
 
     Parameters
     ----------
-    path : Path, str or StoredPlane
+    path : Place, str or StoredPlane
         A plane with boundaries.
     window : (low, high), optional
         Only this part of the swept axis counts, for example that of one resonance.

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
+from pipeline.config.places import Place
 from pipeline.plan.numerics import row_system, sweep_axis
 from pipeline.plan.plan import Block, Plan
 from pipeline.plan.scales import scales_of
@@ -40,7 +40,7 @@ class StoredPlane:
 
     Parameters
     ----------
-    path : Path
+    path : Place
     plan : Plan
         Of the plane; of the layer, where it is one.
     layer : int or None
@@ -66,7 +66,7 @@ class StoredPlane:
     end_reason : (P, branch, 2) array
     """
 
-    path: Path
+    path: Place
     plan: Plan
     layer: int | None = None
     volume: Plan | None = None
@@ -94,8 +94,14 @@ class StoredPlane:
     @property
     def parts(self) -> Iterator["StoredPlane"]:
         """The plane in parts of some rows, each a few chunks of the store."""
-        for block in self.plan.parts:
-            yield self._as(block=block)
+        return map(self.part, self.plan.parts)
+
+    def part(self, block: Block) -> "StoredPlane":
+        """Some rows of the plane."""
+        part = self._as(block=block)
+        # One number a row: read for all rows at once.
+        vars(part).update(status=self.status[part._within], n_points=self.n_points[part._within])
+        return part
 
     def layer_at(self, index: int) -> "StoredPlane":
         """One layer of a volume."""
@@ -149,9 +155,7 @@ class StoredPlane:
         stored = np.where(self.complete[..., None], self.array("domain"), 0)
         if not self.dynamic:
             return stored
-        states = np.where(self._kept, 1 << self.impact.astype(np.int64).clip(0), 0)
-        labelled = domain_code(np.sum(self._kept, axis=-1), np.bitwise_or.reduce(states, axis=-1))
-        return np.where(stored != 0, labelled, stored)
+        return np.where(stored != 0, self._dynamic_codes, stored)
 
     @cached_property
     def n_stable(self) -> np.ndarray:
@@ -176,11 +180,6 @@ class StoredPlane:
         values = np.where(self.counted, self.array(name), np.nan)
         return (np.fmax if of == "worst" else np.fmin).reduce(values, axis=-1)
 
-    @property
-    def usable(self) -> np.ndarray:
-        """Where there are stable motions to start from, (P, X) bool."""
-        return (self.domain != 0) & (self.n_stable > 0)
-
     @cached_property
     def unstable(self) -> np.ndarray:
         """Where a statically stable motion is dynamically unstable (period doubling, Neimark-Sacker), (P, X) bool."""
@@ -195,17 +194,20 @@ class StoredPlane:
     @cached_property
     def motions(self) -> np.ndarray:
         """All unknowns of the balance in every cell, (P, X, S, n)."""
+        return self.motions_in(...)
+
+    def motions_in(self, *cells) -> np.ndarray:
+        """All unknowns of the balance in some cells, (k, S, n), by the numbers (k,) of their rows and columns."""
         if self.plan.motion_size:
-            return self.motion
-        return np.stack([self.mean, self.amplitude * np.cos(self.phase), -self.amplitude * np.sin(self.phase)], -1)
+            return self.motion[cells]
+        mean, amplitude, phase = (values[cells] for values in (self.mean, self.amplitude, self.phase))
+        return np.stack([mean, amplitude * np.cos(phase), -amplitude * np.sin(phase)], -1)
 
     @cached_property
     def stability_codes(self) -> np.ndarray:
         """What the cells say of n/I and of dynamic stability, as `solver.regions.labelling.stability_code`, (P, X)."""
-        kept = self._kept
-        states = np.bitwise_or.reduce(np.where(kept, 1 << self.impact.astype(np.int64).clip(0), 0), axis=-1)
         static = np.where(self.complete[..., None], self.array("domain"), 0).astype(np.int64)
-        dynamic = domain_code(np.sum(kept, axis=-1), states).astype(np.int64)
+        dynamic = self._dynamic_codes.astype(np.int64)
         return np.where(static != 0, stability_code(static, dynamic, self.contradictory), 0)
 
     @cached_property
@@ -270,17 +272,23 @@ class StoredPlane:
         return open_arrays(self.path)
 
     @cached_property
+    def _dynamic_codes(self) -> np.ndarray:
+        """Codes of the labels that count the dynamically stable motions, (P, X)."""
+        states = np.where(self._kept, 1 << self.impact.astype(np.int64).clip(0), 0)
+        return domain_code(np.sum(self._kept, axis=-1), np.bitwise_or.reduce(states, axis=-1))
+
+    @cached_property
     def _kept(self) -> np.ndarray:
         """The motions that are dynamically stable; a multiplier beyond +1 is left to static stability."""
         return (self.stable == 1) & np.isin(self.instability, LEFT_TO_FOLDS)
 
 
-def read_stored(path: Path, dynamic: bool = False, physical: bool = False) -> StoredPlane:
+def read_stored(path: Place, dynamic: bool = False, physical: bool = False) -> StoredPlane:
     """Look a store over, and give its plane or volume.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     dynamic, physical
         As for `StoredPlane`.
 

@@ -12,13 +12,12 @@ __all__ = ["summary_of"]
 
 def summary_of(plane: StoredPlane, groups: Iterable[str]) -> list[str]:
     """Lines on the axes, the balance, the rows and labels of a plane, and the names of its groups."""
-    solver, plan = plane.plan.solver, plane.plan
-    order = "first order" if solver["balance"] == "describing_function" else f"{solver['order']} harmonics"
+    plan = plane.plan
     shown = [domain_label(int(code)) for code in np.unique(plane.domain) if code]
     axes = [f"{axis.name} from {axis.low:g} to {axis.high:g} ({axis.num} values)" for axis in plan.axes]
     lines = {
         "plane": " over ".join(axes),
-        "solved at": order,
+        "solved at": plan.order_text,
         "rows": f"{int(np.sum(plane.complete))} of {plan.parameter.num} complete",
         "labels": ", ".join(shown) or "none",
         "groups": ", ".join(sorted(groups)),

@@ -2,11 +2,12 @@
 
 import csv
 import io
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-__all__ = ["csv_text", "escaped", "number_text", "pipes", "write_files"]
+__all__ = ["csv_text", "escaped", "exact_text", "number_text", "pipes", "write_files"]
 
 _MARKUP = re.compile(r"[\\|*`]|<(?=[A-Za-z/!?])")
 
@@ -50,6 +51,19 @@ def csv_text(header: Sequence, lines: Iterable[Sequence]) -> str:
     writer.writerow(header)
     writer.writerows(lines)
     return stream.getvalue()
+
+
+def exact_text(value) -> str:
+    """A cell of CSV: numbers to ten digits, nothing for one that there is not.
+
+    Examples
+    --------
+    >>> exact_text(1.0 / 3.0), exact_text(float("nan")), exact_text(7), exact_text("2/0-1")
+    ('0.3333333333', '', '7', '2/0-1')
+    """
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.10g}"
+    return str(value)
 
 
 def number_text(value: float, digits: int = 3) -> str:

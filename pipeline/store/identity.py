@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pipeline.config.places import ObjectPlace, Place, is_url, place_of
 from pipeline.errors import ConfigurationError, StoreError
+from pipeline.plan.differences import by_key, differences
 from pipeline.plan.plan import SCHEMA_VERSION, Plan
 from pipeline.store.documents import read_json
 from pipeline.store.files import Files, files_at
@@ -200,9 +201,7 @@ def check(path: Place, plan: Plan) -> bool:
     stored = read_layout(path, going_on=True).plan.inputs
     if stored == plan.inputs:
         return True
-    old, new = _flatten(stored), _flatten(plan.inputs)
-    keys = [key for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
-    changes = "; ".join(f"{key}: stored {old.get(key, 'nothing')}, asked {new.get(key, 'nothing')}" for key in keys)
+    changes = differences(by_key(stored), by_key(plan.inputs)) or "in numbers that follow from it"
     raise StoreError(
         f"{path} holds another configuration ({changes}): take another store.name=..., or store.overwrite=true"
     )
@@ -214,9 +213,3 @@ def refuse_foreign(path: Place) -> None:
     if files.exists() and not _left_over(files):
         root_attributes(files)
         refuse_unknown(files.place, files.sizes(), STORE_FILE)
-
-
-def _flatten(value, prefix="") -> dict[str, object]:
-    if not isinstance(value, dict):
-        return {prefix: value}
-    return {k: v for key, child in value.items() for k, v in _flatten(child, f"{prefix}.{key}".lstrip(".")).items()}

@@ -19,6 +19,7 @@ import pytest
         "pipeline.store.listing",
         "pipeline.api",
         "pipeline.opened_plane",
+        "pipeline.plane.motions",
     ],
 )
 def test_doctests_of_the_pipeline(module):

@@ -3,7 +3,6 @@
 import dataclasses
 import hashlib
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from pipeline import store
 from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.wording import bound
+from pipeline.config.places import Place
 from pipeline.config.quantities import QUANTITIES
 from pipeline.config.schema import Attractors
 from pipeline.plan.numerics import System, model_at
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "GROUP",
     "NUMBERS",
+    "added_group",
     "empty_values",
     "group_of",
     "read_attractors",
@@ -85,12 +86,12 @@ def slot_attributes() -> dict[str, tuple]:
     }
 
 
-def group_of(path: Path, grid: Grid, options: Attractors, made_from: bytes) -> RowGroup:
+def group_of(path: Place, grid: Grid, options: Attractors, made_from: bytes) -> RowGroup:
     """The group of a store for these cells and settings.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store.
     grid : Grid
     options : Attractors
@@ -220,10 +221,15 @@ def row_of_values(values: dict[str, np.ndarray], size: int) -> AttractorRow:
     return AttractorRow(**parts)
 
 
-def read_attractors(path: Path) -> "xarray.Dataset | None":
+def read_attractors(path: Place) -> "xarray.Dataset | None":
     """The group of a store; None if there is none. Its arrays are read when they are used."""
-    if open_group(path, GROUP) is None:
+    return added_group(path, GROUP)
+
+
+def added_group(path: Place, name: str) -> "xarray.Dataset | None":
+    """A group that was added to a store; None if there is none. Its arrays are read when they are used."""
+    if open_group(path, name) is None:
         return None
     import xarray
 
-    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None)
+    return xarray.open_zarr(files_at(path).zarr(), group=name, chunks=None)

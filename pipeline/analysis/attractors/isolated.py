@@ -8,14 +8,14 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pipeline import store
-from pipeline.analysis.attractors.dataset import row_of_values, state_size
+from pipeline.analysis.attractors.dataset import added_group, row_of_values, state_size
+from pipeline.config.places import Place
 from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import continuation_of, model_at, row_of
@@ -28,8 +28,6 @@ from pipeline.run.warmup import warm_up_where
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.arrays import arrays_of
-from pipeline.store.files import files_at
-from pipeline.store.stored_arrays import open_group
 from solver import Event, LiftedSeeds
 from solver.contact.impact import impact_of_range
 from solver.harmonic.galerkin import Galerkin
@@ -85,8 +83,7 @@ def isolated_task(plan: Plan, value: float, x: np.ndarray, attractors: Attractor
     ready_for_isolated(kind_of(plan).name)
     settings, ends = continuation_of(plan.solver), np.array([plan.sweep.low, plan.sweep.high])
     row = row_of(plan, value, Galerkin(order), settings, LiftedSeeds(plan.solver["certify_columns"]), ends)
-    omega = value if plan.parameter.name == "omega" else plan.omega
-    omega = None if plan.sweep.name == "omega" else omega
+    omega = plan.frequency(value)
     found = isolated_branches(row, x, omega=omega, attractors=attractors, continuation=settings)
     parts = [_points(row, branch, number, omega) for number, branch in enumerate(found.branches)]
     points = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else {}
@@ -221,13 +218,10 @@ def _dataset(plan: Plan, found: "xarray.Dataset", results: list, order: int) -> 
     return xarray.Dataset(variables, places, {"configuration_hash": plan.fingerprint, "order": order})
 
 
-def read_isolated(path: Path) -> "xarray.Dataset | None":
+def read_isolated(path: Place) -> "xarray.Dataset | None":
     """What is stored of branches that rows lack; None if nothing is."""
-    if open_group(path, GROUP) is None:
-        return None
-    import xarray
-
-    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
+    found = added_group(path, GROUP)
+    return None if found is None else found.load()
 
 
 def isolated_near(stored: "xarray.Dataset", plan: Plan, value: float) -> "xarray.Dataset":

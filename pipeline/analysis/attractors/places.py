@@ -7,19 +7,19 @@ the attractor that it ends on. With `attractors.box` random states are drawn in 
 import dataclasses
 import hashlib
 import json
-from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pipeline import store
-from pipeline.analysis.attractors.dataset import NUMBERS, slot_attributes
+from pipeline.analysis.attractors.dataset import NUMBERS, added_group, slot_attributes
 from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.options import search_of
 from pipeline.analysis.attractors.queries import wilson
 from pipeline.analysis.attractors.tasks import map_motions
 from pipeline.analysis.attractors.wording import attractor_name, bound
+from pipeline.config.places import Place
 from pipeline.config.schema import Attractors
 from pipeline.plan.numerics import System, point_of
 from pipeline.plan.plan import Plan
@@ -32,8 +32,6 @@ from pipeline.run.sheets import csv_text, write_files
 from pipeline.run.warmup import warm_up_for
 from pipeline.run.workforce import Workforce
 from pipeline.store import groups
-from pipeline.store.files import files_at
-from pipeline.store.stored_arrays import open_group
 from solver.model.contact_system import reduced
 from solver.timedomain import AttractorKind, AttractorRow, AttractorSearch, find_attractors, settle
 from solver.timedomain.row_systems import row_systems
@@ -41,7 +39,16 @@ from solver.timedomain.row_systems import row_systems
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["GROUP", "Place", "place_of", "place_task", "read_places", "run_places", "search_place", "states_at_rest"]
+__all__ = [
+    "GROUP",
+    "IntegratedPlace",
+    "place_of",
+    "place_task",
+    "read_places",
+    "run_places",
+    "search_place",
+    "states_at_rest",
+]
 
 GROUP = "places"
 #: Attractors that are told apart at a place.
@@ -50,7 +57,7 @@ _SLOTS = (*NUMBERS, "kind", "impact", "hits", "seen")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Place:
+class IntegratedPlace:
     """What was found at one place.
 
     Parameters
@@ -69,14 +76,14 @@ class Place:
     speed: np.ndarray
 
 
-def place_task(path: str, plan: Plan, x: float, p: float, options: Attractors) -> Place:
+def place_task(path: str, plan: Plan, x: float, p: float, options: Attractors) -> IntegratedPlace:
     """What a worker does: attractors at one place, whatever other places are asked for."""
     ready_for_attractors()
     model, omega = point_of(plan, p, x)
     return place_of(model, omega, _nearest_motions(path, plan, x, p), int(plan.solver["period"]), options)
 
 
-def place_of(model: System, omega: float, motions: np.ndarray, period: int, options: Attractors) -> Place:
+def place_of(model: System, omega: float, motions: np.ndarray, period: int, options: Attractors) -> IntegratedPlace:
     """Attractors at one place and a slice of their basins; parameters as of `search_place`."""
     row = search_place(model, omega, motions, period, options)
     given = options.box is not None
@@ -87,7 +94,7 @@ def place_of(model: System, omega: float, motions: np.ndarray, period: int, opti
     if len(states):
         found, slots = settle(model, omega, states_at_rest(model, omega, states), known=row, search=_search(options))
         row = dataclasses.replace(found, hits=row.hits, starts=row.starts)
-    return Place(row, slots.reshape(options.slice, options.slice), displacement, speed)
+    return IntegratedPlace(row, slots.reshape(options.slice, options.slice), displacement, speed)
 
 
 def search_place(model: System, omega: float, motions: np.ndarray, period: int, options: Attractors) -> AttractorRow:
@@ -147,7 +154,7 @@ def states_at_rest(system: System, omega: float, states: np.ndarray) -> np.ndarr
     return full
 
 
-def _nearest_motions(path: Path, plan: Plan, x: float, p: float) -> np.ndarray:
+def _nearest_motions(path: Place, plan: Plan, x: float, p: float) -> np.ndarray:
     """Stable motions of the map in the nearest cell, (1, S, 2 H + 1)."""
     row, column = (
         int(np.argmin(np.abs(axis.values - value))) for axis, value in ((plan.parameter, p), (plan.sweep, x))
@@ -259,13 +266,10 @@ def _dataset(plan: Plan, options: Attractors, points, places: list, messages: li
     return xarray.Dataset(variables, coordinates, attributes)
 
 
-def read_places(path: Path) -> "xarray.Dataset | None":
+def read_places(path: Place) -> "xarray.Dataset | None":
     """What is stored of places; None if nothing is."""
-    if open_group(path, GROUP) is None:
-        return None
-    import xarray
-
-    return xarray.open_zarr(files_at(path).zarr(), group=GROUP, chunks=None).load()
+    found = added_group(path, GROUP)
+    return None if found is None else found.load()
 
 
 def _at(plan: Plan, found: "xarray.Dataset") -> list[tuple[float, float]]:

@@ -1,11 +1,11 @@
 """Questions to the group `attractors`: what there is in a cell, hysteresis, shares of basins."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pipeline.analysis.attractors.dataset import read_attractors
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Plan
 from solver import ImpactState, ParameterError
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 
-def attractors_of(path: Path) -> "xarray.Dataset":
+def attractors_of(path: Place) -> "xarray.Dataset":
     """The group of a store.
 
     Raises

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.analysis.attractors.credibility import Credibility
 from pipeline.analysis.attractors.queries import grid_indices, hysteresis, hysteresis_intervals
 from pipeline.analysis.attractors.wording import percents
+from pipeline.config.places import Place
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane
 from pipeline.run.sheets import csv_text, pipes, write_files
@@ -46,7 +47,7 @@ class Line:
     counts: dict[Credibility, int]
 
 
-def map_labels(path: Path, plan: Plan, found) -> np.ndarray:
+def map_labels(path: Place, plan: Plan, found) -> np.ndarray:
     """Codes of the map's labels in the cells that were integrated, (P, X), or (layers, P, X) of a volume."""
     rows, columns = grid_indices(found, plan)
     return StoredPlane(path, plan).domain[..., rows, :][..., columns]
@@ -78,7 +79,7 @@ def several_right(labels: np.ndarray, judged: np.ndarray) -> tuple[int, int]:
     return int(np.sum(judged[several] == Credibility.CONFIRMED)), int(np.sum(several))
 
 
-def result_lines(path: Path, plan: Plan, found) -> Iterator[str]:
+def result_lines(path: Place, plan: Plan, found) -> Iterator[str]:
     """What was found, in a few sentences."""
     labels, judged, count = map_labels(path, plan, found), found.credibility.values, found.n_attractors.values
     right, several = several_right(labels, judged)
@@ -98,7 +99,7 @@ def result_lines(path: Path, plan: Plan, found) -> Iterator[str]:
     yield found.attrs["bound"]
 
 
-def write_sheets(path: Path, plan: Plan, found, folder: Path, name: str) -> list[Path]:
+def write_sheets(path: Place, plan: Plan, found, folder: Path, name: str) -> list[Path]:
     """Write `<name>.csv` and `<name>.md`, and of a plane `<name>-hysteresis.csv`; the same bytes every time."""
     labels = map_labels(path, plan, found)
     lines = label_lines(labels, found.credibility.values)
@@ -113,7 +114,7 @@ def _csv(lines: list[Line]) -> str:
     return csv_text(["label", "cells", *(kind.name.lower() for kind in MEANINGS)], rows)
 
 
-def _markdown(path: Path, plan: Plan, found, lines: list[Line], name: str) -> str:
+def _markdown(path: Place, plan: Plan, found, lines: list[Line], name: str) -> str:
     table = pipes(
         ["Label n/I", "Cells", *(kind.words.capitalize() for kind in MEANINGS)],
         ([line.label, str(line.cells), *percents(list(line.counts.values()))] for line in lines),

@@ -1,7 +1,6 @@
 """What only the whole group tells: the label of every cell by its attractors, and how far the map's can be trusted."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from pipeline.analysis.attractors.credibility import Cells, Credibility, judge, 
 from pipeline.analysis.attractors.grid import Grid
 from pipeline.analysis.attractors.tasks import MAP
 from pipeline.analysis.attractors.wording import cell_label, label_meaning
+from pipeline.config.places import Place
 from pipeline.config.schema import Attractors
 from pipeline.errors import DamagedError
 from pipeline.plan.row_blocks import Block
@@ -22,12 +22,12 @@ __all__ = ["summary_of"]
 _FOUND = ("kind", "impact", "mean", "amplitude", "motion", "size", "failures", "overflow", "message")
 
 
-def summary_of(path: Path, group: RowGroup, grid: Grid, options: Attractors) -> dict[str, tuple[RowArray, np.ndarray]]:
+def summary_of(path: Place, group: RowGroup, grid: Grid, options: Attractors) -> dict[str, tuple[RowArray, np.ndarray]]:
     """Arrays of the whole group: name -> array and values, as `RowGroup.finish` takes them.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store.
     group : RowGroup
         All of whose blocks are stored.
@@ -106,12 +106,12 @@ def _layers(group: RowGroup) -> Iterator[tuple[int | None, dict[str, np.ndarray]
         yield (layer if len(group.rows.shape) == 2 else None), found
 
 
-def cells_of(path: Path, grid: Grid, layer: int, found: dict[str, np.ndarray]) -> Cells:
+def cells_of(path: Place, grid: Grid, layer: int, found: dict[str, np.ndarray]) -> Cells:
     """The cells of one layer: what was found, beside what the map says.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store.
     grid : Grid
     layer : int

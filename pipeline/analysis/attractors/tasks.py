@@ -159,7 +159,7 @@ def _computed(
             if reason is None:
                 try:
                     with tries.attempt(row):
-                        result = found(row, *_row_of(plane, value))
+                        result = found(row, row_system(plane, value), plane.frequency(value))
                 except Exception as error:  # the same on every worker: it is recorded, and the others go on
                     reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
                     tries.raised(row, reason)
@@ -176,11 +176,6 @@ def _computed(
         group.write(block, {name: np.stack([row[name] for row in values]) for name in group.arrays})
         tries.forget()
     return Receipt(block, round, gains, tuple(failures), len(rows), perf_counter() - begin)
-
-
-def _row_of(plane: Plan, value: float):
-    """The system of a row, and its frequency where that is not the sweep parameter."""
-    return row_system(plane, value), value if plane.parameter.name == "omega" else plane.omega
 
 
 def _state_size(grid: Grid, row: int) -> int:

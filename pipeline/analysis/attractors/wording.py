@@ -43,9 +43,9 @@ def label_meaning(label: str) -> str:
     return label.replace(" + ", "+").replace("/", "_I").replace("-", "_") or "not_known"
 
 
-def likely_missed(starts: int, chance: float = 0.05) -> float:
-    """The largest share of the box that an attractor's basin may have and still be missed with at least this chance."""
-    return 1.0 if starts == 0 else float(1.0 - np.float64(chance) ** (1.0 / starts))
+def likely_missed(starts: int) -> float:
+    """The largest share of the box that an attractor's basin may have and still be missed with a chance of 5 %."""
+    return 1.0 if starts == 0 else float(1.0 - np.float64(0.05) ** (1.0 / starts))
 
 
 def bound(starts: int) -> str:

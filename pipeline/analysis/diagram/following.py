@@ -79,7 +79,7 @@ def follow(plan: Plan, way: Way) -> Followed:
     way : Way
     """
     sweep, columns = sweep_axis(plan), np.array(way.columns)
-    omega = way.value if plan.parameter.name == "omega" else plan.omega
+    omega = plan.frequency(way.value)
     transient, watched = limits_of(way.max_periods)
     search = AttractorSearch(transient=transient, watched=watched)
     system = row_system(plan, way.value)

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.config.physical import value_of
 from pipeline.config.schema import Diagram, Spectrum
 from pipeline.errors import refused
 from pipeline.plan.plan import Plan
-from pipeline.plan.points import number_of
 from pipeline.plan.scales import scales_of
 
 __all__ = ["FEWEST_COLUMNS", "SpectrumOptions", "Way", "spectrum_of", "way_of"]
@@ -72,7 +72,7 @@ def way_of(key: str, options: Diagram | Spectrum, plan: Plan) -> Way:
     """
     row, sweep = plan.parameter, plan.sweep
     allowed = f"a value of {row.name} within {row.low:g} ... {row.high:g}"
-    value = number_of(f"{key}.value", options.value, row.name, allowed, scales_of(plan))
+    value = value_of(f"{key}.value", row.name, options.value, scales_of(plan), allowed)
     if not row.low <= value <= row.high:
         raise refused(f"{key}.value", options.value, allowed)
     if options.columns is None and sweep.num >= FEWEST_COLUMNS:

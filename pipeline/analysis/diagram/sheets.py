@@ -12,7 +12,7 @@ from pipeline.config.quantities import AMPLITUDE, QUANTITIES, READ
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import scales_of
 from pipeline.plane.row_curves import RowCurves
-from pipeline.run.sheets import csv_text
+from pipeline.run.sheets import csv_text, exact_text
 from solver import Scales
 from solver.timedomain import AttractorKind, SlowRun
 
@@ -93,18 +93,12 @@ class _Table:
     def add(self, *cells) -> None:
         """One more line."""
         physical = [cells[place] * scale.shown for place, scale in self._scaled.items()]
-        self._lines.append([_exact(cell) for cell in (*cells, *physical)])
+        self._lines.append([exact_text(cell) for cell in (*cells, *physical)])
 
     def text(self) -> str:
         """All lines."""
         more = [f"{self._header[place]} ({scale.unit})" for place, scale in self._scaled.items()]
         return csv_text([*self._header, *more], self._lines)
-
-
-def _exact(cell) -> str:
-    if isinstance(cell, float):
-        return "" if np.isnan(cell) else f"{cell:.10g}"
-    return str(cell)
 
 
 def diagram_lines(followed: Followed) -> list[str]:

@@ -2,7 +2,6 @@
 
 import dataclasses
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from pipeline.analysis.margins.lines import Line, codes_along, divided, row_alon
 from pipeline.analysis.margins.options import Design
 from pipeline.analysis.margins.resonances import Resonance, resonances_in
 from pipeline.analysis.margins.worst import Corner, corners
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
@@ -55,8 +55,6 @@ class Answer:
         To the nearest bifurcations of statically stable motions in both axes, as far as there are any.
     box : Box or None
         The largest box of `IN_CONTACT` around the operating range, or around the point alone where the range is not.
-    boxed : Design
-        What the box was asked to hold.
     resonances : tuple of Resonance
         Linear ones over which the box lies, ascending.
     corners : tuple of Corner
@@ -78,7 +76,6 @@ class Answer:
     margins: tuple[Margin, ...]
     losses: tuple[Margin, ...]
     box: Box | None
-    boxed: Design
     resonances: tuple[Resonance, ...]
     corners: tuple[Corner, ...]
     known: tuple[Known, ...]
@@ -93,12 +90,12 @@ class Answer:
         return [one.sentence(self.how if gaps[:1] == [one] else "") for one in self.known]
 
 
-def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractors]") -> Answer:
+def answer(path: Place, plan: Plan, design: Design, how: str = "stages=[attractors]") -> Answer:
     """Ask a stored plane about a design point.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         The store, its boundaries traced.
     plan : Plan
         The store's own.
@@ -127,7 +124,7 @@ def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractor
         margins += margins_of_further(plan, design, name)
     found = corners(plan, design, plane)
     unstable = _instability(plan, design)
-    box, boxed, notes = _box(Boundaries.joined(boundaries, bifurcations), plan, design, label, unstable)
+    box, notes = _box(Boundaries.joined(boundaries, bifurcations), plan, design, label, unstable)
     rectangles = () if box is None else ((box.x, box.p),)
     known = tuple(
         Known(order_words(plan), label, integrated(path, plan, *ends), of_box)
@@ -145,7 +142,6 @@ def answer(path: Path, plan: Plan, design: Design, how: str = "stages=[attractor
         tuple(margins),
         tuple(losses_of_axis(bifurcations, plan, design)),
         box,
-        boxed,
         _resonances(plan, box),
         tuple(found),
         known,
@@ -170,7 +166,7 @@ def _limits(plan: Plan, found: list[Corner]) -> list[str]:
             "Further parameters are looked at with all of them at the ends of their tolerances; between those nothing "
             "is proven."
         )
-    if plan.solver["balance"] != "describing_function":
+    if not plan.is_first_order:
         notes.append(
             f"At order {plan.solver['order']} the motions are those of the branches that were found along lines of the "
             "plane, and labels within the tolerances those of some of its rows: this is a search, not a proof."
@@ -178,15 +174,15 @@ def _limits(plan: Plan, found: list[Corner]) -> list[str]:
     return notes
 
 
-def _box(arcs, plan, design, label, unstable) -> tuple[Box | None, Design, list[str]]:
-    """The largest box, what it holds, and what is to be said of it."""
+def _box(arcs, plan, design, label, unstable) -> tuple[Box | None, list[str]]:
+    """The largest box, and what is to be said of it."""
     boxed, said = design, []
     name = plan.sweep.name
     none = f"There is no box of {IN_CONTACT}: "
     if label != IN_CONTACT:
-        return None, design, [f"{none}the label of the design point is {label or 'not decided'}."]
+        return None, [f"{none}the label of the design point is {label or 'not decided'}."]
     if unstable:
-        return None, design, [f"{none}the motion of the design point is dynamically unstable ({unstable})."]
+        return None, [f"{none}the motion of the design point is dynamically unstable ({unstable})."]
     crossed, _ = arcs.along(P, design.p)
     if np.any((crossed > design.low) & (crossed < design.high)):
         boxed = dataclasses.replace(design, low=design.x, high=design.x)
@@ -196,11 +192,11 @@ def _box(arcs, plan, design, label, unstable) -> tuple[Box | None, Design, list[
         )
     box = largest_box(arcs, plan, boxed)
     if not box.area > 0.0:
-        return None, boxed, [f"{none}the design point lies on a boundary."]
+        return None, [f"{none}the design point lies on a boundary."]
     if unlike := _unlike(plan, box):
         # Where a motion passes the amplitude ceiling, or a curve could not be followed, no boundary is stored.
-        return None, boxed, [f"The largest box free of stored boundaries is not all {IN_CONTACT}: {unlike}."]
-    return box, boxed, said
+        return None, [f"The largest box free of stored boundaries is not all {IN_CONTACT}: {unlike}."]
+    return box, said
 
 
 def _instability(plan: Plan, design: Design) -> str:

@@ -151,8 +151,7 @@ def across(plan: Plan, design: Design, axis: Axis) -> Plan:
     """The plane of the swept axis and of a parameter that is no axis, the row parameter being that of the point."""
     numbers = gear_at(plan, design.p, design.x)
     gear = {key: value for key, value in numbers.items() if key not in (axis.name, plan.sweep.name)}
-    omega = design.p if plan.parameter.name == "omega" else plan.omega
-    omega = None if axis.name == "omega" else omega
+    omega = None if axis.name == "omega" else plan.frequency(design.p)
     return dataclasses.replace(plan, gear=gear, parameter=axis, omega=omega, thermal=None)
 
 

@@ -2,10 +2,10 @@
 
 from collections import Counter
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from pipeline.config.places import Place
 from pipeline.plan.plan import Plan
 from pipeline.store.stored_arrays import open_group
 
@@ -61,12 +61,12 @@ def cells_in(axis, low: float, high: float) -> np.ndarray:
     return np.flatnonzero((axis.values >= low) & (axis.values <= high))
 
 
-def integrated(path: Path, plan: Plan, x: tuple[float, float], p: tuple[float, float]) -> Integrated | None:
+def integrated(path: Place, plan: Plan, x: tuple[float, float], p: tuple[float, float]) -> Integrated | None:
     """Read what was found in a rectangle; of a single place in its nearest cell.
 
     Parameters
     ----------
-    path : Path
+    path : Place
     plan : Plan
         The store's own.
     x, p : (low, high)

@@ -22,7 +22,7 @@ _BIFURCATIONS = {Event.PERIOD_DOUBLING: "a period doubling", Event.NEIMARK_SACKE
 
 def order_words(plan: Plan) -> str:
     """By what a plane's labels are known: "first order" or "order 5"."""
-    return "first order" if plan.solver["balance"] == "describing_function" else f"order {plan.solver['order']}"
+    return "first order" if plan.is_first_order else f"order {plan.solver['order']}"
 
 
 @dataclass(frozen=True)

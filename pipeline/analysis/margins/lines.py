@@ -70,12 +70,11 @@ def codes_along(
     At first order the solutions are enumerated, and the code is 0 where they are not proven to be all. At higher orders
     they are those of the branches along the line.
     """
-    if not balance_of(plan.solver).truncated:
+    if not plan.is_first_order:
         return _swept_codes(plan, axis, ends, x, p)
     ceiling = float(plan.solver["amplitude_max"])
     if axis in (plan.sweep.name, plan.parameter.name):
-        omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
-        plane = Plane(*frame_of(plan), omega)
+        plane = Plane(*frame_of(plan), plan.omega)
         if axis == plan.sweep.name:
             return lambda places: row_codes(plane, p, np.asarray(places, dtype=float), ceiling)
         return lambda places: np.concatenate([row_codes(plane, float(p), np.array([x]), ceiling) for p in places])
@@ -173,10 +172,8 @@ def row_along(plan: Plan, axis: str, grid: np.ndarray, x: float, p: float) -> Ro
     )
 
 
-def swept(
-    plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float, kinds=FOLDS_AND_GRAZINGS
-) -> tuple[np.ndarray, np.ndarray]:
-    """Folds and grazings, or other events, met when one parameter alone is swept through a place of the plane.
+def swept(plan: Plan, axis: str, ends: tuple[float, float], x: float, p: float) -> tuple[np.ndarray, np.ndarray]:
+    """Folds and grazings met when one parameter alone is swept through a place of the plane.
 
     Returns
     -------
@@ -185,6 +182,6 @@ def swept(
     kinds : (k,) int array
     """
     row = row_along(plan, axis, np.array(ends), x, p)
-    events = row_events(row.curves, 0.0, kinds)
+    events = row_events(row.curves, 0.0, FOLDS_AND_GRAZINGS)
     points = np.array([point[:-1] for _, point in events]).reshape(len(events), row.motions.shape[-1] + 1)
     return points, np.array([kind for kind, _ in events], dtype=int)

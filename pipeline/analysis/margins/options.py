@@ -3,13 +3,14 @@
 import dataclasses
 from dataclasses import dataclass, field
 
+from pipeline.config.physical import value_of
 from pipeline.config.schema import Margins
 from pipeline.errors import ConfigurationError, refused
 from pipeline.plan.axes import Axis
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import model_at, row_axis
 from pipeline.plan.plan import Plan
-from pipeline.plan.points import number_of, point_on
+from pipeline.plan.points import point_on
 from pipeline.plan.scales import scales_of
 from solver import ParameterError, Scales
 
@@ -66,7 +67,7 @@ def design_of(options: Margins, plan: Plan) -> Design:
         if name not in names:
             raise ConfigurationError(f"margins.tolerances.{name} is not allowed: it must be one of {', '.join(names)}")
     read = {
-        name: number_of(f"margins.tolerances.{name}", size, name, allowed, scales) for name, size in tolerances.items()
+        name: value_of(f"margins.tolerances.{name}", name, size, scales, allowed) for name, size in tolerances.items()
     }
     for name, size in read.items():
         if size < 0.0:
@@ -93,7 +94,7 @@ def _range(given, axis: Axis, x: float, scales: Scales | None) -> tuple[float, f
     allowed = f"null or [{axis.name} low, {axis.name} high] around {x:g} within {axis.low:g} ... {axis.high:g}"
     if not isinstance(given, list) or len(given) != 2:
         raise refused("margins.range", given, allowed)
-    low, high = (number_of("margins.range", value, axis.name, allowed, scales) for value in given)
+    low, high = (value_of("margins.range", axis.name, value, scales, allowed) for value in given)
     if not axis.low <= low <= x <= high <= axis.high:
         raise refused("margins.range", given, allowed)
     return low, high

@@ -1,7 +1,6 @@
 """Linear resonances over which a range of frequencies lies, named by the mesh strain energy of their modes."""
 
 from dataclasses import dataclass
-from functools import singledispatch
 
 import numpy as np
 
@@ -41,20 +40,16 @@ class Resonance:
         return f"Ω = {self.omega:.4g} (mode of {100.0 * self.mesh_energy:.0f} % mesh strain energy{how})"
 
 
-@singledispatch
-def mesh_modes(system) -> list[tuple[float, float]]:
+def mesh_modes(system: System) -> list[tuple[float, float]]:
     """Natural frequency of every linear mode in contact that strains the mesh, and the share of its strain energy that
-    does, ascending."""
-    return list(contact_modes(system))
-
-
-@mesh_modes.register
-def _(model: Model) -> list[tuple[float, float]]:
-    """Natural frequency of every linear mode of the pair in contact that strains the mesh, and the share of its strain
-    energy that does, λ²/(λ² + Σ k_j x_j²/κ_g), ascending (docs/physics.md, section 10).
+    does, ascending: of a bevel pair λ²/(λ² + Σ k_j x_j²/κ_g) (docs/physics.md, section 10).
 
     The weights are those of the pair's energy (section 2).
     """
+    return _modes_of_pair(system) if isinstance(system, Model) else list(contact_modes(system))
+
+
+def _modes_of_pair(model: Model) -> list[tuple[float, float]]:
     mass, _, stiffness = model.matrices()
     stiffness[:, 6] += sum(model.mesh_vectors())
     squares, shapes = np.linalg.eig(np.linalg.solve(mass, stiffness))

@@ -5,7 +5,7 @@ from pipeline.analysis.margins.distances import Margin
 from pipeline.analysis.margins.integration import Largest
 from pipeline.analysis.margins.worst import severity
 from pipeline.plan.scales import scales_of
-from pipeline.run.sheets import csv_text, pipes
+from pipeline.run.sheets import csv_text, exact_text, pipes
 from pipeline.store import axis_attributes
 from solver import Event, Scales, domain_label
 
@@ -51,7 +51,7 @@ def tidy(answer: Answer) -> str:
     """One line per answer, numbers to ten digits."""
     scales = scales_of(answer.plan)
     records = (_with_physical(record, scales) for record in _records(answer))
-    return csv_text(_FIELDS, ([_exact(record.get(field, "")) for field in _FIELDS] for record in records))
+    return csv_text(_FIELDS, ([exact_text(record.get(field, "")) for field in _FIELDS] for record in records))
 
 
 def _with_physical(record: dict, scales: Scales | None) -> dict:
@@ -68,10 +68,6 @@ def _shown(name: str, value: float, scales: Scales | None) -> str:
     if scales is None or name not in scales:
         return f"{value:.6g}" if _unit(name) == "1" else f"{value:.6g} {_unit(name)}"
     return f"{value:.6g} ({value * scales[name].shown:.5g} {scales[name].unit})"
-
-
-def _exact(value) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def _records(answer: Answer):

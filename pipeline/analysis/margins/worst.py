@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.analysis.margins.curves import boundaries_of, crossed, part_of, traced
 from pipeline.analysis.margins.lines import codes_along, divided, swept
 from pipeline.analysis.margins.options import Design, nominal_value, replaced
-from pipeline.plan.numerics import balance_of, frame_of
+from pipeline.plan.numerics import frame_of
 from pipeline.plan.plan import Plan
 from pipeline.plane.labels import RANKS
 from pipeline.plane.regions import stored_curves
@@ -68,7 +68,7 @@ def corners(plan: Plan, design: Design, plane: StoredPlane) -> list[Corner]:
     ArithmeticError
         If boundaries cannot be followed or do not divide the plane.
     """
-    if balance_of(plan.solver).truncated:
+    if plan.is_first_order:
         labels, own = labels_within, stored_curves(plane)
     else:
         labels, own = labels_of_rows, boundaries_of(plane.boundaries.curves).marked[0]
@@ -143,13 +143,12 @@ def labels_of_rows(plan: Plan, design: Design, between: np.ndarray | None) -> tu
 def _regions(plan: Plan, x, p, curves: tuple[BoundaryCurve, ...] | None) -> Regions:
     """The regions of a part of a plane."""
     ceiling = float(plan.solver["amplitude_max"])
-    omega = None if "omega" in (plan.sweep.name, plan.parameter.name) else plan.omega
     if curves is not None:
-        return regions(*frame_of(part_of(plan, x, p)), curves, omega=omega, amplitude_max=ceiling)
+        return regions(*frame_of(part_of(plan, x, p)), curves, omega=plan.omega, amplitude_max=ceiling)
     for rows in _ROWS:
         window, curves = traced(plan, x, p, rows)
         try:
-            return regions(*frame_of(window), curves, omega=omega, amplitude_max=ceiling)
+            return regions(*frame_of(window), curves, omega=plan.omega, amplitude_max=ceiling)
         except RegionError:
             # A boundary that lies between the rows and columns is missing.
             if rows == _ROWS[-1]:

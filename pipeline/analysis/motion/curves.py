@@ -48,6 +48,13 @@ class Curves:
     orders: np.ndarray
     amplitudes: np.ndarray
 
+    def over(self, shown: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Time in periods, lambda and force over so many periods."""
+        each = round(1.0 / (self.periods[1] - self.periods[0]))
+        count = shown * each + 1
+        times = -(-count // self.periods.size)
+        return np.arange(count) / each, *(np.tile(part, times)[:count] for part in (self.displacement, self.force))
+
 
 def integrated_curves(system: System, omega: float, state: np.ndarray, repeats: int | None) -> Curves:
     """Curves of the motion from a state on an attractor.

@@ -1,6 +1,5 @@
 """Motions at a place as text: quantities as CSV and Markdown, what is drawn as CSV, lines for the console."""
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,7 +11,7 @@ from pipeline.config.quantities import READ
 from pipeline.plan.plan import Plan
 from pipeline.plan.scales import scales_of
 from pipeline.plane.quantities import scale_of
-from pipeline.run.sheets import csv_text, pipes
+from pipeline.run.sheets import csv_text, exact_text, pipes
 from pipeline.store import axis_attributes
 from solver import Scales
 
@@ -123,14 +122,7 @@ def _quantities(found: Motions, plan: Plan) -> str:
             own = [int(motion.stable), "", "", motion.multiplier, "", "", motion.number, motion.leads or ""]
         return [found.x, found.p, name, source, motion.label, *own, *values, *physical]
 
-    return csv_text(header, ([_exact(value) for value in line(*one)] for one in _sources(found)))
-
-
-def _exact(value) -> str:
-    """Numbers to ten digits; nothing where there is none."""
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.10g}"
-    return str(value)
+    return csv_text(header, ([exact_text(value) for value in line(*one)] for one in _sources(found)))
 
 
 def _curves(found: Motions, plan: Plan) -> str:
@@ -150,11 +142,11 @@ def curve_rows(found: Motions, scales: Scales | None) -> Iterator[list]:
     for name, source, motion in _sources(found):
         for series, x, y, kinds in _series(motion.curves, static):
             columns = [x, y]
-            texts = [[_exact(value) for value in column.tolist()] for column in columns]
+            texts = [[exact_text(value) for value in column.tolist()] for column in columns]
             if scales is not None:
                 for column, kind in zip(columns, kinds, strict=True):
                     size, unit = _physical(kind, found, scales)
-                    texts += [[_exact(value) for value in (size * column).tolist()], [unit] * column.size]
+                    texts += [[exact_text(value) for value in (size * column).tolist()], [unit] * column.size]
             for values in zip(*texts, strict=True):
                 yield [name, source, series, *values]
 

@@ -3,14 +3,15 @@
 import math
 
 from pipeline.analysis.motion.motions import MapMotion, Motion, Motions
-from pipeline.plane.quantities import QUANTITIES, scale_of
+from pipeline.config.quantities import QUANTITIES, Quantity
+from pipeline.plane.quantities import scale_of
 from pipeline.run.sheets import number_text
 from solver import Scales
 from solver.contact.quantities import Quantities
 from solver.stability import Instability
 from solver.timedomain import AttractorKind
 
-__all__ = ["card_name", "quantity_line", "shown_quantity", "standing", "summary"]
+__all__ = ["card_name", "quantity_line", "quantity_text", "shown_quantity", "standing", "summary"]
 
 _GROWTH = {
     Instability.PERIOD_DOUBLING: "unstable by period doubling",
@@ -90,12 +91,16 @@ def _of_map_motion(motion: MapMotion) -> str:
 
 def shown_quantity(name: str, quantities: Quantities, scales: Scales | None) -> str:
     """A quantity with its unit, to three digits; a share in percent."""
-    value = getattr(quantities, name)
+    return quantity_text(QUANTITIES[name], getattr(quantities, name), scales)
+
+
+def quantity_text(quantity: Quantity, value: float, scales: Scales | None) -> str:
+    """A value of a quantity with its unit, to three digits; a share in percent."""
     if math.isnan(value):
         return "–"
-    if name == "contact_loss":
+    if quantity.name == "contact_loss":
         return f"{number_text(100.0 * value)} %"
-    scale = scale_of(QUANTITIES[name], scales)
+    scale = scale_of(quantity, scales)
     return number_text(value) if scale is None else f"{number_text(value * scale.shown)} {scale.unit}"
 
 

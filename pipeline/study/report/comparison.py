@@ -8,7 +8,7 @@ from pipeline.study.report.document import Bullets, Grid, Heading, Listing, Para
 from pipeline.study.report.reasons import reason_of
 from pipeline.study.statements import Evaluated
 from pipeline.study.statements.planes import default_model, default_value
-from pipeline.study.tables.sheets import APPENDIX, Sheet, grid_sheet, label_sheet, measured_sheet, notes, tally, title
+from pipeline.study.tables.sheets import APPENDIX, grid_sheet, label_sheet, measured_sheet, notes, tally, title
 from pipeline.study.tables.table import Table
 
 __all__ = ["appendix", "differences", "numbers", "summary", "tables"]
@@ -110,9 +110,5 @@ def appendix(made: Sequence[Table]) -> Iterator:
     yield Heading(APPENDIX)
     for table in made:
         for sheet in (measured_sheet(table), label_sheet(table)):
-            yield _grid(sheet)
+            yield Grid(sheet.caption, sheet.headings, sheet.rows)
         yield Listing("\n".join(notes(table)), f"Notes to table {table.article.number}")
-
-
-def _grid(sheet: Sheet) -> Grid:
-    return Grid(sheet.caption, sheet.headings, sheet.rows)

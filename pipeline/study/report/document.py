@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-__all__ = ["Bullets", "Document", "Grid", "Heading", "Listing", "Paragraph", "Picture"]
+__all__ = ["Block", "Bullets", "Document", "Grid", "Heading", "Listing", "Paragraph", "Picture"]
 
 
 @dataclass(frozen=True)
@@ -53,9 +53,12 @@ class Listing:
     summary: str = ""
 
 
+Block = Heading | Paragraph | Bullets | Grid | Picture | Listing
+
+
 @dataclass(frozen=True)
 class Document:
     """Title and blocks in order."""
 
     title: str
-    blocks: tuple[Heading | Paragraph | Bullets | Grid | Picture | Listing, ...]
+    blocks: tuple[Block, ...]

@@ -1,11 +1,10 @@
 """A document as one HTML page that needs nothing else: style and figures are inside."""
 
 import base64
-from functools import singledispatch
 from html import escape
 
 from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED
-from pipeline.study.report.document import Bullets, Document, Grid, Heading, Listing, Paragraph, Picture
+from pipeline.study.report.document import Block, Bullets, Document, Grid, Heading, Listing, Paragraph, Picture
 
 __all__ = ["html"]
 
@@ -46,36 +45,33 @@ def _anchor(text: str) -> str:
     return "".join(c if c.isascii() and c.isalnum() else "-" for c in text.lower()).strip("-")
 
 
-@singledispatch
-def _block(block) -> str:
-    raise TypeError(f"{type(block).__name__} is no block of a document")
-
-
-@_block.register
-def _(block: Heading) -> str:
-    anchor = f' id="{_anchor(block.text)}"' if block.level == 2 else ""
-    return f"<h{block.level}{anchor}>{escape(block.text)}</h{block.level}>"
-
-
-@_block.register
-def _(block: Paragraph) -> str:
-    return f"<p>{escape(block.text)}</p>"
-
-
-@_block.register
-def _(block: Bullets) -> str:
-    items = "\n".join(f"<li>{escape(item)}</li>" for item in block.items)
-    return f"<ul>\n{items}\n</ul>"
-
-
-@_block.register
-def _(block: Grid) -> str:
-    head = "".join(f'<th scope="col">{escape(text)}</th>' for text in block.headings)
-    rows = "\n".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in block.rows)
-    return (
-        f'<div class="grid"><table>\n<caption>{escape(block.caption)}</caption>\n<thead><tr>{head}</tr></thead>\n'
-        f"<tbody>\n{rows}\n</tbody>\n</table></div>"
-    )
+def _block(block: Block) -> str:
+    match block:
+        case Heading():
+            anchor = f' id="{_anchor(block.text)}"' if block.level == 2 else ""
+            return f"<h{block.level}{anchor}>{escape(block.text)}</h{block.level}>"
+        case Paragraph():
+            return f"<p>{escape(block.text)}</p>"
+        case Bullets():
+            items = "\n".join(f"<li>{escape(item)}</li>" for item in block.items)
+            return f"<ul>\n{items}\n</ul>"
+        case Grid():
+            head = "".join(f'<th scope="col">{escape(text)}</th>' for text in block.headings)
+            rows = "\n".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in block.rows)
+            return (
+                f'<div class="grid"><table>\n<caption>{escape(block.caption)}</caption>\n'
+                f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table></div>"
+            )
+        case Picture():
+            data, caption = base64.b64encode(block.png).decode("ascii"), escape(block.caption)
+            return (
+                f'<figure>\n<img alt="{caption}" src="data:image/png;base64,{data}">\n'
+                f"<figcaption>{caption}</figcaption>\n</figure>"
+            )
+        case Listing():
+            text = f"<pre>{escape(block.text)}</pre>"
+            summary = f"<summary>{escape(block.summary)}</summary>"
+            return f"<details>\n{summary}\n{text}\n</details>" if block.summary else text
 
 
 def _cell(text: str) -> str:
@@ -88,19 +84,3 @@ def _line(text: str) -> str:
     if verdict not in (AGREES, DIFFERS, NOT_COMPARED):
         return escape(text)
     return f'<span class="{verdict.split()[0]}">{verdict}</span>{colon}{escape(reason)}'
-
-
-@_block.register
-def _(block: Picture) -> str:
-    data = base64.b64encode(block.png).decode("ascii")
-    caption = escape(block.caption)
-    return (
-        f'<figure>\n<img alt="{caption}" src="data:image/png;base64,{data}">\n'
-        f"<figcaption>{caption}</figcaption>\n</figure>"
-    )
-
-
-@_block.register
-def _(block: Listing) -> str:
-    text = f"<pre>{escape(block.text)}</pre>"
-    return f"<details>\n<summary>{escape(block.summary)}</summary>\n{text}\n</details>" if block.summary else text

@@ -5,18 +5,19 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline import figures
+from pipeline.config.places import Place
 
 __all__ = ["pictures_of"]
 
 _DPI = 120
 
 
-def pictures_of(path: Path, names: Sequence[str], curves: list[float] | None) -> dict[str, bytes]:
+def pictures_of(path: Place, names: Sequence[str], curves: list[float] | None) -> dict[str, bytes]:
     """Draw a plane and give back the figures of these names, as far as it has them.
 
     Parameters
     ----------
-    path : Path
+    path : Place
         A store.
     names : sequence of str
         Of "map", "curves", "backbone", "verification".

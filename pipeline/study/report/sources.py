@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from pipeline import store
 from pipeline.config.compose import Settings, compose
+from pipeline.config.places import Place
 from pipeline.config.typed import key_of
 from pipeline.errors import StoreError
 from pipeline.plan.planning import plan
@@ -46,7 +46,7 @@ class Source:
     verified: bool
 
     @property
-    def path(self) -> Path:
+    def path(self) -> Place:
         """Where its store is."""
         return self.settings.store_path.resolve()
 

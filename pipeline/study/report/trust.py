@@ -1,11 +1,11 @@
 """How far first order can be trusted, from the stores: dynamic stability everywhere, integration in one plane."""
 
 from collections.abc import Mapping
-from pathlib import Path
 
 from pipeline.analysis.attractors.queries import attractors_of
 from pipeline.analysis.attractors.sheets import MEANINGS, label_lines, map_labels
 from pipeline.analysis.attractors.wording import percents
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plane.stability import region_stability, together
 from pipeline.plane.stored import read_stored
@@ -15,7 +15,7 @@ from pipeline.study.report.document import Grid
 __all__ = ["dynamic_grid", "integration", "verified_grid"]
 
 
-def dynamic_grid(paths: Mapping[str, Path]) -> Grid:
+def dynamic_grid(paths: Mapping[str, Place]) -> Grid:
     """Of every plane, how much of its area has motions that the label counts and that are not dynamically stable."""
     rows = []
     for name, path in paths.items():
@@ -33,7 +33,7 @@ def dynamic_grid(paths: Mapping[str, Path]) -> Grid:
     )
 
 
-def integration(path: Path, name: str) -> str:
+def integration(path: Place, name: str) -> str:
     """Where and from what a plane was integrated, counted."""
     found, plan = attractors_of(path), read_stored(path).plan
     cells, starts = int((found.label.values != 0).sum()), int(found.starts.values.max())
@@ -45,7 +45,7 @@ def integration(path: Path, name: str) -> str:
     )
 
 
-def verified_grid(path: Path) -> Grid:
+def verified_grid(path: Place) -> Grid:
     """Per label of a plane with attractors, in how many cells the map is right; the last line for all of it."""
     found, plane = attractors_of(path), read_stored(path)
     lines = label_lines(map_labels(path, plane.plan, found), found.credibility.values)

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.study.agreement import AGREES, DIFFERS, NOT_COMPARED, THRESHOLD_AGREES
 from pipeline.study.numerals import signed
@@ -41,13 +41,13 @@ class Evaluated:
     reason: str
 
 
-def evaluate(statement: Statement, planes: Planes | Mapping[str, Path]) -> Evaluated:
+def evaluate(statement: Statement, planes: Planes | Mapping[str, Place]) -> Evaluated:
     """Compute a statement's numbers from stored planes and compare them.
 
     Parameters
     ----------
     statement : Statement
-    planes : Planes or mapping of str to Path
+    planes : Planes or mapping of str to Place
         Stores by plane; one `Planes` for many statements divides each plane only once.
 
     Returns
@@ -77,7 +77,7 @@ def evaluate(statement: Statement, planes: Planes | Mapping[str, Path]) -> Evalu
     return Evaluated(statement, ours, article, difference, verdict, _reason(statement, difference, agrees))
 
 
-def evaluate_all(planes: Mapping[str, Path]) -> tuple[Evaluated, ...]:
+def evaluate_all(planes: Mapping[str, Place]) -> tuple[Evaluated, ...]:
     """Every statement, in order.
 
     Raises

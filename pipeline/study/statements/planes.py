@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 
 from pipeline.config.compose import compose
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
-from pipeline.plan.numerics import balance_of, model_at
+from pipeline.plan.numerics import model_at
 from pipeline.plan.plan import Plan
 from pipeline.plan.planning import plan
 from pipeline.plane.regions import stored_regions
@@ -15,6 +15,7 @@ from pipeline.store import read_plan, store_path
 from solver import Model
 from solver.model.checks import instance_of
 from solver.regions import RegionError, Regions
+from solver.regions.bands import Line, lines
 
 __all__ = ["Planes", "default_model", "default_value"]
 
@@ -36,7 +37,7 @@ class Planes:
 
     Parameters
     ----------
-    paths : mapping of str to Path
+    paths : mapping of str to Place
         Of the planes that there are; statements about others say that they cannot be computed.
 
     Raises
@@ -45,7 +46,7 @@ class Planes:
         If they are none.
     """
 
-    def __init__(self, paths: Mapping[str, Path]):
+    def __init__(self, paths: Mapping[str, Place]):
         instance_of("planes", paths, Mapping)
         self.paths = {name: store_path(f"planes[{name!r}]", path) for name, path in paths.items()}
         self.plan, self.whole, self.part = cache(self._plan), cache(self._whole), cache(self._part)
@@ -68,7 +69,7 @@ class Planes:
         if stored.gear != wanted.gear:
             changed = sorted(key for key in wanted.gear if stored.gear.get(key) != wanted.gear[key])
             raise StoreError(f"{path} is of another gear than the published one: {', '.join(changed)}")
-        if not balance_of(stored.solver).truncated:
+        if not stored.is_first_order:
             raise StoreError(f"{path} is not balanced at first order")
         return stored
 
@@ -97,6 +98,11 @@ class Planes:
         if pair is None:
             raise StoreError(f"{self.paths[plane]}: the natural frequencies move with the row parameter")
         return next(one for one in pair if one.name == name)
+
+    def default_line(self, plane: str, resonance: str) -> Line:
+        """The labels of the row of the published gear's value, at one resonance; raises as `default`."""
+        (line,) = lines(self.part(plane, resonance), [self.default(plane)])
+        return line
 
     def default(self, plane: str) -> float:
         """The published gear's value of a plane's row parameter.

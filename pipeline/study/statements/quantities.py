@@ -9,7 +9,6 @@ from pipeline.errors import StoreError
 from pipeline.plane.labels import TRAITS, intervals, jumping, labels_with, share_of
 from pipeline.study.statements.planes import Planes, default_model
 from solver import Continuation, Event, Proof, enumerate_row, label_parts, sweep_row
-from solver.regions.bands import lines
 
 __all__ = [
     "AllSolutions",
@@ -64,8 +63,7 @@ class DefaultInterval:
 
     def values(self, planes: Planes) -> tuple[float, ...]:
         """Low and high end in omega."""
-        (line,) = lines(planes.part(self.plane, self.resonance), [planes.default(self.plane)])
-        found = intervals(line, jumping)
+        found = intervals(planes.default_line(self.plane, self.resonance), jumping)
         if not found:
             raise StoreError("there is no multivalued interval")
         return max(found, key=lambda interval: interval[1] - interval[0])
@@ -149,7 +147,7 @@ class WorstImpact(_Listed):
 
     def values(self, planes: Planes) -> tuple[float, ...]:
         """The state's number."""
-        (line,) = lines(planes.part(self.plane, self.resonance), [planes.default(self.plane)])
+        line = planes.default_line(self.plane, self.resonance)
         return (float(max(state for label in line.labels for state in label_parts(label)[1])),)
 
 

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
-from pipeline.plan.numerics import balance_of
 from pipeline.plane.stored import read_stored
 from pipeline.run.sheets import write_files
 from pipeline.store import PENDING
@@ -18,7 +18,7 @@ __all__ = ["write"]
 _FORMATS = {".csv": cells, "-measured.csv": tidy, ".md": markdown, ".tex": latex}
 
 
-def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
+def write(stores: dict[str, tuple[Place, str]], folder: Path) -> list[Path]:
     """Write the study's tables 1 to 3 as measured in stored planes, each as Markdown, LaTeX and CSV.
 
     Parameters
@@ -50,7 +50,7 @@ def write(stores: dict[str, tuple[Path, str]], folder: Path) -> list[Path]:
     return write_files(folder, texts)
 
 
-def _problem(article: ArticleTable, path: Path, command: str) -> str:
+def _problem(article: ArticleTable, path: Place, command: str) -> str:
     """What keeps a table from being made of a store, with the command that helps; empty if nothing does."""
     try:
         plane = read_stored(path)
@@ -61,7 +61,7 @@ def _problem(article: ArticleTable, path: Path, command: str) -> str:
     if axes != ("omega", article.parameter):
         other = " x ".join(axes)
         return f"{article.plane}: {path} is a plane {other}, not omega x {article.parameter} (run: {command})"
-    if not balance_of(plan.solver).truncated:
+    if not plan.is_first_order:
         return f"{article.plane}: {path} is not balanced at first order, as the tables are (run: {command})"
     pending = int((plane.status == PENDING).sum())
     if pending:

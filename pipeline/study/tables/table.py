@@ -1,8 +1,8 @@
 """One table as data, whatever format it is written in: the study's cells beside ours, and what was measured."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
+from pipeline.config.places import Place
 from pipeline.errors import StoreError
 from pipeline.plan.plan import Plan
 from pipeline.plane.regions import stored_regions
@@ -124,13 +124,13 @@ class Table:
         return {kind: kinds.count(kind) for kind in (AGREES, DIFFERS, NOT_COMPARED)}
 
 
-def build_table(article: ArticleTable, path: Path, whole: Regions | None = None) -> Table:
+def build_table(article: ArticleTable, path: Place, whole: Regions | None = None) -> Table:
     """Measure a stored plane and class it.
 
     Parameters
     ----------
     article : ArticleTable
-    path : Path
+    path : Place
         A complete store of the table's plane.
     whole : Regions, optional
         Of the store, where the caller has divided the plane already.
@@ -191,7 +191,7 @@ def _ours(column: Column, entry: Entry, lines: list[Line]) -> dict[str, str]:
     }
 
 
-def _parts(path: Path, plan: Plan, pair, whole: Regions | None) -> tuple[dict[str, Regions], Regions | None, str]:
+def _parts(path: Place, plan: Plan, pair, whole: Regions | None) -> tuple[dict[str, Regions], Regions | None, str]:
     """Regions of either resonance that the plane covers and of the whole plane, or why there are none."""
     axis = plan.sweep
     covered = [one for one in pair if axis.low < one.natural < axis.high]

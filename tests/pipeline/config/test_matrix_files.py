@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline.config.compose import compose
-from pipeline.config.matrix_files import MatrixError, numbers_of, read_matrix, read_npz
+from pipeline.config.matrix_files import numbers_of, read_matrix, read_npz
+from pipeline.config.number_files import NumbersError
 from pipeline.errors import ConfigurationError
 from pipeline.plan.planning import plan
 
@@ -48,15 +49,15 @@ def test_rows_columns_and_complex_numbers(tmp_path):
     ],
 )
 def test_what_is_no_matrix_is_refused(tmp_path, text, names):
-    with pytest.raises(MatrixError, match=names):
+    with pytest.raises(NumbersError, match=names):
         read_matrix(written(tmp_path, "bad.csv", text))
 
 
 def test_files_that_are_none_or_too_large_are_refused(tmp_path):
     for path in (str(tmp_path), str(tmp_path / "none.csv"), written(tmp_path, "large.csv", "1," * 1_500_000), "a\0b"):
-        with pytest.raises(MatrixError):
+        with pytest.raises(NumbersError):
             read_matrix(path)
-        with pytest.raises(MatrixError):
+        with pytest.raises(NumbersError):
             read_npz(path)
 
 
@@ -66,14 +67,14 @@ def test_an_npz_file_holds_numbers_of_a_bearable_size(tmp_path):
     assert set(read_npz(str(path))) == {"mass", "load"}
     for bad in (np.array(["a"]), np.array([object()], dtype=object), np.array([np.inf])):
         np.savez(path, mass=bad)
-        with pytest.raises(MatrixError):
+        with pytest.raises(NumbersError):
             read_npz(str(path))
     # 80 MB of zeros, in a small file.
     buffer = io.BytesIO()
     np.save(buffer, np.zeros(10**7))
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("mass.npy", buffer.getvalue())
-    with pytest.raises(MatrixError, match="larger than"):
+    with pytest.raises(NumbersError, match="larger than"):
         read_npz(str(path))
 
 

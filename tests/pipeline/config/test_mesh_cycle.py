@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.config.csv_table import TableError, read_table
+from pipeline.config.csv_table import read_table
 from pipeline.config.mesh_cycle import read_mesh_cycle
+from pipeline.config.number_files import NumbersError
 from pipeline.errors import ConfigurationError
 from pipeline.plan.planning import warnings
 from pipeline.plan.scales import gear_of
@@ -107,8 +108,8 @@ def test_mesh_cycles_that_are_not_allowed(header, lines, said, tmp_path):
 
 def test_mesh_cycles_that_cannot_be_read(tmp_path):
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    unread = "it cannot be read"
-    for name, said in (("none.csv", unread), ("binary.csv", "CSV file in UTF-8"), (".", unread)):
+    files = {"none.csv": "no such file", "binary.csv": "CSV file in UTF-8", ".": "it must be a file"}
+    for name, said in files.items():
         with pytest.raises(ConfigurationError, match=said):
             with_cycle(tmp_path / name)
 
@@ -276,7 +277,7 @@ def test_large_files_are_not_read(tmp_path):
     path = tmp_path / "large.csv"
     with path.open("wb") as file:
         file.truncate(10_000_001)
-    with pytest.raises(TableError, match="10 MB"):
+    with pytest.raises(NumbersError, match="10 MB"):
         read_table(str(path))
 
 

@@ -199,7 +199,7 @@ def test_a_store_keeps_the_physical_gear(tmp_path):
     assert read == found and scales_of(read) == scales_of(found) and store.check(path, found)
     assert plan_of(json.loads(json.dumps(found.inputs))).fingerprint == found.fingerprint
     other = small_plan("gear=differential", "gear.physical.torque=121 N*m", columns=11, rows=2)
-    with pytest.raises(ConfigurationError, match="physical.gear.torque: stored 120.0, asked 121.0"):
+    with pytest.raises(ConfigurationError, match="gear.physical.torque: stored 120.0, asked 121.0"):
         store.check(path, other)
 
 
@@ -260,6 +260,7 @@ MISTAKES = [
 ]
 
 
+@pytest.mark.usefixtures("no_helpers")
 @pytest.mark.parametrize(("typed", "said"), MISTAKES, ids=[typed for typed, _ in MISTAKES])
 def test_a_mistake_is_one_line_status_2_and_nothing_written(typed, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

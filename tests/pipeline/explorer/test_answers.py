@@ -11,12 +11,12 @@ from pipeline.explorer import answers
 from pipeline.explorer.fixed_parameters import changed_plan, fixed_parameters
 from pipeline.plan.kinds import kind_of
 from pipeline.plan.numerics import point_of
-from pipeline.plane.motions import proven_label
+from pipeline.plane.motions import label_of, proven_label
 from solver import gear_system
 from solver.timedomain import AttractorKind, orbit_state
-from tests.pipeline.planes import small_plan, traced_store
+from tests.pipeline.planes import COARSE, small_plan, traced_store
 
-PLAN = small_plan("plane=omega_fe", columns=20, rows=3)
+PLAN = small_plan(*COARSE)
 #: Three motions, one of them unstable.
 PLACE = (0.6, 0.2)
 
@@ -39,7 +39,8 @@ def test_row_and_motions_are_those_that_the_plane_tells(plane):
 
 @pytest.mark.parametrize("place", [PLACE, (0.3, 0.2), (0.65, 0.3), (0.58, 0.3), (1.3, 0.3)])
 def test_the_label_is_the_proven_one(place):
-    assert answers.label_of(answers.motions(PLAN, *place)) == proven_label(PLAN, *place)
+    found = answers.motions(PLAN, *place)
+    assert label_of(found.stable, found.impact) == proven_label(PLAN, *place)
 
 
 def test_integration_from_a_motion_ends_on_an_attractor_that_is_known_here():
@@ -131,5 +132,5 @@ def test_every_fixed_parameter_may_have_both_ends_of_its_range(overrides):
 def test_a_plane_of_a_higher_order_is_answered_too():
     plan = small_plan("plane=omega_fe", "solver=hb", "solver.order=2", columns=20, rows=3)
     found = answers.motions(plan, *PLACE)
-    assert answers.label_of(found) == "2/0-1"
+    assert label_of(found.stable, found.impact) == "2/0-1"
     assert answers.ending_of_motion(plan, *PLACE, 1).motion.label == "1T/0"

@@ -112,7 +112,7 @@ def test_options_are_checked_without_matplotlib():
 )
 def test_options_not_allowed(made, tmp_path, curves, formats, dpi, message):
     with pytest.raises(ConfigurationError) as error:
-        figures.check_options(store.read_plan(made), curves, formats, dpi)
+        figures.check_options(store.read_plan(made), figures.figure_options(curves, formats, dpi))
     assert str(error.value) == message
     with pytest.raises(ConfigurationError):
         figures.draw(made, tmp_path / "none", curves, formats, dpi)
@@ -489,4 +489,4 @@ def test_multipliers_along_a_row(plane, tmp_path):
         at = row.points["event"] == event
         assert np.any(at) and np.all(miss[at] < 1e-6)
     with pytest.raises(ConfigurationError, match="figures.multipliers = 7.0"):
-        figures.check_options(plane.plan, None, ["png"], 60, multipliers=[7.0])
+        figures.check_options(plane.plan, figures.figure_options(None, ["png"], 60, multipliers=[7.0]))

@@ -184,6 +184,5 @@ def test_words_that_are_none_are_refused(traced, tmp_path, options, named):
 
 def test_a_volume_has_no_such_map():
     with pytest.raises(ConfigurationError, match="figures.quantity = rms is not allowed for a volume"):
-        figures.check_options(
-            small_plan("plane=omega_b_fe", "plane.parameter2.num=2"), None, ["png"], 40, quantity="rms"
-        )
+        options = figures.figure_options(None, ["png"], 40, quantity="rms")
+        figures.check_options(small_plan("plane=omega_b_fe", "plane.parameter2.num=2"), options)

@@ -46,7 +46,6 @@ def test_a_plane(plane):
     assert_as_xarray_reads(stored, root, xr.open_zarr(plane, group="branches"))
     assert stored.about == root.attrs and stored.attributes["omega"] == root.omega.attrs
     assert stored.labels == dict(zip(root.domain.flag_values, root.domain.labels, strict=True))
-    np.testing.assert_array_equal(stored.usable, (root.domain != 0) & (root.n_stable > 0))
 
 
 @pytest.mark.parametrize("layer", [0, 2])
@@ -88,7 +87,7 @@ def test_labels_of_rows_that_are_not_complete_are_not_believed(plane, tmp_path):
     copy = shutil.copytree(plane, tmp_path / "copy.zarr")
     zarr.open_group(copy, mode="r+")["status"][1] = store.PENDING
     stored, before = StoredPlane(copy, store.read_plan(plane)), read_stored(plane)
-    assert before.domain[1].all() and not stored.domain[1].any() and not stored.usable[1].any()
+    assert before.domain[1].all() and not stored.domain[1].any()
     np.testing.assert_array_equal(np.delete(stored.domain, 1, axis=0), np.delete(before.domain, 1, axis=0))
 
 

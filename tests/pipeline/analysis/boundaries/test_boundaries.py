@@ -297,7 +297,7 @@ def test_csv_equals_the_store(made, tmp_path):
 )
 def test_windows_that_are_refused(window):
     with pytest.raises(ConfigurationError, match=r"figures\.window = .* is not allowed") as caught:
-        figures.check_options(small_plan("plane=omega_fe"), None, ["png"], 100, window)
+        figures.check_options(small_plan("plane=omega_fe"), figures.figure_options(None, ["png"], 100, window=window))
     assert "\n" not in str(caught.value)
 
 
@@ -320,7 +320,7 @@ def test_a_window_at_a_thousandfold_magnification_around_a_cusp(made, tmp_path):
             assert code[i, j] == enumerated_code(plan, omega, f_e)
     made_twice = []
     for folder in ("one", "two"):
-        (drawn,) = figures.draw(path, tmp_path / folder, None, ["pdf"], 60, window, only=["map-window"])
+        (drawn,) = figures.draw(path, tmp_path / folder, None, ["pdf"], 60, window=window, only=["map-window"])
         made_twice.append(drawn.read_bytes())
     assert drawn.name == "map-window.pdf" and made_twice[0] == made_twice[1]
 
