@@ -86,15 +86,18 @@ class Division:
         """
         order = np.argsort(points[:, 1], kind="stable")
         number, table = self._met(points[order, 1], (self.curves[curve],))
-        found = np.zeros((len(points), 2), np.int64)
-        for place, k, (arcs, x) in zip(order, number, table, strict=True):
-            part = self.slabs[k]
+        found, start = np.zeros((len(points), 2), np.int64), 0
+        for (k, _), rows in itertools.groupby(zip(number, table, strict=True), lambda row: (row[0], row[1][1].size)):
             # The sides of the plane come first.
-            if x.size > 2:
-                arc = curve, int(arcs[2 + np.argmin(np.abs(x[2:] - points[place, 0])), 1])
-                if arc in part.slab.arcs:
-                    at = part.slab.arcs.index(arc)
-                    found[place] = part.codes[at - 1], part.codes[at]
+            x = np.stack([x for _, (_, x) in rows])[:, 2:]
+            here, start = order[start : start + len(x)], start + len(x)
+            if x.size:
+                part = self.slabs[k]
+                at = {arc: i for i, arc in enumerate(part.slab.arcs)}
+                at = np.array([at.get((curve, which), 0) for which in range(x.shape[1])])
+                at = at[np.argmin(np.abs(x - points[here, :1]), axis=1)]
+                codes, here, at = np.array(part.codes), here[at > 0], at[at > 0]
+                found[here] = np.column_stack([codes[at - 1], codes[at]])
         return found
 
     def _met(self, p: np.ndarray, curves: tuple[SlabCurve, ...]):
