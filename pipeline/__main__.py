@@ -34,6 +34,13 @@ def _status(arguments: list[str], reporter) -> int:
     except OSError as error:
         reporter.error(f"{error}{KEPT}")
         return 1
+    except Exception as error:
+        from pipeline.run.libraries import failed_import
+
+        if (said := failed_import(error)) is None:
+            raise
+        reporter.error(str(said))
+        return said.status
     except KeyboardInterrupt as error:
         # As a shell has it: 128 and the number of the signal.
         number = getattr(error, "number", signal.SIGINT)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+# Tests run side by side; the threads of a small matrix product would wait for each other, at full speed.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 import pytest
@@ -18,6 +23,9 @@ from tests.object_server import object_server  # noqa: F401
 # The same examples in every run: a test that fails once fails again, and no folder of examples is left behind.
 settings.register_profile("bevelmap", derandomize=True, deadline=None, max_examples=60, database=None)
 settings.load_profile("bevelmap")
+
+# Tests hold many objects for long: to look for garbage as often as Python does by default takes a tenth of the time.
+gc.set_threshold(20_000, 20, 20)
 
 # What pytest makes of the tests' sources is kept, whatever is set around it: it takes longer than all imports.
 sys.dont_write_bytecode = False
@@ -84,6 +92,12 @@ def _shared(tmp_path_factory):
     folder = (base.parent if base.name.startswith("popen-") else base) / "shared"
     folder.mkdir(exist_ok=True)
     share(folder)
+
+
+@pytest.fixture
+def no_helpers(monkeypatch):
+    """Runs of the command without the processes that load beside them, and are ended as soon as a mistake is found."""
+    monkeypatch.setattr("pipeline.run.early.early_helpers", lambda _: contextlib.nullcontext())
 
 
 @pytest.fixture(params=sorted(MODELS))

@@ -47,7 +47,7 @@ def loader(config_dir: str | None = None):
 
     path = create_config_search_path(f"file://{conf_folder()}")
     if config_dir is not None:
-        path.append("user", f"file://{Path(config_dir).resolve()}")
+        path.prepend("user", f"file://{Path(config_dir).resolve()}", "schema")
     return ConfigLoaderImpl(config_search_path=path)
 
 

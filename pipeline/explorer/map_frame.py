@@ -13,27 +13,13 @@ from pipeline.explorer.plain_text import axis_text, plain
 from pipeline.figures.cell_panels import attractor_borders
 from pipeline.figures.map_legend import LINES, MARK_NAMES
 from pipeline.figures.naming import axis_label, mesh_energies, symbol
-from pipeline.figures.panels import cell_borders, lines_of
+from pipeline.figures.panels import DETAIL, cell_borders, lines_of
 from pipeline.plan.scales import scales_of
 from pipeline.plane.outlines import flattened, thinned
 from pipeline.plane.stored import StoredPlane
 from solver import Scales
 
-__all__ = [
-    "DETAIL",
-    "MapFrame",
-    "evenly",
-    "frame_of_map",
-    "label_text",
-    "map_lines",
-    "marks_of",
-    "plane_cells",
-    "told_of_cells",
-]
-
-#: How far what is drawn of a curve may be off it, as a share of the axes: at twenty times the size of a map that is
-#: 1500 pixels wide, a thirtieth of a pixel.
-DETAIL = 1e-6
+__all__ = ["MapFrame", "evenly", "frame_of_map", "label_text", "map_lines", "marks_of", "plane_cells", "told_of_cells"]
 
 
 @dataclass(frozen=True, eq=False)

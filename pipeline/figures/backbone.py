@@ -15,7 +15,7 @@ from pipeline.figures.peaks import resonance_peaks
 from pipeline.figures.physical_axes import LIFT, show_bar_units, show_units, titled
 from pipeline.plan.numerics import row_system
 from pipeline.plan.traits import is_loaded_pair
-from pipeline.plane.row_curves import curves_at
+from pipeline.plane.row_curves import RowCurves, curves_at
 from pipeline.plane.stored import StoredPlane
 from solver import Backbone, Model, backbone
 
@@ -32,6 +32,8 @@ _LINEAR = {"color": "0.45", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5))
 _PEAKS, _PEAKS_OF_ORDER, _BACKBONES, _AMPLITUDES = 26, 7, 5, 100
 #: Without the brightest end, which paper swallows.
 _COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.9, 256)))
+#: How far from a round value, as a share of the axis, a row may be that stands for it.
+_BESIDE_ROUND = 0.003
 #: What differs by less, as a share, is drawn once.
 _SAME = 1e-6
 
@@ -68,7 +70,7 @@ def draw_backbone(plane: StoredPlane) -> Drawing:
     Drawing
     """
     first_order = plane.plan.solver["balance"] == "describing_function"
-    rows = [curves_at(plane, value) for value in round_values(plane, _PEAKS if first_order else _PEAKS_OF_ORDER)]
+    rows = _rows(plane, _PEAKS if first_order else _PEAKS_OF_ORDER)
     values = np.array([row.value for row in rows])
     lasting = resonance_peaks(rows, True)
     peaks = lasting if plane.dynamic else resonance_peaks(rows)
@@ -128,6 +130,19 @@ def draw_backbone(plane: StoredPlane) -> Drawing:
         columnspacing=1.2,
     )
     return figure
+
+
+def _rows(plane: StoredPlane, most: int) -> list[RowCurves]:
+    """Rows of round values, at most so many; in place of one the stored row beside it, if it is so close that nobody
+    sees a difference."""
+    axis, stored = plane.plan.parameter, plane.rows[plane.complete]
+    close = _BESIDE_ROUND * (axis.high - axis.low)
+    values = round_values(plane, most)
+    nearest = [min(stored, key=lambda row, value=value: abs(row - value), default=np.inf) for value in values]
+    return [
+        curves_at(plane, float(row) if abs(row - value) <= close else value)
+        for value, row in zip(values, nearest, strict=True)
+    ]
 
 
 def _tops(peaks: np.ndarray, models: dict[float, Model]) -> list[float]:

@@ -75,7 +75,7 @@ def draw_cells(
     Drawing
     """
     sweep, parameter = plane.plan.sweep, plane.plan.parameter
-    windows = coexistence_windows(plane.segments, sweep.low, sweep.high) if window is None else []
+    windows = coexistence_windows(plane) if window is None else []
     tall = max(HEIGHT, legend_height(list(entries)))
     names, above = (sweep.name, parameter.name), lift(plane)
     bottom = BOTTOM + (ZOOM_HEIGHT + BETWEEN + above if windows else 0.0)

@@ -1,12 +1,15 @@
 """A quantity and the mean over the swept parameter, for a few rows: stability, impact state, every event."""
 
+import itertools
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.transforms import Affine2D, Transform
 
 from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.figures.drawing import Drawing
@@ -63,6 +66,8 @@ _EXIT = {"marker": "^", "color": "black", "linestyle": "none", "markersize": 4.5
 _AMPLITUDES = 60
 #: Inches: markers closer than this hide each other and are enlarged, in an inset of this size, at most so many times.
 _CROWDED, _INSET, _MOST = 0.07, (0.72, 0.56), 2
+#: Insets hide what lies below.
+_ABOVE = 8
 
 
 def line_of(segment: BranchSegment, lasting: bool) -> tuple[bool, bool]:
@@ -158,8 +163,9 @@ def draw_curves(
 _NOTHING = {PENDING: "row not computed", COMPLETE: "no branch found", FAILED: "row failed"}
 
 
-def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None:
-    x, y = row.points["position"], row.values(name)
+def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1, inset: "_Inset | None" = None) -> None:
+    """Draw a row's branches and events, or those of them that an inset enlarges."""
+    x, y, drawn = row.points["position"], row.values(name), []
     for kind, (_, style) in LINES.items():
         segments = [
             segment
@@ -167,21 +173,33 @@ def _draw_row(axes: Axes, row: RowCurves, name: str, width: float = 1.1) -> None
             if line_of(segment, lasting) == kind
         ]
         # Round ends, as lines of neighbouring segments would gape between flat ones.
-        axes.add_collection(
-            LineCollection(
-                [np.column_stack([x[segment.slice], y[segment.slice]]) for segment in segments],
-                colors=[_state_colour(ImpactState(segment.impact)) for segment in segments],
-                linewidth=width,
-                capstyle="round" if all(kind) else "butt",
-                joinstyle="round",
-                **style,
-            ),
-            autolim=False,
+        lines = LineCollection(
+            [np.column_stack([x[segment.slice], y[segment.slice]]) for segment in segments],
+            colors=[_state_colour(ImpactState(segment.impact)) for segment in segments],
+            linewidth=width,
+            capstyle="round" if all(kind) else "butt",
+            joinstyle="round",
+            **style,
         )
+        drawn.append(lines)
     for events, style in MARKS.values():
         here = np.isin(row.points["event"], events)
         if np.any(here):
-            axes.plot(x[here], y[here], **style)
+            drawn.append(Line2D(x[here], y[here], **style))
+    for artist in drawn:
+        if inset is not None:
+            artist.set(transform=inset.transform, zorder=_ABOVE + artist.get_zorder())
+        axes.add_line(artist) if isinstance(artist, Line2D) else axes.add_collection(artist, autolim=False)
+        if inset is not None:
+            artist.set_clip_path(inset.frame)
+
+
+@dataclass(frozen=True)
+class _Inset:
+    """A frame in a panel, and what takes its data there; axes of their own would take five times as long."""
+
+    frame: Rectangle
+    transform: Transform
 
 
 def _draw_exits(axes: Axes, row: RowCurves, name: str) -> None:
@@ -222,13 +240,13 @@ def _enlarge_crowded(figure: Drawing, axes: Axes, row: RowCurves, name: str, iso
         half = np.maximum(1.3 * np.ptp(crowd, axis=0), 0.025) * 0.5 + 0.006
         middle = 0.5 * (crowd.min(axis=0) + crowd.max(axis=0))
         ends = (np.stack([middle - half, middle + half]) / size * scale + (left, low)).T
-        position = axes.get_position()
-        share = np.array(_INSET) / figure.get_size_inches()
-        place = position.p0 + corner / figure.get_size_inches()
-        inset = figure.add_axes((*place, *share), xlim=ends[0], ylim=ends[1], xticks=[], yticks=[], zorder=8)
-        for spine in inset.spines.values():
-            spine.set(linewidth=0.45, color="0.3")
-        _draw_row(inset, row, name, 0.9)
+        inches = Affine2D().translate(*axes.get_position().p0 * figure.get_size_inches()) + figure.dpi_scale_trans
+        frame = Rectangle(
+            corner, *_INSET, transform=inches, facecolor="white", edgecolor="0.3", linewidth=0.45, zorder=_ABOVE
+        )
+        axes.add_artist(frame)
+        there = Affine2D().translate(*-ends[:, 0]).scale(*_INSET / np.ptp(ends, axis=1)).translate(*corner)
+        _draw_row(axes, row, name, 0.9, _Inset(frame, there + inches))
         axes.add_patch(
             Rectangle(ends[:, 0], *np.ptp(ends, axis=1), fill=False, edgecolor="0.3", linewidth=0.45, zorder=7)
         )
@@ -253,13 +271,19 @@ def _crowds(events: np.ndarray) -> list[np.ndarray]:
 def _free_corner(size: np.ndarray, blocked: np.ndarray, near: np.ndarray) -> np.ndarray | None:
     """Lower left corner of an inset that hides no curve, as near as there is; None where there is none."""
     margin = 0.04
-    across = np.arange(margin, size[0] - _INSET[0] - margin, 0.06)
-    up = np.arange(margin, size[1] - _INSET[1] - margin, 0.06)
-    corners = np.array([(x, y) for x in across for y in up]).reshape(-1, 2)
-    inside = np.all((blocked >= corners[:, None] - margin) & (blocked <= corners[:, None] + _INSET + margin), axis=2)
-    free = corners[~np.any(inside, axis=1)]
+    steps = [np.arange(margin, length - side - margin, 0.06) for length, side in zip(size, _INSET, strict=True)]
+    # Every point blocks the corners of a rectangle: one more from its first row and column on, one less past its last.
+    count = np.zeros([step.size + 1 for step in steps], dtype=int)
+    ends = [
+        (np.searchsorted(step + side + margin, place), np.searchsorted(step - margin, place, side="right"))
+        for step, side, place in zip(steps, _INSET, blocked.T, strict=True)
+    ]
+    for i, j in itertools.product((0, 1), repeat=2):
+        np.add.at(count, (ends[0][i], ends[1][j]), 1 if i == j else -1)
+    free = np.argwhere(count.cumsum(axis=0).cumsum(axis=1)[:-1, :-1] == 0)
     if not len(free):
         return None
+    free = np.column_stack([step[which] for step, which in zip(steps, free.T, strict=True)])
     return free[np.argmin(np.hypot(*(free + 0.5 * np.array(_INSET) - near).T))]
 
 

@@ -1,6 +1,7 @@
 """The head of a figure: which gear, which balance, which grid, and what is held fixed."""
 
 import functools
+import re
 
 from matplotlib.figure import Figure
 from matplotlib.textpath import TextPath
@@ -18,6 +19,8 @@ HEAD = 0.3
 _LEFT, _TOP, _LINE, _BETWEEN = 0.08, 0.05, 0.145, 0.4
 #: Points of its letters, where there is room.
 _SIZE = 8.0
+#: Of formulas: commands, which are a letter each, and what is not seen.
+_MARKUP = re.compile(r"(\\[a-z]+ ?)|[${}_^]", re.IGNORECASE)
 
 
 def write_heading(figure: Figure, plane: StoredPlane) -> None:
@@ -35,13 +38,22 @@ def write_heading(figure: Figure, plane: StoredPlane) -> None:
 
 def _fitting(left: str, right: str, width: float) -> float:
     """The size of letters at which both ends of a line have room, at most the usual one."""
-    inches = sum(_inches(text) for text in (left, right) if text)
-    return min(_SIZE, _SIZE * (width - _LEFT - RIGHT - _BETWEEN) / inches) if inches else _SIZE
+    texts, room = [text for text in (left, right) if text], width - _LEFT - RIGHT - _BETWEEN
+    # Formulas take long to set. Without their markup, with letters as wide as any, they are no narrower than they are.
+    if _inches("".join(_MARKUP.sub(_wide, text) for text in texts)) <= room:
+        return _SIZE
+    return min(_SIZE, _SIZE * room / sum(map(_inches, texts)))
+
+
+def _wide(found: re.Match) -> str:
+    return "m" if found[1] else ""
 
 
 @functools.lru_cache(maxsize=64)
 def _inches(text: str) -> float:
     """The width of a text in letters of the usual size; the figures of a plane have the same ones."""
+    if not text:
+        return 0.0
     # Letters reach furthest at points of their outlines; to look between these takes three times as long.
     return float(TextPath((0.0, 0.0), text, size=_SIZE).vertices[:, 0].max()) / 72.0
 
@@ -57,4 +69,8 @@ def balance_text(plan: Plan) -> str:
 def _unfelt(plan: Plan) -> str:
     """What the balance does not feel of the excitation; empty where it feels everything."""
     found = unfelt_harmonics(plan)
-    return "" if found is None else f"not felt: {found.words}"
+    if found is None:
+        return ""
+    # Of what they are is for the run to say: the gear needs the room.
+    numbers = sorted({*found.stiffness, *found.error})
+    return f"not felt: harmonic{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))} of the excitation"

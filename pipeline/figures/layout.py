@@ -61,7 +61,7 @@ def show_window(axes: Axes, window: Sequence[float]) -> None:
 
 
 def enlarged(image: np.ndarray) -> np.ndarray:
-    """An image (P, X, 3) with each cell a block of whole pixels."""
+    """An image (P, X, ...) with each cell a block of whole pixels."""
     for axis in (0, 1):
         image = np.repeat(image, -(-_PIXELS // image.shape[axis]), axis=axis)
     return image

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, NoNorm
 from matplotlib.patches import PathPatch
 
 from pipeline.figures.cell_panels import outline_of
@@ -63,8 +64,7 @@ def draw_map(plane: StoredPlane) -> Drawing:
     -------
     Drawing
     """
-    sweep = plane.plan.sweep
-    zooms = [panel_of(plane, window) for window in coexistence_windows(plane.segments, sweep.low, sweep.high)]
+    zooms = [panel_of(plane, window) for window in coexistence_windows(plane)]
     whole = panel_of(plane)
     below = ZOOM_HEIGHT + BETWEEN + lift(plane) if zooms else 0.0
     figure, main, labels = with_main_panel(plane, [whole, *zooms], below, True)
@@ -142,12 +142,20 @@ def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
 
 def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     """Fill a panel with its labels, lines and marks."""
+    present = np.flatnonzero(np.bincount(panel.code.ravel()))
+    colours = [label_colour(plane.labels[code]) for code in present.tolist()]
+    number = np.zeros(present[-1] + 1, np.uint8)
+    number[present] = np.arange(present.size)
     axes.imshow(
-        _image(panel.code, plane.labels),
+        enlarged(number[panel.code]),
+        cmap=ListedColormap(np.array(colours) / 255.0),
+        norm=NoNorm(),
         extent=(*panel.x, *panel.y),
         origin="lower",
         aspect="auto",
         interpolation="none",
+        # The numbers are laid on pixels, and not their colours, which would be four times as many.
+        interpolation_stage="data",
         zorder=0,
     )
     # Not as patches: matplotlib would look for the extrema of every segment, and the limits are the panel's.
@@ -160,9 +168,7 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
         if np.any(marked):
             axes.add_artist(PathPatch(outline_of(marked, columns, rows), **kind))
-    dark = np.isin(
-        panel.code, [c for c in _present(panel.code) if text_colour(label_colour(plane.labels[c])) == "white"]
-    )
+    dark = np.isin(panel.code, present[[text_colour(colour) == "white" for colour in colours]])
     for mark, marked in ((draw_lines, panel.unstable), (draw_dots, panel.contradictory)):
         mark(axes, marked & ~dark, panel.x, panel.y)
         mark(axes, marked & dark, panel.x, panel.y, "white")
@@ -216,19 +222,3 @@ def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequ
         axes.text(
             *place, label.text, ha="center", va="center", fontsize=7, color=text_colour(colour), bbox=box, zorder=6
         )
-
-
-def _image(code: np.ndarray, labels: dict[int, str]) -> np.ndarray:
-    """Colours of the cells, (P, X, 4) uint8, each cell a block of whole pixels.
-
-    Matplotlib turns what has no opacity into numbers of eight times the size to add one.
-    """
-    colours = np.zeros((int(code.max()) + 1, 4), np.uint8)
-    for value in _present(code):
-        colours[value] = (*label_colour(labels[value]), 255)
-    return enlarged(colours[code])
-
-
-def _present(code: np.ndarray) -> list[int]:
-    """The codes that there are, ascending."""
-    return np.flatnonzero(np.bincount(code.ravel())).tolist()

@@ -124,6 +124,7 @@ def _rare_family(states: str) -> tuple[float, float, float]:
     return (mask * 137.508) % 360.0, 45.0, (-6.0, 0.0, 6.0)[mask % 3]
 
 
+@cache
 def _rgb(lightness: float, chroma: float, hue: float) -> Colour:
     """CIE LCh (D65) as sRGB; what the screen cannot show is brought in by lowering the chroma."""
     for part in np.linspace(1.0, 0.0, 41):

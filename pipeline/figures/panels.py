@@ -13,18 +13,30 @@ from matplotlib.path import Path as Outline
 from pipeline.analysis.boundaries.events import MARGINS
 from pipeline.figures.edges import curves_along, label_edges
 from pipeline.plan.axes import Axis
-from pipeline.plane.boundaries import StoredBoundaries, special_places
+from pipeline.plane.arcs import arcs_of, needed_points
+from pipeline.plane.boundaries import StoredBoundaries, StoredCurve, special_places
 from pipeline.plane.division import parting_arcs, stored_division
 from pipeline.plane.stored import StoredPlane
 from solver import Event
 from solver.boundaries import SpecialPoint
 from solver.regions.labelling import dynamic_code, is_contradictory, static_code
 
-__all__ = ["MARKED", "Panel", "cell_borders", "lines_of", "panel_of", "shares_of_labels"]
+__all__ = ["DETAIL", "MARKED", "Panel", "cell_borders", "lines_of", "panel_of", "shares_of_labels"]
 
 #: Points that panels mark.
 MARKED = (SpecialPoint.CUSP, SpecialPoint.FOLD_GRAZING, SpecialPoint.ISOLA, SpecialPoint.MERGER)
 
+#: How far points of boundaries may be off the lines that are drawn, as a share of the panel: a pixel of a screen where
+#: it is magnified a thousandfold.
+DETAIL = 1e-6
+#: What lines are called.
+_KINDS = {
+    Event.FOLD: "fold",
+    **dict.fromkeys(MARGINS, "grazing"),
+    Event.PERIOD_DOUBLING: "period_doubling",
+    Event.NEIMARK_SACKER: "neimark_sacker",
+    Event.UNIT_MULTIPLIER: "unit_multiplier",
+}
 #: Pixels of an image with exact labels, across and up: as fine as print shows.
 _FINE = (1440, 900)
 _BITS = 6
@@ -83,7 +95,7 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
     static, dynamic = static_code(codes), dynamic_code(codes)
     code = (dynamic if plane.dynamic else static).astype(np.uint16)
     if plane.boundaries is not None:
-        lines, marks = _lines(plane, x, y), _marks(plane.boundaries, x, y)
+        lines, marks = _lines(plane, x, y, DETAIL), _marks(plane.boundaries, x, y)
     else:
         lines, marks = _cell_lines(code, code - 1 >> _BITS, columns, rows), {}
     unstable = (static != dynamic) & (not plane.dynamic)
@@ -138,47 +150,58 @@ def _polygons(segments: np.ndarray, x: np.ndarray, y: np.ndarray) -> Outline:
     return Outline.make_compound_path(*lines) if lines else Outline(np.empty((0, 2)))
 
 
-def lines_of(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
-    """Line kind -> the lines within a part of the plane, without the labels between them."""
+def lines_of(
+    plane: StoredPlane, x: tuple[float, float], y: tuple[float, float], detail: float = DETAIL
+) -> dict[str, Outline]:
+    """Line kind -> the lines within a part of the plane, without the labels between them.
+
+    Parameters
+    ----------
+    plane : StoredPlane
+    x, y : (low, high)
+    detail : float
+        How far a point of a stored boundary may be off its line, as a share of the part.
+    """
     if plane.boundaries is not None:
-        return _lines(plane, x, y)
+        return _lines(plane, x, y, detail)
     borders = cell_borders(plane.plan.sweep), cell_borders(plane.plan.parameter)
     return _cell_lines(plane.domain, plane.n_stable, *borders)
-
-
-def _lines(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float]) -> dict[str, Outline]:
-    """Line kind -> the curves of that kind within a window, where they part labels."""
-    kinds = {
-        "fold": (Event.FOLD,),
-        "grazing": tuple(MARGINS),
-        "period_doubling": (Event.PERIOD_DOUBLING,),
-        "neimark_sacker": (Event.NEIMARK_SACKER,),
-        "unit_multiplier": (Event.UNIT_MULTIPLIER,),
-    }
-    if plane not in _PARTING:
-        _PARTING[plane] = parting_arcs(plane)
-    return _present({kind: _outline(plane, events, x, y) for kind, events in kinds.items()})
 
 
 _PARTING: WeakKeyDictionary[StoredPlane, dict[int, np.ndarray]] = WeakKeyDictionary()
 
 
-def _outline(plane: StoredPlane, kinds, x: tuple[float, float], y: tuple[float, float]) -> Outline:
-    """The curves within a window as Bezier curves, which are the stored cubics and stay smooth at any magnification."""
-    vertices, codes = [np.empty((0, 2))], [np.empty(0, Outline.code_type)]
+def _lines(plane: StoredPlane, x: tuple[float, float], y: tuple[float, float], detail: float) -> dict[str, Outline]:
+    """Line kind -> the curves of that kind within a window, where they part labels, as Bezier curves: cubics through
+    stored points and slopes, which stay smooth at any magnification."""
+    if plane not in _PARTING:
+        _PARTING[plane] = parting_arcs(plane)
+    found: list[tuple[str, StoredCurve, int, int]] = []
     for number, shows in _PARTING[plane].items():
         curve = plane.boundaries.curves[number]
-        if curve.kind not in kinds:
-            continue
-        controls = curve.arcs.controls()
         # An arc lies within the hull of its control points. What lies outside would only cost dashes.
+        controls = curve.arcs.controls()
         lowest, highest = controls.min(axis=1), controls.max(axis=1)
         near = np.all((highest >= (x[0], y[0])) & (lowest <= (x[1], y[1])), axis=1) & shows
-        for first, stop in _runs(near):
-            vertices.append(np.concatenate([controls[first, :1], controls[first:stop, 1:].reshape(-1, 2)]))
-            codes.append(np.full(len(vertices[-1]), Outline.CURVE4, Outline.code_type))
-            codes[-1][0] = Outline.MOVETO
-    return Outline(np.concatenate(vertices), np.concatenate(codes))
+        found += [(_KINDS[curve.kind], curve, first, stop) for first, stop in _runs(near)]
+    if not found:
+        return {}
+    points, slopes, arclength = (
+        np.concatenate([getattr(curve, name)[first : stop + 1] for _, curve, first, stop in found])
+        for name in ("points", "slopes", "arclength")
+    )
+    last = np.cumsum([stop + 1 - first for _, _, first, stop in found]) - 1
+    runs = np.column_stack([np.concatenate([[0], last[:-1] + 1]), last])
+    kept = needed_points(points[:, 3:], slopes[:, 3:], arclength, runs, detail * np.array([np.ptp(x), np.ptp(y)]))
+    outlines: dict[str, list[Outline]] = {kind: [] for kind in dict.fromkeys(_KINDS.values())}
+    for (kind, *_), (low, high) in zip(found, runs, strict=True):
+        here = low + np.flatnonzero(kept[low : high + 1])
+        controls = arcs_of(points[here], slopes[here], arclength[here]).controls()
+        vertices = np.concatenate([controls[0, :1], controls[:, 1:].reshape(-1, 2)])
+        codes = np.full(len(vertices), Outline.CURVE4, Outline.code_type)
+        codes[0] = Outline.MOVETO
+        outlines[kind].append(Outline(vertices, codes))
+    return {kind: Outline.make_compound_path(*parts) for kind, parts in outlines.items() if parts}
 
 
 def _runs(flags: np.ndarray) -> list[tuple[int, int]]:

@@ -71,7 +71,8 @@ def draw_volume(stored: StoredPlane) -> Drawing:
         write_labels(axes, panel, plane, [panel.x])
         axes.set_title(value_text(volume.parameter2.name, value))
         axes.tick_params(labelleft=place == 0)
-        axes.locator_params(axis="x", nbins=4)
+        # Labels at both ends stand beside those of the next layer.
+        axes.locator_params(axis="x", nbins=2)
         axes.locator_params(axis="y", nbins=4)
     middle = LEFT + 0.5 * (WIDTH - LEFT - RIGHT)
     figure.text(middle / WIDTH, (low - 0.2) / height, x, ha="center", va="top", fontsize=9)

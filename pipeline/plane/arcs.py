@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-__all__ = ["Arcs", "Crossings", "arcs_of"]
+__all__ = ["Arcs", "Crossings", "arcs_of", "needed_points"]
 
 # Steps of Newton or halving, and how far the last one may move, as a share of an arc.
 _MOST_STEPS, _CLOSE = 60, 1e-14
@@ -131,3 +131,45 @@ def arcs_of(points: np.ndarray, slopes: np.ndarray, arclength: np.ndarray) -> Ar
     """The arcs of a curve: points and slopes (k, 5) at arc lengths (k,); a doubled point is an arc of no length."""
     length = np.diff(arclength)[:, None]
     return Arcs(points[:-1], points[1:], length * slopes[:-1], length * slopes[1:])
+
+
+def needed_points(
+    points: np.ndarray, slopes: np.ndarray, arclength: np.ndarray, runs: np.ndarray, allowed: np.ndarray
+) -> np.ndarray:
+    """Which points cubics must go through so that they pass by all others closely enough.
+
+    Parameters
+    ----------
+    points, slopes : (k, d) arrays
+        Of curves one after the other, and their derivatives by arc length.
+    arclength : (k,) array
+    runs : (r, 2) int array
+        First and last point of every curve, or of a part of one, ascending.
+    allowed : (d,) array
+        How far a point that is left out may be off the cubic, along each axis.
+
+    Returns
+    -------
+    (k,) bool array
+        Those that stay, the ends of all runs among them.
+    """
+    points, slopes = points / allowed, slopes / allowed
+    kept = np.zeros(len(points), dtype=bool)
+    kept[runs] = True
+    first, last = runs.T
+    while (wide := last - first > 1).any():
+        first, last = first[wide], last[wide]
+        count = last - first - 1
+        start = np.cumsum(count) - count
+        inner = np.arange(count.sum()) + np.repeat(first + 1 - start, count)
+        length = arclength[last] - arclength[first]
+        cubics = Arcs(points[first], points[last], length[:, None] * slopes[first], length[:, None] * slopes[last])
+        number = np.repeat(np.arange(first.size), count)
+        with np.errstate(all="ignore"):
+            t = np.where(length[number] > 0.0, (arclength[inner] - arclength[first][number]) / length[number], 0.0)
+        off = np.maximum.reduceat(np.linalg.norm(cubics.at(number, t) - points[inner], axis=1), start)
+        first, last = first[off > 1.0], last[off > 1.0]
+        middle = (first + last) // 2
+        kept[middle] = True
+        first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
+    return kept

@@ -1,5 +1,7 @@
 """Linear resonances of a system in contact: natural frequencies, names, and the share of each mode in the contact."""
 
+import dataclasses
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,7 +67,7 @@ def contact_modes(system: Model | ContactSystem) -> tuple[tuple[float, float], .
     equations have one.
     """
     if isinstance(system, Model):
-        return tuple(zip(system.mesh_modes(), mesh_shares(system), strict=True))
+        return _pair_modes(dataclasses.replace(system, **_UNFELT))
     kept = reduced(system)
     squares, right = np.linalg.eig(np.linalg.solve(kept.mass, kept.stiffness + np.outer(kept.force, kept.contact)))
     # The rows of the inverse are the left modes, of l M r = 1.
@@ -75,6 +77,15 @@ def contact_modes(system: Model | ContactSystem) -> tuple[tuple[float, float], .
     heard = (squares.real > 0.0) & (shares > _SILENT)
     found = sorted(zip(np.sqrt(squares.real[heard]).tolist(), shares[heard].tolist(), strict=True))
     return tuple((natural, min(share, 1.0)) for natural, share in found)
+
+
+#: What most planes have along their rows and modes do not depend on: so all rows are one pair.
+_UNFELT = {"b": 1.0, "alpha": 0.0, "f_e": 0.0, "f_pm": 1.0}
+
+
+@functools.lru_cache(maxsize=1024)
+def _pair_modes(pair: Model) -> tuple[tuple[float, float], ...]:
+    return tuple(zip(pair.mesh_modes(), mesh_shares(pair), strict=True))
 
 
 def mesh_shares(model: Model) -> tuple[float, float]:

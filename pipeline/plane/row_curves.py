@@ -132,7 +132,6 @@ def stored_row(plane: StoredPlane, row: int) -> RowCurves:
     """The branches of a stored row, by number."""
     count = int(plane.n_points[row])
     points = plane.row_points(row)
-    points |= {name: plane.array(f"branches/{name}")[row, :count] for name in ("cos", "sin")}
     if plane.plan.motion_size:
         points["motion"] = plane.array("branches/motion")[row, :count]
     else:

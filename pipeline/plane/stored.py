@@ -23,7 +23,7 @@ from solver.stability.instability import LEFT_TO_FOLDS
 
 __all__ = ["StoredPlane", "read_stored"]
 
-_POINT_ARRAYS = ("mean", "amplitude", "stable", "impact", "branch", "event")
+_POINT_ARRAYS = ("mean", "cos", "sin", "amplitude", "stable", "impact", "branch", "event")
 
 
 def _stored(name: str) -> cached_property:
@@ -94,8 +94,14 @@ class StoredPlane:
     @property
     def parts(self) -> Iterator["StoredPlane"]:
         """The plane in parts of some rows, each a few chunks of the store."""
-        for block in self.plan.parts:
-            yield self._as(block=block)
+        return map(self.part, self.plan.parts)
+
+    def part(self, block: Block) -> "StoredPlane":
+        """Some rows of the plane."""
+        part = self._as(block=block)
+        # One number a row: read for all rows at once.
+        vars(part).update(status=self.status[part._within], n_points=self.n_points[part._within])
+        return part
 
     def layer_at(self, index: int) -> "StoredPlane":
         """One layer of a volume."""
@@ -188,9 +194,14 @@ class StoredPlane:
     @cached_property
     def motions(self) -> np.ndarray:
         """All unknowns of the balance in every cell, (P, X, S, n)."""
+        return self.motions_in(...)
+
+    def motions_in(self, *cells) -> np.ndarray:
+        """All unknowns of the balance in some cells, (k, S, n), by the numbers (k,) of their rows and columns."""
         if self.plan.motion_size:
-            return self.motion
-        return np.stack([self.mean, self.amplitude * np.cos(self.phase), -self.amplitude * np.sin(self.phase)], -1)
+            return self.motion[cells]
+        mean, amplitude, phase = (values[cells] for values in (self.mean, self.amplitude, self.phase))
+        return np.stack([mean, amplitude * np.cos(phase), -amplitude * np.sin(phase)], -1)
 
     @cached_property
     def stability_codes(self) -> np.ndarray:

@@ -101,8 +101,12 @@ class Helpers:
         self._ends_server = _FORKS and forkserver._forkserver._forkserver_pid is None
         if _FORKS:
             context.set_forkserver_preload(["pipeline.run.preloading", "pipeline.run.helpers", *modules])
-            with deaf_to_interrupts(), main_module_hidden():
-                forkserver.ensure_running()
+            try:
+                with deaf_to_interrupts(), main_module_hidden():
+                    forkserver.ensure_running()
+            except KeyboardInterrupt:
+                self.close()
+                raise
         # The first one tells when all is loaded.
         self._first = self._starter.submit(self._submit, load, [((),)] * (1 if _FORKS else COUNT))
 
@@ -154,10 +158,12 @@ class Helpers:
         """Tasks with what will come of them, as far as helpers can be started."""
         before, begun = set(multiprocessing.active_children()), []
         # What forks them may have been ended, too.
-        with contextlib.suppress(BrokenProcessPool, OSError, EOFError), deaf_to_interrupts(), main_module_hidden():
-            for task in tasks:
-                begun.append((task, self._pool.submit(function, *task)))
-        self._processes |= set(multiprocessing.active_children()) - before
+        try:
+            with contextlib.suppress(BrokenProcessPool, OSError, EOFError), deaf_to_interrupts(), main_module_hidden():
+                for task in tasks:
+                    begun.append((task, self._pool.submit(function, *task)))
+        finally:
+            self._processes |= set(multiprocessing.active_children()) - before
         return begun
 
     def close(self) -> None:

@@ -2,11 +2,13 @@
 
 import contextlib
 import os
+import sys
+import traceback
 from collections.abc import Iterator
 
-from pipeline.errors import unusable
+from pipeline.errors import ConfigurationError, unusable
 
-__all__ = ["drawing_into_files", "load_dask", "with_own_dask"]
+__all__ = ["drawing_into_files", "failed_import", "load_dask", "with_own_dask"]
 
 
 def load_dask() -> None:
@@ -37,10 +39,21 @@ def with_own_dask() -> Iterator[None]:
 
 @contextlib.contextmanager
 def drawing_into_files() -> Iterator[None]:
-    """Matplotlib, if it is loaded within, knows of no display: MPLBACKEND may name one that is not there."""
-    backend = os.environ.pop("MPLBACKEND", None)
+    """Matplotlib within knows of no display, as MPLBACKEND may name one that is not there, and of no date: figures have
+    none, and SOURCE_DATE_EPOCH may be no number."""
+    taken = {name: os.environ.pop(name) for name in ("MPLBACKEND", "SOURCE_DATE_EPOCH") if name in os.environ}
     try:
         yield
     finally:
-        if backend is not None:
-            os.environ["MPLBACKEND"] = backend
+        os.environ.update(taken)
+
+
+def failed_import(error: Exception) -> ConfigurationError | None:
+    """What is said of an error that ended the import of a library, as a variable of its own does that it cannot use;
+    None of any other."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    library = frames[-1].f_globals.get("__name__", "").partition(".")[0] if frames else ""
+    # An import that fails is taken back.
+    if not library or library in sys.modules or isinstance(error, ImportError):
+        return None
+    return unusable(library, error)

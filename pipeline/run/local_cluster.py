@@ -72,10 +72,11 @@ def local_cluster(workers: int, memory: str, dashboard: bool) -> Iterator[SpecCl
         Its `security` holds the key that a client needs.
     """
     # Workers import and read what is in their folders; dask's usual place for them may belong to somebody else.
-    with scratch_folder() as folder, with_own_dask():
+    with scratch_folder() as folder, with_own_dask(), contextlib.ExitStack() as opened:
         with deaf_to_interrupts(), main_module_hidden():
-            cluster = _started(workers, memory, dashboard, str(folder))
-        with contextlib.closing(cluster), main_module_hidden():
+            # An interrupt that came meanwhile is raised when this ends, and closes it.
+            cluster = opened.enter_context(contextlib.closing(_started(workers, memory, dashboard, str(folder))))
+        with main_module_hidden():
             yield cluster
 
 

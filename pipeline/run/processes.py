@@ -5,6 +5,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
+from multiprocessing import resource_tracker
 
 __all__ = ["deaf_to_interrupts", "main_module_hidden"]
 
@@ -27,14 +28,26 @@ def main_module_hidden() -> Iterator[None]:
 
 @contextlib.contextmanager
 def deaf_to_interrupts() -> Iterator[None]:
-    """Processes started inside ignore what a terminal sends to all: stopping them is this process's business."""
-    if threading.current_thread() is not threading.main_thread():
+    """Processes started inside do not hear what a terminal sends to all: stopping them is this process's business.
+
+    They inherit that these signals are blocked. This process hears at the end what came meanwhile.
+    """
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
-    handlers = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
+    numbers = (signal.SIGINT, signal.SIGHUP)
+    # Where it starts its process, it unblocks them.
+    resource_tracker.ensure_running()
+    heard, before = [], signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
+    # Other threads do not block them: what one of them is given comes to the handler.
+    handlers = {number: signal.getsignal(number) for number in numbers if callable(signal.getsignal(number))}
+    for number in handlers:
+        signal.signal(number, lambda number, _: heard.append(number))
     try:
         yield
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if heard:
+            signal.raise_signal(heard[0])

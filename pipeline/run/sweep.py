@@ -18,6 +18,7 @@ from pipeline.run.workforce import Workforce
 from pipeline.store import groups
 from pipeline.store.attempts import forget_attempts
 from pipeline.store.files import files_at
+from pipeline.store.listing import size_text
 from pipeline.store.names import STORE_FILE
 from pipeline.store.repair import remove_left_overs
 
@@ -39,7 +40,7 @@ def _check_store(job: Job) -> None:
         raise ConfigurationError(
             f"{' x '.join(f'plane.{role}.num' for role, _ in zip(ROLES, job.plan.axes, strict=False))} = "
             f"{' x '.join(str(axis.num) for axis in job.plan.axes)} is not allowed: "
-            f"up to {job.plan.bytes / 1e9:.3g} GB do not fit into the {free / 1e9:.3g} GB free at {place}"
+            f"up to {size_text(job.plan.bytes)} do not fit into the {size_text(free)} free at {place}"
         )
 
 

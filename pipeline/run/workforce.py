@@ -266,10 +266,10 @@ class Workforce:
 
     @property
     def size(self) -> int:
-        """Number of threads that run tasks; workers of a foreign scheduler may come and go."""
+        """Number of threads that run tasks, 0 before workers start; those of a foreign scheduler may come and go."""
         if self.config.kind == "none":
             return 1 if self._helpers is None else 1 + self._helpers.count
-        return self._workers.size
+        return 0 if self._workers is None else self._workers.size
 
     @property
     def task_seconds(self) -> float:

@@ -4,7 +4,7 @@ import contextlib
 import os
 import re
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,33 +42,34 @@ class FolderFiles:
 
     def sizes(self) -> dict[str, int]:
         """Raises StoreError where there is a link: what is behind it is outside."""
-        found, waiting = {}, [("", self.place)]
-        while waiting:
-            prefix, folder = waiting.pop()
-            for entry in _entries(folder, missing_ok=bool(prefix)):
-                name = prefix + entry.name
-                if entry.is_dir(follow_symlinks=False):
-                    waiting.append((f"{name}/", entry.path))
-                elif entry.is_file(follow_symlinks=False):
-                    # A run may rename a file that it has written, or take a group away, meanwhile.
-                    with contextlib.suppress(FileNotFoundError):
-                        found[name] = entry.stat(follow_symlinks=False).st_size
-                else:
-                    kind = "a link" if entry.is_symlink() else "neither a file nor a folder"
-                    raise StoreError(
-                        f"{self.place} is not allowed: {name!r} is {kind}; a store has files and folders only"
-                    )
+        found = {}
+        for name, entry in self._inside(missing_ok=False):
+            if not entry.is_file(follow_symlinks=False):
+                kind = "a link" if entry.is_symlink() else "neither a file nor a folder"
+                raise StoreError(f"{self.place} is not allowed: {name!r} is {kind}; a store has files and folders only")
+            # A run may rename a file that it has written, or take a group away, meanwhile.
+            with contextlib.suppress(FileNotFoundError):
+                found[name] = entry.stat(follow_symlinks=False).st_size
         return found
 
     def versions(self) -> dict[str, tuple]:
         found = {}
-        for file in self.place.rglob("*"):
-            # A run may rename it meanwhile.
+        for name, entry in self._inside(missing_ok=True):
             with contextlib.suppress(FileNotFoundError):
-                if not file.is_dir():
-                    status = file.lstat()
-                    found[file.relative_to(self.place).as_posix()] = status.st_size, status.st_mtime_ns
+                status = entry.stat(follow_symlinks=False)
+                found[name] = status.st_size, status.st_mtime_ns
         return found
+
+    def _inside(self, missing_ok: bool) -> Iterator[tuple[str, os.DirEntry]]:
+        """Everything but folders, with its name; no link is followed."""
+        waiting = [("", self.place)]
+        while waiting:
+            prefix, folder = waiting.pop()
+            for entry in _entries(folder, missing_ok or bool(prefix)):
+                if entry.is_dir(follow_symlinks=False):
+                    waiting.append((f"{prefix}{entry.name}/", entry.path))
+                else:
+                    yield prefix + entry.name, entry
 
     def folders(self) -> list[str]:
         return sorted(path.name for path in self.place.iterdir() if path.is_dir()) if self.place.is_dir() else []

@@ -17,7 +17,7 @@ from pipeline.store.layout import validate_layout
 from pipeline.store.names import METADATA
 from pipeline.store.states import COMPLETE, FAILED
 
-__all__ = ["TITLES", "Entry", "Listing", "columns", "listing"]
+__all__ = ["TITLES", "Entry", "Listing", "columns", "listing", "size_text"]
 
 _USUAL = "published"
 _SHOWN = 2
@@ -48,7 +48,7 @@ class Entry:
             self.gear,
             self.solver,
             self.status,
-            _size(self.size),
+            size_text(self.size),
             self.digest,
             age,
             " ".join(self.groups) or "-",
@@ -201,12 +201,12 @@ def _seconds(created) -> float:
     return max(time.time() - then.timestamp(), 0.0)
 
 
-def _size(size: int) -> str:
+def size_text(size: int) -> str:
     """As people write it.
 
     Examples
     --------
-    >>> _size(900), _size(12_345_678)
+    >>> size_text(900), size_text(12_345_678)
     ('900 B', '12.3 MB')
     """
     for unit in ("B", "kB", "MB", "GB"):

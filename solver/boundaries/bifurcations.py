@@ -139,9 +139,13 @@ def _alike(left, right):
 @kernel(_B(SWITCHED_SYSTEM, _F, _F, _I, MATRIX, MATRIX, MATRIX, MATRIX), inner=True)
 def _carry(system, period, start, zone, switches, matrix, columns, rows):
     """Fill in M (2n, 2n) from an angle on, and the columns and rows (k, 2n) by which the first k switches change it;
-    False if they are not finite."""
+    False if they are not finite, or a switch is out of the period by more than a turn."""
     size, count = matrix.shape[0], columns.shape[0]
     n, vectors = size // 2, system.vectors
+    for c in range(switches.shape[0]):
+        # A corrector that is lost may ask for any angle: the motion is carried there and all the way back.
+        if not -_TURN <= switches[c, ANGLE] - start <= 2.0 * _TURN:
+            return False
     series, states = new_block_series(n, size + count), np.zeros((count_blocks(size + count), size, 4))
     for i in range(size):
         states[i // 4, i, i % 4] = 1.0
@@ -242,7 +246,8 @@ def bifurcation_test(parameters, here, along_x, along_p, real, kappa, start, zon
     Returns
     -------
     values, by_kappa : 2 floats each
-        Of a real multiplier the first value counts. nan where M is not finite.
+        Of a real multiplier the first value counts. nan where M is not finite, or a switch is out of the period by more
+        than a turn.
     """
     degrees, stiffnesses = count_degrees(here, np.zeros(here.shape[0]), 0.0), int(here[STIFFNESSES])
     system, size, count = new_system(degrees, stiffnesses), 2 * degrees, switches.shape[0]

@@ -68,5 +68,5 @@ def backbone(model: Model, amplitudes) -> Backbone:
         middle = 0.5 * (low + high)
     mean = sign * middle
     _, gains = force_and_gain(mean, amplitudes, model.b)
-    modes = np.array([model.mesh_modes(gain) for gain in gains]).reshape(-1, 2)
-    return Backbone(amplitudes, mean, modes[:, 0], modes[:, 1])
+    modes = model.linear_frequencies(gains)
+    return Backbone(amplitudes, mean, modes[:, 0], modes[:, -1])

@@ -248,23 +248,33 @@ class Model:
                 load[l] += amplitude * (l * omega) ** 2 * np.exp(1j * phase)
         return load
 
-    def linear_frequencies(self, gain: float = 1.0) -> np.ndarray:
-        """Undamped natural frequencies with the mesh closed by a constant stiffness `gain`, ascending, (7,).
+    def linear_frequencies(self, gain=1.0) -> np.ndarray:
+        """Undamped natural frequencies with the mesh closed by a constant stiffness `gain`, ascending.
 
         Gain 1 is permanent contact with the mean stiffness. Supports that are alike leave only two modes that involve
         lambda, the lowest and the highest; the others lie at sqrt(k_j).
 
+        Parameters
+        ----------
+        gain : float or array_like
+
+        Returns
+        -------
+        (..., 7) array
+            Of every gain.
+
         Raises
         ------
         ParameterError
-            If the gain is no finite number.
+            If a gain is no finite number.
         """
-        gain = finite_number("gain", gain)
+        gain = finite_array("gain", gain, None)
         mass, _, stiffness = self.matrices()
         translation, rotation = self.mesh_vectors()
-        stiffness[:, 6] += gain * (translation + rotation)
-        values = np.linalg.eigvals(np.linalg.solve(mass, stiffness))
-        return np.sqrt(np.maximum(np.sort(values.real), 0.0))
+        closed = np.tile(stiffness, (*gain.shape, 1, 1))
+        closed[..., 6] += gain[..., None] * (translation + rotation)
+        values = np.linalg.eigvals(np.linalg.solve(mass, closed))
+        return np.sqrt(np.maximum(np.sort(values.real, axis=-1), 0.0))
 
     def mesh_modes(self, gain: float = 1.0) -> tuple[float, float]:
         """Lowest and highest natural frequency: the mesh-frequency and the shaft-frequency resonance of the study.
@@ -274,7 +284,7 @@ class Model:
         ParameterError
             If the gain is no finite number.
         """
-        frequencies = self.linear_frequencies(gain)
+        frequencies = self.linear_frequencies(finite_number("gain", gain))
         return float(frequencies[0]), float(frequencies[-1])
 
 

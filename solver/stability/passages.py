@@ -213,9 +213,10 @@ def _end_on_branch(setup, watch, left, right, arc, x, sense, expected, tests, po
 @kernel(_I(ARRAY, ARRAY, _F, _F, _F), inner=True)
 def _bracketed(before, behind, pairs, doublings, units):
     """What two places with these test functions bracket, beside what is located between them already: 0 if nothing."""
-    # What lies on the circle on both sides, as in undamped systems, passes nothing.
-    apart = max(abs(before[GAP]), abs(behind[GAP])) > ON_CIRCLE
-    if apart and abs(before[OUTSIDE] - behind[OUTSIDE]) > 2.0 * pairs:
+    # What lies on the circle on both sides, as in undamped systems, passes nothing, nor where it has met on the real
+    # axis on one of them: on which side of the circle it was is rounding's.
+    near, far = min(abs(before[GAP]), abs(behind[GAP])), max(abs(before[GAP]), abs(behind[GAP]))
+    if (near if math.isinf(far) else far) > ON_CIRCLE and abs(before[OUTSIDE] - behind[OUTSIDE]) > 2.0 * pairs:
         return _TORUS
     if doublings == 0.0 and before[DOUBLING] * behind[DOUBLING] < 0.0:
         return _DOUBLING

@@ -15,7 +15,7 @@ from pipeline.multirun.index import begun_index
 from pipeline.plan.planning import plan
 from tests.docs.examples import PAGES, commands_of, is_command, lines_of, name_of, page_of
 from tests.docs.page import ROOT
-from tests.pipeline.planes import small_plan, small_store, traced_store
+from tests.pipeline.planes import COARSE, small_plan, small_store, traced_store
 
 READ = {name_of(path): page_of(path) for path in PAGES}
 WITH_PYTHON = [name for name, page in READ.items() if page.of("python")]
@@ -29,12 +29,12 @@ OTHER_LINES = re.compile(
     r'|eval "\$\(python -m pipeline --shell-completion \w+\)"|python -m pipeline --shell-completion fish \| source'
 )
 STORES = {
-    "omega_fe": (("plane=omega_fe",), 101, 11),
-    "omega_fe-miter": (("plane=omega_fe", "gear=miter"), 41, 5),
-    "omega_b_fe": (("plane=omega_b_fe", "plane.parameter2.num=2"), 41, 4),
+    "omega_fe": COARSE,
+    "omega_fe-miter": ("plane=omega_fe", "gear=miter"),
+    "omega_b_fe": ("plane=omega_b_fe", "plane.parameter2.num=2", "plane.parameter.num=4"),
 }
-#: Command, columns and rows of the study that a page reads.
-STUDY = ("gear.b=0.5,0.6,0.7", "store.root=outputs/backlash"), 101, 11
+#: The study of which a page shows sizes and shares.
+STUDY = ("gear.b=0.5,0.6,0.7", "store.root=outputs/backlash")
 
 
 @pytest.fixture(scope="module")
@@ -42,15 +42,14 @@ def stores(tmp_path_factory):
     """A folder with the stores that the pages read, where they look for them."""
     folder = tmp_path_factory.mktemp("pages")
     (folder / "outputs/store").mkdir(parents=True)
-    for name, (overrides, columns, rows) in STORES.items():
-        planned = small_plan(*overrides, columns=columns, rows=rows)
+    for name, overrides in STORES.items():
+        planned = small_plan(*overrides)
         make = traced_store if name == "omega_fe" else small_store
         make(folder / f"outputs/store/{name}.zarr", planned)
     with contextlib.chdir(folder):
-        overrides, columns, rows = STUDY
-        all_settings = [compose(one) for one in expand(overrides)]
+        all_settings = [compose(one) for one in expand(STUDY)]
         for settings in all_settings:
-            small_store(settings.store_path, small_plan(*settings.overrides, columns=columns, rows=rows))
+            small_store(settings.store_path, small_plan(*settings.overrides, columns=101, rows=11))
         begun_index(all_settings)[0].write()
     return folder
 
@@ -106,7 +105,7 @@ def stand_ins(monkeypatch):
     """No window is opened, planes are small and stay in this process, and queueing systems have a stand-in: their
     commands are composed and planned."""
     monkeypatch.setenv("MPLBACKEND", "agg")
-    sizes = ["plane.sweep.num=101", "plane.parameter.num=11", "cluster=none"]
+    sizes = [*COARSE[1:], "cluster=none"]
     monkeypatch.setattr("pipeline.api.compose", lambda overrides, folder: compose([*overrides, *sizes], folder))
     monkeypatch.setattr("pipeline.analysis.diagram.options.FEWEST_COLUMNS", 40)
 

@@ -18,6 +18,7 @@ from pipeline.store.seal import sealed
 from tests.made_once import made_once
 
 __all__ = [
+    "COARSE",
     "assert_same_contents",
     "assert_same_values",
     "cluster",
@@ -28,6 +29,9 @@ __all__ = [
     "traced_store",
 ]
 
+#: The plane of the transmission error in few cells, with a row at 0.2. Tests that need its boundaries and no resolution
+#: take this one: tracing them takes seconds, however few cells there are, and is done once for all of these tests.
+COARSE = ("plane=omega_fe", "plane.sweep.num=41", "plane.parameter.num=6")
 #: Whatever a test calls its copy.
 _WHOLE = "whole.zarr"
 

@@ -10,19 +10,18 @@ from pipeline.config.quantities import QUANTITIES
 from pipeline.errors import StoreError
 from pipeline.plane.labels import jumping
 from solver import ParameterError
-from tests.pipeline.planes import small_plan, small_store, traced_store
+from tests.pipeline.planes import COARSE, small_plan, small_store, traced_store
 
 
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory):
     path = tmp_path_factory.mktemp("opened") / "omega_fe.zarr"
-    planned = small_plan("plane=omega_fe", columns=40, rows=5)
-    return pipeline.open_plane(traced_store(path, planned))
+    return pipeline.open_plane(traced_store(path, small_plan(*COARSE)))
 
 
 def grid(plane):
     x, p = plane.plan.sweep.values, plane.plan.parameter.values
-    return [(float(x[i]), float(p[j])) for i in range(0, 40, 6) for j in (1, 3)]
+    return [(float(x[i]), float(p[j])) for i in range(0, 41, 6) for j in (1, 4)]
 
 
 def test_by_name_and_by_path(plane, monkeypatch):

@@ -12,7 +12,7 @@ from pipeline.errors import ConfigurationError
 from pipeline.multirun.index import Index
 from pipeline.study.statements import STATEMENTS
 from solver import ParameterError
-from tests.pipeline.planes import small_plan, small_store, traced_store
+from tests.pipeline.planes import COARSE, small_plan, small_store, traced_store
 from tests.public import NAME, NUMBER, OBJECT, RANGE, argument, array, assert_wrong_calls_are_refused, optional, public
 
 PUBLIC = public(("pipeline", "pipeline.api"))
@@ -28,15 +28,12 @@ WRONG_PLANES = (None, 1, "omega_fe", ["omega_fe"], *({"omega_fe": path} for path
 LABELS = (*(value for value in NAME if value is not None), "2/7", "2/1-0", "0/0", "1/-")
 
 
-SIZES = ("plane.sweep.num=20", "plane.parameter.num=3")
-
-
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory):
     path = tmp_path_factory.mktemp("asked") / "omega_fe.zarr"
-    planned = small_plan(*SIZES, "plane=omega_fe")
+    planned = small_plan(*COARSE)
     traced_store(path, planned)
-    words = [*SIZES, "plane=omega_fe", "stages=[attractors]", "cluster=none", "store.name=omega_fe"]
+    words = [*COARSE, "stages=[attractors]", "cluster=none", "store.name=omega_fe"]
     few = ["attractors.columns=3", "attractors.rows=2", "attractors.starts=1", "attractors.branches=2"]
     folders = [f"store.root={path.parent}", f"output.root={path.parent / 'outputs'}"]
     assert main([*words, *few, *folders]) == 0
@@ -92,7 +89,9 @@ CALLS = {
     "pipeline.compute": lambda plane: {
         "plane": argument("omega_fe", (None, 1, True, "", [], {}, "nowhere"), "omega_fe"),
         "overrides": argument(
-            [*SIZES, f"store.root={plane.path.parent}"], (None, 1, "gear.b=1", [1], [None], ["nothing=1"]), "nothing"
+            [*COARSE[1:], f"store.root={plane.path.parent}"],
+            (None, 1, "gear.b=1", [1], [None], ["nothing=1"]),
+            "nothing",
         ),
         "config_dir": argument(None, [path for path in PATHS if path is not None], "nowhere.zarr", "config-dir"),
         "progress": argument(False, (1, "yes", [], {})),

@@ -45,6 +45,7 @@ def dense_search(model, omega: float, amplitude_max: float, density: int = 60) -
     X, Y, G = D + A * gain, P_2 * gain, F - P_1 * force
     fundamental = (X.conj() * G - Y * G.conj()) / (np.abs(X) ** 2 - np.abs(Y) ** 2)
     u = np.array([mean, fundamental.real, -fundamental.imag])
+    settled = []
     for _ in range(40):
         value, jacobian = residual(u), np.empty((3, 3, u.shape[1]))
         for j in range(3):
@@ -57,8 +58,12 @@ def dense_search(model, omega: float, amplitude_max: float, density: int = 60) -
         move *= np.minimum(1.0, 0.5 / np.maximum(length, 1e-300))
         u = u + move
         inside = np.all(np.isfinite(u), axis=0) & (np.max(np.abs(u), axis=0) < 10.0 * (reach + amplitude_max))
-        u, length = u[:, inside], length[inside]
-    u = u[:, (length < 1e-6) & (np.max(np.abs(residual(u)), axis=0) < 1e-10)].T
+        # One more step from there would change nothing.
+        there = inside & (length < 1e-10)
+        settled.append(u[:, there])
+        u, length = u[:, inside & ~there], length[inside & ~there]
+    u = np.hstack([*settled, u[:, length < 1e-6]])
+    u = u[:, np.max(np.abs(residual(u)), axis=0) < 1e-10].T
     u = u[np.hypot(u[:, 1], u[:, 2]) <= amplitude_max]
     found: list[np.ndarray] = []
     for candidate in u:

@@ -17,8 +17,8 @@ def test_doctests(name):
 
 
 def test_there_are_examples_at_all():
-    attempted = {name: doctest.testmod(importlib.import_module(name)).attempted for name in MODULES}
-    assert attempted["solver.contact.impact"] >= 2 and attempted["solver.contact.dead_zone"] >= 1
+    for name, fewest in (("solver.contact.impact", 2), ("solver.contact.dead_zone", 1)):
+        assert doctest.testmod(importlib.import_module(name)).attempted >= fewest, name
 
 
 def test_everything_exported_exists_and_is_documented():

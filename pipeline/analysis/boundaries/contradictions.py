@@ -27,20 +27,21 @@ _COLUMNS, _MOTION = 1.5, 0.1
 
 def contradictory_cells(part: StoredPlane) -> np.ndarray:
     """Motions (k, n + 2), (u, x, p), half-way between two neighbouring cells of a row of which one is contradictory."""
-    stable, kind, columns = part.stable == 1, part.instability, part.plan.sweep.values
-    contradictory = stable & (kind == Instability.CONTRADICTORY)
-    found = [np.empty((0, part.motions.shape[-1] + 2))]
-    for row, column in np.argwhere(contradictory.any(axis=-1)[:, :-1] | contradictory.any(axis=-1)[:, 1:]):
-        left, right = (np.flatnonzero(stable[row, column + side]) for side in (0, 1))
-        ours, theirs = part.motions[row, column, left], part.motions[row, column + 1, right]
-        if not (left.size and right.size):
-            continue
-        nearest = np.abs(ours[:, None] - theirs).max(axis=-1).argmin(axis=1)
-        flips = contradictory[row, column, left] != contradictory[row, column + 1, right[nearest]]
-        middles = 0.5 * (ours + theirs[nearest])[flips]
-        place = [0.5 * (columns[column] + columns[column + 1]), part.rows[row]]
-        found.append(np.column_stack([middles, np.tile(place, (len(middles), 1))]))
-    return np.concatenate(found)
+    stable, columns = part.stable == 1, part.plan.sweep.values
+    contradictory = stable & (part.instability == Instability.CONTRADICTORY)
+    somewhere = contradictory.any(axis=-1)
+    row, column = np.nonzero(somewhere[:, :-1] | somewhere[:, 1:])
+    if not row.size:
+        return np.empty((0, balance_of(part.plan.solver).unknowns + 2))
+    ours, theirs = part.motions_in(row, column), part.motions_in(row, column + 1)
+    both = stable[row, column][:, :, None] & stable[row, column + 1][:, None]
+    apart = np.where(both, np.abs(ours[:, :, None] - theirs[:, None]).max(axis=-1), np.inf)
+    nearest = apart.argmin(axis=2)
+    becomes = np.take_along_axis(contradictory[row, column + 1], nearest, axis=1)
+    pair, motion = np.nonzero(both.any(axis=2) & (contradictory[row, column] != becomes))
+    row, column = row[pair], column[pair]
+    middles = 0.5 * (ours[pair, motion] + theirs[pair, nearest[pair, motion]])
+    return np.column_stack([middles, 0.5 * (columns[column] + columns[column + 1]), part.rows[row]])
 
 
 def _sparse(plan: Plan, cells: np.ndarray) -> np.ndarray:

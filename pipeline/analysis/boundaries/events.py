@@ -13,6 +13,7 @@ from pipeline.plan.traits import dead_zone
 from pipeline.plane.stored import StoredPlane
 from solver import Event
 from solver.boundaries import BIFURCATIONS, FOLDS_AND_GRAZINGS
+from solver.kernels.threads import side_by_side
 from solver.model.packing import GAP_AXES, dead_zone_ends
 from solver.model.parameter_path import place_on
 
@@ -89,7 +90,7 @@ def read_events(path: Path, plan: Plan, layer: int | None = None) -> RowEvents:
     plane = StoredPlane(path, plan)
     plane = plane if layer is None else plane.layer_at(layer)
     # Part by part, so that memory does not depend on the number of rows.
-    parts = [_events_of(part) for part in plane.parts]
+    parts = list(side_by_side(lambda block: _events_of(plane.part(block)), plane.plan.parts))
     arrays = ("kind", "points", "motions", "ahead", "contradictory")
     return RowEvents(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in arrays), sum(part.rows for part in parts)

@@ -16,11 +16,11 @@ def write_sheets(boundaries: StoredBoundaries, plan: Plan, folder: Path, name: s
     Numbers have as many digits as give back the stored ones.
     """
     x, p = plan.sweep.name, plan.parameter.name
-    points, special = [], []
+    points, special, named = [], [], {int(one): one.name.lower() for one in SpecialPoint}
     for number, curve in enumerate(boundaries.curves):
         kind = curve.kind.name.lower()
         lines = [
-            [number, kind, place[3], place[4], place[0], size, stable, SpecialPoint(code).name.lower()]
+            [number, kind, place[3], place[4], place[0], size, stable, named[code]]
             for place, size, stable, code in zip(
                 *(part.tolist() for part in (curve.points, curve.amplitude, curve.stable, curve.special)), strict=True
             )

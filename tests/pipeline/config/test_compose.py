@@ -1,5 +1,6 @@
 """Configuration: what is composed, and what a mistake looks like."""
 
+import multiprocessing
 import os
 import re
 import subprocess
@@ -17,6 +18,7 @@ from pipeline.config.schema import Configuration
 from pipeline.errors import ConfigurationError
 from pipeline.plan.numerics import model_at
 from pipeline.plan.planning import plan, warnings
+from pipeline.run.helpers import Helpers
 from tests.conftest import MODELS
 
 ROOT = Path(__file__).parents[3]
@@ -142,6 +144,9 @@ def test_own_files(tmp_path):
     assert settings.store_name == "omega_kappa-mine"
     (tmp_path / "gear" / "wrong.yaml").write_text("defaults:\n  - published\n  - _self_\nbb: 0.7\n")
     with pytest.raises(ConfigurationError, match=r"gear\.bb is not a key"):
+        compose(["gear=wrong"], str(tmp_path))
+    (tmp_path / "gear" / "wrong.yaml").write_text("# @package _global_\nhydra: {run: {dir: x}}\n")
+    with pytest.raises(ConfigurationError, match="hydra is not a key"):
         compose(["gear=wrong"], str(tmp_path))
 
 
@@ -296,6 +301,7 @@ MISTAKES = [
 ]
 
 
+@pytest.mark.usefixtures("no_helpers")
 @pytest.mark.parametrize(("typed", "said"), MISTAKES, ids=[typed for typed, _ in MISTAKES])
 def test_a_mistake_is_one_line_status_2_and_nothing_written(typed, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -310,6 +316,16 @@ def test_spaces_around_the_equals_sign_are_refused(capsys):
     assert "gear.b = 0.5 cannot be read as KEY=VALUE: spaces" in capsys.readouterr().err
 
 
+def test_helpers_that_load_while_a_mistake_is_found_are_ended(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    began = []
+    monkeypatch.setattr("pipeline.run.helpers.Helpers", lambda modules: began.append(Helpers(modules)) or began[0])
+    assert main(["gear.b=-1"]) == 2
+    assert len(began) == 1 and multiprocessing.active_children() == []
+    assert len(capsys.readouterr().err.splitlines()) == 1 and list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("no_helpers")
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("mine")

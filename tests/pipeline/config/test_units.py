@@ -260,6 +260,7 @@ MISTAKES = [
 ]
 
 
+@pytest.mark.usefixtures("no_helpers")
 @pytest.mark.parametrize(("typed", "said"), MISTAKES, ids=[typed for typed, _ in MISTAKES])
 def test_a_mistake_is_one_line_status_2_and_nothing_written(typed, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -10,11 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.pipeline.planes import small_plan, traced_store
+from tests.pipeline.planes import COARSE, small_plan, traced_store
 
-__all__ = ["SIZES", "Served", "served_plane", "serving"]
+__all__ = ["Served", "served_plane", "serving"]
 
-SIZES = ("plane=omega_fe", "plane.sweep.num=20", "plane.parameter.num=3")
 _ROOT = Path(__file__).parents[3]
 #: Seconds that a process has to end.
 _PATIENCE = 60
@@ -33,13 +32,13 @@ def served_plane(folder: Path) -> Path:
     """A tiny plane with its boundaries, as a run has it below `folder`."""
     path = folder / "store" / "omega_fe.zarr"
     path.parent.mkdir(parents=True)
-    return traced_store(path, small_plan(*SIZES))
+    return traced_store(path, small_plan(*COARSE))
 
 
 @contextlib.contextmanager
 def serving(folder: Path, *overrides: str) -> Iterator[Served]:
     """An explorer over the plane below `folder`; ended by Ctrl-C, of which it must say so."""
-    words = [*SIZES, f"output.root={folder}", "stages=[explore]", "store.name=omega_fe", *overrides]
+    words = [*COARSE, f"output.root={folder}", "stages=[explore]", "store.name=omega_fe", *overrides]
     process = subprocess.Popen(
         [sys.executable, "-m", "pipeline", *words],
         cwd=_ROOT,

@@ -14,9 +14,9 @@ from pipeline.plan.numerics import point_of
 from pipeline.plane.motions import label_of, proven_label
 from solver import gear_system
 from solver.timedomain import AttractorKind, orbit_state
-from tests.pipeline.planes import small_plan, traced_store
+from tests.pipeline.planes import COARSE, small_plan, traced_store
 
-PLAN = small_plan("plane=omega_fe", columns=20, rows=3)
+PLAN = small_plan(*COARSE)
 #: Three motions, one of them unstable.
 PLACE = (0.6, 0.2)
 

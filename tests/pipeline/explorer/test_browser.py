@@ -135,6 +135,7 @@ def test_a_place_is_clicked_pinned_and_linked(reader, served):
         assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
 
 
+@pytest.mark.costly
 def test_zoom_layers_and_the_reset_of_both_are_in_the_address(reader, served):
     one = reader()
     one.open(served.url)

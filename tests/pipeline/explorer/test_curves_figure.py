@@ -12,7 +12,7 @@ from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.plane.row_curves import curves_at
 from pipeline.plane.stored import read_stored
 from solver import Event, ImpactState
-from tests.pipeline.planes import small_plan, traced_store
+from tests.pipeline.planes import small_plan, small_store
 
 pytest.importorskip("bokeh", reason="the extra explore is not installed")
 
@@ -23,7 +23,7 @@ from pipeline.explorer.plain_figure import source_of
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory):
     plan = small_plan("gear=miter")
-    return read_stored(traced_store(tmp_path_factory.mktemp("rows") / "plane.zarr", plan), physical=True)
+    return read_stored(small_store(tmp_path_factory.mktemp("rows") / "plane.zarr", plan), physical=True)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,8 @@ from pipeline.explorer.downloads import FORMATS, download, file_name
 from pipeline.explorer.opened import Opened
 from pipeline.explorer.view_state import ViewState
 from pipeline.store import read_plan
-from tests.pipeline.explorer.serving import SIZES, served_plane
+from tests.pipeline.explorer.serving import served_plane
+from tests.pipeline.planes import COARSE
 
 STARTS = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
 VIEW = ViewState(at=(0.6, 0.2))
@@ -72,7 +73,7 @@ def test_what_there_is_not_is_refused(content):
 
 @pytest.mark.costly
 def test_a_changed_gear_is_computed_beside_the_page(content, tmp_path):
-    command = " ".join(["python -m pipeline", *SIZES, shlex.quote(f"output.root={tmp_path}"), "cluster=none"])
+    command = " ".join(["python -m pipeline", *COARSE, shlex.quote(f"output.root={tmp_path}"), "cluster=none"])
     plane = new_plane(command, content.plan, {"b": 0.5, "xi_mesh": 0.06})
     assert plane.path.stem == "omega_fe-b=0.5-xi_mesh=0.06" and plane.path.is_relative_to(tmp_path)
     run = BackgroundRun()

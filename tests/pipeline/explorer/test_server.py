@@ -15,7 +15,8 @@ from tornado.websocket import websocket_connect
 
 from pipeline.__main__ import main
 from pipeline.explorer import stage
-from tests.pipeline.explorer.serving import SIZES, served_plane
+from tests.pipeline.explorer.serving import served_plane
+from tests.pipeline.planes import COARSE
 from tests.pipeline.talk import done
 
 #: Seconds until a page shows what it was asked for.
@@ -174,7 +175,7 @@ def test_a_store_that_is_broken_is_a_message(served):
 
 
 def told(capsys, *words: str) -> tuple[int, str]:
-    status = main([*SIZES, "stages=[explore]", *words])
+    status = main([*COARSE, "stages=[explore]", *words])
     return status, capsys.readouterr().err
 
 

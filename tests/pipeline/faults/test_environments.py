@@ -11,7 +11,7 @@ import pytest
 from pipeline.config.schema import Cluster
 from pipeline.errors import ConfigurationError
 from pipeline.run.cluster_settings import check_cluster
-from pipeline.run.libraries import drawing_into_files, with_own_dask
+from pipeline.run.libraries import drawing_into_files, failed_import, with_own_dask
 from pipeline.run.workforce import Workforce
 from tests.pipeline.faults.runs import ROOT
 from tests.pipeline.planes import cluster, small_plan, small_store
@@ -34,11 +34,32 @@ def test_python_without_assertions_is_refused(tmp_path):
 
 
 @pytest.mark.costly
+@pytest.mark.parametrize("where", ["cluster=none", "cluster=local"])
+def test_a_variable_that_ends_the_import_of_a_library_is_one_line(tmp_path, where):
+    result = _run(
+        tmp_path, "plane.sweep.num=9", "plane.parameter.num=2", "stages=[sweep]", where, NUMBA_NUM_THREADS="0"
+    )
+    assert "NUMBA_" in _one_line(result)
+
+
+def test_only_an_error_of_an_import_is_one_of_a_library(tmp_path, monkeypatch):
+    (tmp_path / "unloadable.py").write_text("int('x')")
+    monkeypatch.syspath_prepend(tmp_path)
+    found = []
+    for code in ("import unloadable", "import json; json.loads('x')", "import no_such_library", "int('x')"):
+        try:
+            exec(code, {"__name__": "__main__"})
+        except Exception as error:
+            found.append(failed_import(error))
+    assert "unloadable's own configuration" in str(found[0]) and found[1:] == [None, None, None]
+
+
+@pytest.mark.costly
 def test_a_display_that_is_not_there_is_no_matter(tmp_path, monkeypatch):
     (tmp_path / "outputs/store").mkdir(parents=True)
     small_store(tmp_path / "outputs/store/omega_fe.zarr", small_plan(columns=9, rows=3))
     words = ["stages=[figures]", "figures.formats=[png]", "figures.dpi=30", "figures.curves=[0.2]", "cluster=none"]
-    result = _run(tmp_path, *words, MPLBACKEND="foo")
+    result = _run(tmp_path, *words, MPLBACKEND="foo", SOURCE_DATE_EPOCH="yesterday")
     assert (result.returncode, result.stderr) == (0, "")
     assert (tmp_path / "outputs/figures/omega_fe/map.png").exists()
     # The variable is somebody else's: it is there again afterwards.

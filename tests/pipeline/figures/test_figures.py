@@ -1,5 +1,6 @@
 """Figures: the same bytes every time, what they show of a plane, and what cannot be drawn."""
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -7,12 +8,15 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 import pipeline
 from pipeline import figures, store
 from pipeline.errors import ConfigurationError
 from pipeline.figures.backbone import draw_backbone, round_values
-from pipeline.figures.curves import chosen_values, draw_curves
+from pipeline.figures.curves import _free_corner, chosen_values, draw_curves
 from pipeline.figures.map import draw_map
 from pipeline.figures.panels import panel_of, shares_of_labels
 from pipeline.figures.peaks import resonance_peaks
@@ -128,14 +132,16 @@ def test_pieces_give_the_stored_raster(plane):
 
 def test_windows(plane):
     low, high = plane.plan.sweep.low, plane.plan.sweep.high
-    windows = coexistence_windows(plane.segments, low, high)
+    windows = coexistence_windows(plane)
     assert len(windows) == 2
     x = np.linspace(low, high, 3001)
     several = x[np.any(labels_at(plane.segments, x)[1] >= 2, axis=0)]
     assert all(any(left <= value <= right for left, right in windows) for value in several)
-    assert coexistence_windows([[] for _ in plane.segments], low, high) == []
-    # Two everywhere is no narrow region.
-    assert coexistence_windows([segments + segments for segments in plane.segments], low, high) == []
+    # Nowhere two, and two everywhere, which is no narrow region.
+    for times in (0, 2):
+        other = dataclasses.replace(plane)
+        vars(other)["segments"] = [times * segments for segments in plane.segments]
+        assert coexistence_windows(other) == []
 
 
 # Figures
@@ -228,8 +234,40 @@ def test_every_event_of_a_row_is_drawn(plane):
             (float(x), float(y))
             for x, y in zip(row.points["position"][events > 0], row.points[name][events > 0], strict=True)
         }
-    # Two panels, and insets.
-    assert len(drawn.axes) > 2 and all(not axes.get_xticks().size for axes in drawn.axes if axes.get_zorder() == 8)
+    frames = [(axes, patch) for axes in drawn.axes for patch in axes.patches if patch.get_zorder() == 8]
+    assert len(frames) >= len(drawn.axes) == 2
+    for axes, frame in frames:
+        enlarged = [line for line in axes.lines if line.get_zorder() > 8]
+        box = frame.get_window_extent()
+        there = {tuple(place) for line in enlarged for place in line.get_transform().transform(line.get_xydata())}
+        inside = np.array([place for place in there if box.contains(*place)])
+        assert len(inside) > 1
+        # Further from each other than a marker is wide.
+        assert cKDTree(inside).query(inside, 2)[0][:, 1].min() > 0.04 * drawn.dpi
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 60))
+def test_an_inset_is_put_where_it_hides_nothing(seed, count):
+    """Against all corners one by one."""
+    draw = np.random.default_rng(seed)
+    size, near = np.array([2.0, 1.5]), draw.uniform(0.0, 1.5, 2)
+    blocked = draw.uniform((-0.1, -0.1), size + 0.1, (count, 2))
+    found = _free_corner(size, blocked, near)
+    across, up = (np.arange(0.04, length - side - 0.04, 0.06) for length, side in zip(size, (0.72, 0.56), strict=True))
+    free = [
+        (x, y)
+        for x in across
+        for y in up
+        if not np.any(
+            np.all((blocked >= (x - 0.04, y - 0.04)) & (blocked <= (x + 0.72 + 0.04, y + 0.56 + 0.04)), axis=1)
+        )
+    ]
+    if not free:
+        assert found is None
+    else:
+        assert tuple(found) in free
+        away = [np.hypot(*(np.array(corner) + (0.36, 0.28) - near)) for corner in free]
+        assert np.hypot(*(found + (0.36, 0.28) - near)) == pytest.approx(min(away))
 
 
 def test_peaks_are_on_the_softening_side(plane):
@@ -354,6 +392,14 @@ def test_what_is_unstable_is_shaded_up_to_the_curves(traced, dynamic):
     assert ("not all $n$ dynamically stable" in said) == (not dynamic)
     assert any(text.startswith("0/\N{EN DASH}  no stable") for text in said) == dynamic
     assert "stability contradictory:" in said
+
+
+def test_windows_are_those_of_the_branches(traced):
+    """Two ways: the division of the plane by its boundaries, and the branches of its rows."""
+    plane, without = read_stored(traced), read_stored(traced)
+    vars(without)["boundaries"] = None
+    assert stored_division(plane) is not None and stored_division(without) is None
+    assert coexistence_windows(plane) == coexistence_windows(without) != []
 
 
 @pytest.mark.costly

@@ -1,5 +1,7 @@
 """The cards of motions: equal axes, the gap, what lines are and what they hold; data, not pixels."""
 
+import functools
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,15 +22,18 @@ GEAR = (0.9, 0.2, *MITER)
 DRIVE, FREE, BACK = (hex_colour(state_colour(state)) for state in ("0", "1", "2"))
 
 
-def drawn(place, physical=False, cards=None):
-    """The figure of a place and, card by card, the axes of time, force, phase and spectrum."""
+@functools.cache
+def drawn(place, physical=False, first=None):
+    """The figure of a place, of its first motions if so many are asked for, and, card by card, the axes of time, force,
+    phase and spectrum. It is drawn once for all tests, which only look at it."""
     plan = plan_of(*place[2:])
     folder = made_once(
         f"cards-{plan.fingerprint}", lambda folder: small_store(folder / "plane.zarr", plan, plan.blocks[:1])
     )
     plane = read_stored(folder / "plane.zarr", physical=physical)
+    found = found_at(*place)
     with own_style():
-        figure = draw_motions(plane, found_at(*place), cards)
+        figure = draw_motions(plane, found, None if first is None else pages(found)[0][:first])
     return figure, [figure.axes[i : i + 4] for i in range(0, len(figure.axes), 4)]
 
 
@@ -180,7 +185,7 @@ def test_pages_hold_all_motions_once():
     found = found_at(*TORUS)
     assert [card for page in pages(found) for card in page] == [*found.attractors, *found.others]
     assert all(len(page) <= PER_PAGE for page in pages(found))
-    figure, cards = drawn(TORUS, cards=pages(found)[0][:2])
+    figure, cards = drawn(TORUS, first=2)
     assert len(cards) == 2 and figure.get_figheight() < 6.0
     # The axes are those of all.
     assert [axes.get_ylim() for axes in cards[0]] == [axes.get_ylim() for axes in drawn(TORUS)[1][0]]

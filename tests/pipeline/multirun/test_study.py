@@ -62,6 +62,14 @@ def lines_of(path):
     return list(csv.DictReader(io.StringIO(path.read_text())))
 
 
+def test_a_small_study_needs_no_workers(tmp_path, capsys):
+    here = [word for word in SWEPT if not word.startswith("cluster")]
+    assert main(["-m", f"gear.b={','.join(VALUES)}", *here]) == 0
+    said = capsys.readouterr()
+    assert said.err == "" and said.out.count("tasks run in this process") == 2
+    assert [line["status"] for line in lines_of(tmp_path / "outputs/store/study.csv")] == ["complete"] * 2
+
+
 def test_every_store_is_the_same_as_alone(alone, tmp_path, capsys):
     here = tmp_path / "outputs/store"
     assert main(["-m", f"gear.b={','.join(VALUES)}", *ALL]) == 0

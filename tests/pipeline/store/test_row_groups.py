@@ -29,7 +29,7 @@ ARRAYS = {
 @pytest.fixture
 def path(tmp_path):
     plan = small_plan(columns=9, rows=4)
-    return small_store(tmp_path / "plane.zarr", plan, plan.blocks)
+    return small_store(tmp_path / "plane.zarr", plan)
 
 
 def group_of(path, rows=ROWS, dims=("p",), made="a"):

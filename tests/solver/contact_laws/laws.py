@@ -43,12 +43,12 @@ def random_motion(order: int, seed: int) -> np.ndarray:
     return np.random.default_rng(seed).normal(size=2 * order + 1) / np.maximum(1.0, np.arange(2 * order + 1) / 2.0)
 
 
-def sampled(system: ContactSystem, balance: Galerkin, motion, samples: int = 2**15):
+def sampled(system: ContactSystem, balance: Galerkin, motion, samples: int = 2**14):
     """Angles, lambda, d lambda/d theta, f and its slope of a motion."""
     theta = 2.0 * np.pi * (np.arange(samples) + 0.5) / samples
     k = np.arange(1, balance.harmonics + 1)
-    turns = np.multiply.outer(theta, k)
-    place = motion[0] + np.cos(turns) @ motion[1::2] + np.sin(turns) @ motion[2::2]
-    speed = np.cos(turns) @ (k * motion[2::2]) - np.sin(turns) @ (k * motion[1::2])
+    waves = np.exp(1j * np.multiply.outer(theta, k))
+    place = motion[0] + waves.real @ motion[1::2] + waves.imag @ motion[2::2]
+    speed = waves.real @ (k * motion[2::2]) - waves.imag @ (k * motion[1::2])
     slope = np.where(place > system.front_gap, 1.0, np.where(place < -system.back_gap, system.back_stiffness, 0.0))
     return theta, place, speed, system.contact_force(place), slope

@@ -1,5 +1,7 @@
 """Curves of the gear pair: what holds along them, where their events are, and that they never jump."""
 
+import functools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,7 @@ from scipy.optimize import brentq, fsolve, root
 
 from solver import Broyden, Continuation, EndReason, Event, Newton, first_order_problem, sweep_row
 from solver.harmonic.describing_function import evaluate
-from tests.conftest import antiphase, published
+from tests.conftest import MODELS, antiphase, published
 from tests.solver.curves import HIGH, LOW, check_invariants, check_steps, folds, solutions_on, swept
 from tests.solver.exhaustive import all_solutions
 from tests.solver.independent import linear_response
@@ -35,10 +37,10 @@ def test_invariants_on_gears_of_all_kinds(seed, f_pm, b, corrector):
         check_steps(curve, first_order_problem(model, "omega", LOW, HIGH), continuation)
 
 
-@pytest.mark.parametrize("corrector", [Newton(), Broyden()])
-def test_loss_of_contact_begins_where_the_linear_motion_says(gear, corrector):
-    """lambda_min = b on a branch in permanent contact: mean and amplitude of the linear response are equal."""
-    _, model = gear
+@functools.cache
+def linear_grazings(name):
+    """Where lambda_min = b on a branch in permanent contact: mean and amplitude of the linear response are equal."""
+    model = MODELS[name]()
 
     def margin(omega):
         (mean, cosine, sine), _ = linear_response(model, omega)
@@ -46,8 +48,13 @@ def test_loss_of_contact_begins_where_the_linear_motion_says(gear, corrector):
 
     grid = np.linspace(LOW, HIGH, 391)
     values = np.array([margin(omega) for omega in grid])
-    exact = [brentq(margin, grid[i], grid[i + 1], xtol=1e-13) for i in np.flatnonzero(np.diff(np.sign(values)))]
-    curve = swept(model, corrector=corrector)
+    return [brentq(margin, grid[i], grid[i + 1], xtol=1e-13) for i in np.flatnonzero(np.diff(np.sign(values)))]
+
+
+@pytest.mark.parametrize("corrector", [Newton(), Broyden()])
+def test_loss_of_contact_begins_where_the_linear_motion_says(gear, corrector):
+    name, model = gear
+    exact, curve = linear_grazings(name), swept(model, corrector=corrector)
     found = np.sort(curve.points[curve.event == Event.MIN_AT_DRIVE, 3])
     assert len(exact) >= 3
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-9)

@@ -18,7 +18,7 @@ from tests.conftest import MODELS
 
 NUMBERS = st.floats(min_value=-1e30, max_value=1e30, allow_nan=False)
 PLACES = st.fractions(min_value=0, max_value=1, max_denominator=1000)
-exactly = settings(deadline=None, derandomize=True, max_examples=300)
+exactly = settings(deadline=None, derandomize=True, max_examples=120)
 
 _LONG = np.longdouble
 _PI = np.arccos(_LONG(-1))

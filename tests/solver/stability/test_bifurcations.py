@@ -262,6 +262,7 @@ def test_an_undamped_gear_passes_nothing_and_ends():
     kinds = row.instability[row.stable >= 0]
     assert np.all((kinds == Instability.UNDECIDED) | (kinds == Instability.FOLD) | (kinds == Instability.CONTRADICTORY))
     assert not any(np.any(curve.event == Event.NEIMARK_SACKER) for curve in row.curves)
+    assert row.notes == ()
 
 
 def test_what_cannot_be_located_is_a_note():

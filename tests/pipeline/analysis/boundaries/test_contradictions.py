@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from pipeline.analysis.boundaries import contradictions
-from pipeline.analysis.boundaries.contradictions import contradiction_starts
+from pipeline.analysis.boundaries.contradictions import contradiction_starts, contradictory_cells
 from pipeline.analysis.boundaries.events import read_events
 from pipeline.analysis.boundaries.tracing import curves_through
+from pipeline.plane.stored import StoredPlane
+from solver.stability import Instability
 from tests.pipeline.planes import small_plan, small_store
 
 _PLAN = small_plan("plane=omega_fe", columns=60, rows=40)
@@ -17,6 +19,30 @@ def _cells(columns, rows, mean: float = 0.4) -> np.ndarray:
     x, p = _PLAN.sweep.values, _PLAN.parameter.values
     between = np.interp(columns, np.arange(x.size), x)
     return np.column_stack([np.tile([mean, 0.3, 0.1], (len(rows), 1)), between, p[rows]])
+
+
+def test_cells_lie_between_motions_of_which_one_contradicts_itself(tmp_path):
+    """Against the same in so many words, of motions in any order, some of them unstable or missing."""
+    rng, shape = np.random.default_rng(4), (40, 60, 5)
+    kinds = rng.choice([Instability.NONE, Instability.PERIOD_DOUBLING, Instability.CONTRADICTORY], shape)
+    stable, mean = rng.integers(-1, 2, shape), rng.normal(size=shape)
+    mean[stable < 0] = np.nan
+    part = StoredPlane(tmp_path, _PLAN)
+    arrays = {"stable": stable, "instability": kinds, "mean": mean, "amplitude": np.ones(shape), "phase": 0.0 * mean}
+    vars(part).update(arrays)
+    x, p, wanted = _PLAN.sweep.values, _PLAN.parameter.values, []
+    for row, column in np.ndindex(40, 59):
+        others = np.flatnonzero(stable[row, column + 1] == 1)
+        for one in np.flatnonzero(stable[row, column] == 1) if others.size else ():
+            other = min(others, key=lambda k: abs(mean[row, column, one] - mean[row, column + 1, k]))
+            here, there = kinds[row, column, one], kinds[row, column + 1, other]
+            if (here == Instability.CONTRADICTORY) != (there == Instability.CONTRADICTORY):
+                middle = 0.5 * (mean[row, column, one] + mean[row, column + 1, other])
+                wanted.append([middle, 1.0, 0.0, 0.5 * (x[column] + x[column + 1]), p[row]])
+    assert len(wanted) > 100
+    np.testing.assert_allclose(contradictory_cells(part), wanted, rtol=1e-15, atol=1e-300)
+    vars(part).update(instability=np.full(shape, Instability.NONE))
+    assert contradictory_cells(part).shape == (0, 5)
 
 
 def test_of_cells_in_a_row_some_are_enough_and_of_others_all_are_needed():

@@ -1,5 +1,7 @@
 """Margins of planes of higher order: labels, distances and tolerances against rows of their own."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -15,16 +17,20 @@ from tests.pipeline.planes import small_plan, traced_store
 ORDER = ("solver=hb", "solver.order=3")
 
 
+PLANES = {"fe": (*ORDER, "plane=omega_fe", "plane.sweep.min=0.5", "plane.sweep.max=1.1"), "spur": (*SPUR, *ORDER)}
+
+
 @pytest.fixture(scope="module")
-def stores(tmp_path_factory):
-    folder, made = tmp_path_factory.mktemp("orders"), {}
-    for name, words in {
-        "fe": (*ORDER, "plane=omega_fe", "plane.sweep.min=0.5", "plane.sweep.max=1.1"),
-        "spur": (*SPUR, *ORDER),
-    }.items():
-        plan = small_plan(*words, columns=30, rows=6)
-        made[name] = traced_store(folder / f"{name}.zarr", plan), plan
-    return made
+def stored(tmp_path_factory):
+    """Path and plan of a plane by its name, made when it is first asked for."""
+    folder = tmp_path_factory.mktemp("orders")
+
+    @functools.cache
+    def make(name):
+        plan = small_plan(*PLANES[name], columns=30, rows=6)
+        return traced_store(folder / f"{name}.zarr", plan), plan
+
+    return make
 
 
 def swept(plan, axis, grid, x, p, **changes):
@@ -49,8 +55,8 @@ def swept(plan, axis, grid, x, p, **changes):
     ("name", "x", "p", "further"),
     [("fe", 0.62, 0.2, {"alpha": 0.05}), ("fe", 0.9, 0.1, {"b": 0.1}), ("spur", 0.5, 0.1, {"alpha": 0.02})],
 )
-def test_distances(stores, name, x, p, further):
-    path, plan = stores[name]
+def test_distances(stored, name, x, p, further):
+    path, plan = stored(name)
     design = Design(x, p, x, x, 0.0, further)
     found = answer(path, plan, design)
     assert [found.label] == swept(plan, "omega", np.array([plan.sweep.low, x, plan.sweep.high]), x, p)[1:2]
@@ -85,9 +91,9 @@ def test_distances(stores, name, x, p, further):
         ("spur", Design(0.45, 0.1, 0.45, 0.45, 0.05)),
     ],
 )
-def test_labels_within_tolerances(stores, name, design):
+def test_labels_within_tolerances(stored, name, design):
     """Every label of a fine raster over range and tolerance, with both ends of a parameter that is no axis."""
-    path, plan = stores[name]
+    path, plan = stored(name)
     found = answer(path, plan, design)
     assert len(found.corners) == (3 if design.further else 1)
     across = np.unique([plan.sweep.low, *np.linspace(design.low, design.high, 90), plan.sweep.high])
@@ -104,8 +110,8 @@ def test_labels_within_tolerances(stores, name, design):
 
 
 @pytest.mark.costly
-def test_the_box(stores):
-    path, plan = stores["fe"]
+def test_the_box(stored):
+    path, plan = stored("fe")
     found = answer(path, plan, Design(0.9, 0.1, 0.85, 1.0, 0.01))
     assert found.label == "1/0" and found.box.x[0] <= 0.85 and found.box.x[1] >= 1.0
     across = np.linspace(*found.box.x, 60)
@@ -115,8 +121,8 @@ def test_the_box(stores):
     assert "label at omega = 0.9, f_e = 0.1: 1/0" in lines(found)[0]
 
 
-def test_the_spur_pair_loses_contact_at_order_3(stores):
+def test_the_spur_pair_loses_contact_at_order_3(stored):
     """docs/physics.md, section 9: λ from 0.95104 at (0.5, 0.1), where first order says 1/0."""
-    found = answer(*stores["spur"], Design(0.5, 0.1, 0.5, 0.5))
+    found = answer(*stored("spur"), Design(0.5, 0.1, 0.5, 0.5))
     assert found.label == "1/1" and found.box is None
     assert not any("does not feel" in doubt for doubt in found.doubts)
