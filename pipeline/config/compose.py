@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
+from omegaconf.errors import ConfigAttributeError, ConfigKeyError, MissingMandatoryValue, OmegaConfBaseException
 
 from pipeline.config.allowed import check_all
 from pipeline.config.default_name import default_name, is_name
@@ -196,12 +196,14 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
         ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
         # Where types are merged, a value that is left open would count as not given.
         left_open = OmegaConf.missing_keys(plain) if any("???" in override for override in values) else set()
+        if left_open:
+            raise _without_value(left_open)
         typed = _typed(plain, typed, values)
         OmegaConf.resolve(typed)
-        missing = left_open | OmegaConf.missing_keys(typed)
-        if missing:
-            raise ConfigurationError(f"{min(missing)} has no value")
-        return OmegaConf.to_object(typed), dict(choices)
+        try:
+            return OmegaConf.to_object(typed), dict(choices)
+        except MissingMandatoryValue:
+            raise _without_value(OmegaConf.missing_keys(typed)) from None
     except (HydraException, OmegaConfBaseException) as error:
         said = _one_line(error)
         if not any(key_of(override) in said for override in overrides):
@@ -214,6 +216,10 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
             f"{shown(' '.join(overrides))} is not allowed: no configuration comes of it "
             f"({type(error).__name__}: {reason})"
         ) from None
+
+
+def _without_value(keys: set[str]) -> ConfigurationError:
+    return ConfigurationError(f"{min(keys)} has no value")
 
 
 def _typed(plain: DictConfig, of_files: bytes | None, values: Sequence[str]) -> DictConfig:
@@ -258,11 +264,11 @@ def _files_chosen(
     files._apply_overrides_to_config(chosen.config_overrides, plain)
     # But the options of an object store, whose names are not known here.
     OmegaConf.set_struct(plain.store.storage_options, False)
-    typed = None
+    untyped, typed = pickle.dumps(plain), None
     with contextlib.suppress(OmegaConfBaseException, ValueError, TypeError):
-        typed = pickle.dumps(OmegaConf.merge(OmegaConf.structured(Configuration), plain))
+        typed = pickle.dumps(OmegaConf.unsafe_merge(OmegaConf.structured(Configuration), plain))
     choices = tuple((key, str(value)) for key, value in chosen.overrides.known_choices.items())
-    return pickle.dumps(plain), typed, choices
+    return untyped, typed, choices
 
 
 def _state(config_dir: str | None) -> tuple:
