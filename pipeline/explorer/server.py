@@ -2,7 +2,9 @@
 
 import contextlib
 import logging
+import signal
 import socket
+import threading
 from collections.abc import Callable
 
 import panel as pn
@@ -39,7 +41,8 @@ def make_server(page: Callable[[], object], port: int = 0, title: str = "bevelma
     # That a page was closed while something was sent to it is nothing to tell.
     for name in ("asyncio", "bokeh", "tornado.access", "tornado.general", "panel"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    return pn.io.server.get_server(
+    interrupted = signal.getsignal(signal.SIGINT)
+    server = pn.io.server.get_server(
         lambda: _for_this_machine(page, hosts),
         port=port,
         address=ADDRESS,
@@ -51,6 +54,10 @@ def make_server(page: Callable[[], object], port: int = 0, title: str = "bevelma
         unused_session_lifetime_milliseconds=60_000,
         check_unused_sessions_milliseconds=10_000,
     )
+    if threading.current_thread() is threading.main_thread():
+        # Panel has taken Ctrl-C; it interrupts a run wherever it is.
+        signal.signal(signal.SIGINT, interrupted)
+    return server
 
 
 def run_server(server: Server) -> None:
