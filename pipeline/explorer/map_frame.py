@@ -13,27 +13,13 @@ from pipeline.explorer.plain_text import axis_text, plain
 from pipeline.figures.cell_panels import attractor_borders
 from pipeline.figures.map_legend import LINES, MARK_NAMES
 from pipeline.figures.naming import axis_label, mesh_energies, symbol
-from pipeline.figures.panels import cell_borders, lines_of
+from pipeline.figures.panels import DETAIL, cell_borders, lines_of
 from pipeline.plan.scales import scales_of
 from pipeline.plane.outlines import flattened, thinned
 from pipeline.plane.stored import StoredPlane
 from solver import Scales
 
-__all__ = [
-    "DETAIL",
-    "MapFrame",
-    "evenly",
-    "frame_of_map",
-    "label_text",
-    "map_lines",
-    "marks_of",
-    "plane_cells",
-    "told_of_cells",
-]
-
-#: How far what is drawn of a curve may be off it, as a share of the axes: at twenty times the size of a map that is
-#: 1500 pixels wide, a thirtieth of a pixel.
-DETAIL = 1e-6
+__all__ = ["MapFrame", "evenly", "frame_of_map", "label_text", "map_lines", "marks_of", "plane_cells", "told_of_cells"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +64,7 @@ def map_lines(plane: StoredPlane, frame: MapFrame) -> tuple[LineKind, ...]:
     allowed = DETAIL * np.array([high - low for low, high in ends])
     kinds = [
         LineKind(kind, plain(LINES[kind][1]), tuple(line * frame.size for line in _lines(outline, allowed)))
-        for kind, outline in lines_of(plane, *ends, DETAIL).items()
+        for kind, outline in lines_of(plane, *ends).items()
     ]
     return (*kinds, *_modes(plane, frame, allowed))
 

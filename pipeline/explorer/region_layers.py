@@ -6,13 +6,13 @@ import numpy as np
 
 from pipeline.explorer.boxes import cell_boxes
 from pipeline.explorer.layer_data import AreaClass, Layer, Shade, Written
-from pipeline.explorer.map_frame import DETAIL, MapFrame, label_text, map_lines, marks_of, plane_cells, told_of_cells
+from pipeline.explorer.map_frame import MapFrame, label_text, map_lines, marks_of, plane_cells, told_of_cells
 from pipeline.figures.layout import HEIGHT, PANEL
 from pipeline.figures.map import label_places
 from pipeline.figures.map_legend import share_text
 from pipeline.figures.naming import STATE_NAMES
 from pipeline.figures.palette import hex_colour, label_colour, text_colour
-from pipeline.figures.panels import Panel, cell_borders, panel_of, shares_of_labels
+from pipeline.figures.panels import DETAIL, Panel, cell_borders, panel_of, shares_of_labels
 from pipeline.plane.division import stored_division
 from pipeline.plane.outlines import region_polygons
 from pipeline.plane.stored import StoredPlane

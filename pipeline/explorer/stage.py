@@ -45,7 +45,6 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
     site = Site(opened)
     server = make_server(lambda: page_of(site), config.port, job.settings.store_name)
     query = f"?{config.view.removeprefix('?')}" if config.view else ""
-    reporter.line(f"explore: http://{ADDRESS}:{server.port}/{query} shows {job.store_path}; Ctrl-C ends it")
 
     def load() -> None:
         # A page shows cells at first: its clicks can be answered before its map is divided.
@@ -55,8 +54,9 @@ def _run(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         with contextlib.suppress(Exception):
             opened.content().layer("domains", physical=False)
 
-    threading.Thread(target=load, name="kernels", daemon=True).start()
     try:
+        reporter.line(f"explore: http://{ADDRESS}:{server.port}/{query} shows {job.store_path}; Ctrl-C ends it")
+        threading.Thread(target=load, name="kernels", daemon=True).start()
         run_server(server)
     except KeyboardInterrupt as error:
         # Other signals interrupt it.
