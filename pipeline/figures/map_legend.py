@@ -45,7 +45,7 @@ LINES = {
         "period doubling",
     ),
     "neimark_sacker": (
-        {"color": "#00441b", "linewidth": 0.9, "linestyle": (0, (4.0, 1.0, 1.0, 1.0)), "zorder": 3},
+        {"color": "#00441b", "linewidth": 0.9, "linestyle": (0, (5.0, 1.0)), "zorder": 3},
         "Neimark–Sacker",
     ),
     "unit_multiplier": (

@@ -21,6 +21,9 @@ __all__ = ["TITLES", "Entry", "Listing", "columns", "listing", "size_text"]
 
 _USUAL = "published"
 _SHOWN = 2
+_APART = "  "
+#: Columns that a narrow terminal has no room for, the first one first.
+_MISSED_LEAST = ("hash", "age", "size", "groups", "solver", "gear", "plane")
 TITLES = ("store", "plane", "gear", "solver", "status", "size", "hash", "age", "groups")
 
 
@@ -84,11 +87,16 @@ def listing(root: Place) -> Listing:
     return Listing(tuple(entries), tuple(foreign))
 
 
-def columns(found: Listing) -> list[str]:
-    """Plain aligned lines, a heading first."""
+def columns(found: Listing, room: int | None = None) -> list[str]:
+    """Plain aligned lines, a heading first; without the columns that are missed least where there is no room."""
     rows = [TITLES, *(entry.cells for entry in found.entries)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(TITLES))]
-    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    widths = {title: max(len(row[i]) for row in rows) for i, title in enumerate(TITLES)}
+    for title in _MISSED_LEAST:
+        if room is None or sum(widths.values()) + len(_APART) * (len(widths) - 1) <= room:
+            break
+        del widths[title]
+    kept = [(TITLES.index(title), width) for title, width in widths.items()]
+    return [_APART.join(row[i].ljust(width) for i, width in kept).rstrip() for row in rows]
 
 
 def _described(files: Files, attributes: dict) -> Entry:

@@ -190,6 +190,25 @@ def test_list_on_a_terminal_is_a_table_that_obeys_no_name(folder, capsys):
     assert "[red]\\x1b[2J" in said and "\x1b[2J" not in said
 
 
+@pytest.mark.parametrize("room", [None, 200, 90, 60, 1])
+def test_a_narrow_list_leaves_whole_columns_out(room):
+    entries = [
+        listings.Entry("omega_fe-b=0.5", "omega 400 x f_e 200", "miter", "first order", state, 10**7, 16 * "a", 5.0, ())
+        for state in ("complete", "3 of 200 rows")
+    ]
+    lines = listings.columns(listings.Listing(tuple(entries), ()), room)
+    titles = lines[0].split()
+    assert titles == [title for title in listings.TITLES if title in titles] and {"store", "status"} <= set(titles)
+    assert all(
+        line.startswith("omega_fe-b=0.5") and entry.status in line
+        for line, entry in zip(lines[1:], entries, strict=True)
+    )
+    if room is None or room == 200:
+        assert len(titles) == len(listings.TITLES)
+    else:
+        assert "hash" not in titles and (room == 1 or max(map(len, lines)) <= room)
+
+
 # debug.row
 
 
