@@ -139,6 +139,10 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Settings
 
 
 def _composed_settings(overrides: Sequence[str], config_dir: str | None) -> Settings:
+    try:
+        Path.cwd()
+    except OSError as error:
+        raise ConfigurationError(f"the current folder cannot be used, change into another one: {error}") from None
     if config_dir is not None:
         folder = Path(config_dir)
         if not folder.is_dir():

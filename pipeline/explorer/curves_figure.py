@@ -90,7 +90,7 @@ def fill_curves(
     Returns
     -------
     list of Entry
-        Its legend: every kind of line, then every kind of event.
+        Its legend: every kind of line by impact state, stable ones first, then every kind of event.
     """
     scale = scale_of(QUANTITIES[quantity], scales)
     factor = 1.0 if scale is None else scale.shown
@@ -102,7 +102,8 @@ def fill_curves(
     told += [("motion", "@standing"), ("state", "@state")]
     for hover in (one for one in found.tools if isinstance(one, HoverTool)):
         hover.tooltips = told
-    entries: dict[str, Entry] = {}
+    entries: dict[tuple, Entry] = {}
+    order, marks = [words for words, _ in LINES.values()], list(MARKS)
     for number, row in enumerate(rows):
         x, y = row.points["position"] * axis.size, row.values(quantity) * factor
         lines, events = _lines(row, x, y), _events(row, x, y)
@@ -111,11 +112,10 @@ def fill_curves(
         for state, standing, colour, dash in zip(
             *(lines[n] for n in ("state", "standing", "colour", "dash")), strict=True
         ):
-            text = f"{state}, {standing}"
-            entries[text] = line_entry(text, colour, _WIDTH, dash)
+            entries[0, state, order.index(standing)] = line_entry(f"{state}, {standing}", colour, _WIDTH, dash)
         for text, marker, fill in zip(events["name"], events["marker"], events["fill"], strict=True):
-            entries[text] = mark_entry(text, marker, fill)
-    return [entries[text] for text in sorted(entries, key=lambda text: (text in MARKS, text))]
+            entries[1, "", marks.index(text)] = mark_entry(text, marker, fill)
+    return [entries[place] for place in sorted(entries)]
 
 
 def _lines(row: RowCurves, x: np.ndarray, y: np.ndarray) -> dict:

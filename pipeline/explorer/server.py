@@ -10,6 +10,7 @@ from bokeh.server.server import Server
 
 from pipeline.errors import refused
 from pipeline.explorer.messages import message
+from pipeline.run.processes import signals_left_alone
 
 __all__ = ["ADDRESS", "make_server", "run_server"]
 
@@ -39,18 +40,19 @@ def make_server(page: Callable[[], object], port: int = 0, title: str = "bevelma
     # That a page was closed while something was sent to it is nothing to tell.
     for name in ("asyncio", "bokeh", "tornado.access", "tornado.general", "panel"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    return pn.io.server.get_server(
-        lambda: _for_this_machine(page, hosts),
-        port=port,
-        address=ADDRESS,
-        websocket_origin=hosts,
-        title=title,
-        # What a page sends is small.
-        websocket_max_message_size=2**20,
-        # A page that is gone is forgotten, and what it holds.
-        unused_session_lifetime_milliseconds=60_000,
-        check_unused_sessions_milliseconds=10_000,
-    )
+    with signals_left_alone():
+        return pn.io.server.get_server(
+            lambda: _for_this_machine(page, hosts),
+            port=port,
+            address=ADDRESS,
+            websocket_origin=hosts,
+            title=title,
+            # What a page sends is small.
+            websocket_max_message_size=2**20,
+            # A page that is gone is forgotten, and what it holds.
+            unused_session_lifetime_milliseconds=60_000,
+            check_unused_sessions_milliseconds=10_000,
+        )
 
 
 def run_server(server: Server) -> None:

@@ -1,15 +1,8 @@
-"""What is used of dask-jobqueue.
+"""What is used of dask-jobqueue, a module of which takes SIGINT over when it is imported."""
 
-A module of it takes SIGINT over when it is imported, which only a main thread may do, and which would hide how a run is
-interrupted here: so it is not heard.
-"""
+from pipeline.run.processes import signals_left_alone
 
-import signal
-
-_listen, signal.signal = signal.signal, lambda number, handler: handler
-try:
+with signals_left_alone():
     from dask_jobqueue.slurm import SLURMCluster, SLURMJob
-finally:
-    signal.signal = _listen
 
 __all__ = ["SLURMCluster", "SLURMJob"]

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from multiprocessing import resource_tracker
 
-__all__ = ["deaf_to_interrupts", "main_module_hidden"]
+__all__ = ["deaf_to_interrupts", "main_module_hidden", "signals_left_alone"]
 
 
 @contextlib.contextmanager
@@ -51,3 +51,13 @@ def deaf_to_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         if heard:
             signal.raise_signal(heard[0])
+
+
+@contextlib.contextmanager
+def signals_left_alone() -> Iterator[None]:
+    """What is called within sets no handler of signals, whatever it tries: how a run is interrupted is decided here."""
+    listen, signal.signal = signal.signal, lambda number, handler: handler
+    try:
+        yield
+    finally:
+        signal.signal = listen

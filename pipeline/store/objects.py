@@ -143,6 +143,11 @@ def said_of(error: BaseException) -> str | None:
         )
     if status:
         return f"cannot be used: the object store answers {status[0]}{_NO_BUCKET if status[0][:3] == '404' else ''}"
+    if "kind: Connect" in text:
+        return (
+            "cannot be reached: nothing answers at the address of the object store; store.storage_options.endpoint "
+            "gives another"
+        )
     if "timed out" in text or "Timeout" in text:
         return "cannot be used: the object store does not answer in time"
     return "cannot be used: the object store does not answer as it should"

@@ -60,6 +60,10 @@ def test_branches_have_their_values_colours_and_dashes(plane, row, quantity, phy
     np.testing.assert_allclose(folds, row.points["position"][row.points["event"] == Event.FOLD] * frame.x.size)
     texts = [text for _, text, _ in entries]
     assert len(texts) == len(set(texts)) == len(drawn) + len(set(texts) & set(MARKS)) and "fold" in texts
+    # As in the figures on paper: stable lines of a state first, marks in their own order.
+    standings = [words for words, _ in LINES.values()]
+    order = [(text.partition(",")[0], standings.index(text.partition(", ")[2])) for text in texts if text not in MARKS]
+    assert order == sorted(order) and texts[len(order) :] == [name for name in MARKS if name in texts]
     stable = row.values(quantity)[row.points["stable"] == 1] * scale
     assert found.y_range.start <= stable.min() and found.y_range.end >= stable.max()
 

@@ -127,6 +127,14 @@ def test_a_link_that_leads_to_itself_is_one_line(link, tmp_path, monkeypatch, ca
     assert (tmp_path / link).is_symlink()
 
 
+def test_a_current_folder_that_is_gone_is_one_line(tmp_path, monkeypatch, capsys):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert main(["stages=[list]"]) == 2
+    assert "current folder" in capsys.readouterr().err
+
+
 def test_the_home_folder_is_expanded(tmp_path, monkeypatch, undisturbed, capsys):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.chdir(tmp_path)

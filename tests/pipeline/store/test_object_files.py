@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import math
 import pickle
+import socket
 import subprocess
 import sys
 
@@ -11,6 +12,8 @@ import numpy as np
 import obstore
 import pytest
 import xarray as xr
+from obstore.exceptions import BaseError
+from obstore.store import S3Store
 
 from pipeline import store
 from pipeline.config.places import ObjectPlace, place_of
@@ -24,6 +27,7 @@ from pipeline.store.files import files_at
 from pipeline.store.groups import Arrays, Variable
 from pipeline.store.listing import listing
 from pipeline.store.names import METADATA, STORE_FILE
+from pipeline.store.objects import said_of
 from pipeline.store.repair import remove_left_overs, repair
 from pipeline.store.row_groups import RowArray, RowGroup, set_aside
 from tests.pipeline.planes import small_plan, small_store
@@ -421,3 +425,15 @@ def test_a_folder_loads_nothing_that_object_stores_need(folder, tmp_path):
     code += "print([name for name in sys.modules if name.startswith('obstore') or 'object_files' in name])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stderr) == (0, "") and done.stdout.splitlines()[-1] == "[]"
+
+
+def test_an_address_where_nothing_listens_is_said_to_be_one():
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        address = f"http://127.0.0.1:{found.getsockname()[1]}"
+    options = {"client_options": {"allow_http": True}, "retry_config": {"max_retries": 0}}
+    bucket = S3Store("planes", endpoint=address, access_key_id="key", secret_access_key="secret", **options)
+    with pytest.raises(BaseError) as caught:
+        obstore.list(bucket).collect()
+    said = said_of(caught.value)
+    assert "cannot be reached" in said and "secret" not in said and address not in said
