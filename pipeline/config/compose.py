@@ -21,7 +21,7 @@ from pipeline.config.folders import local_folder
 from pipeline.config.places import Place, place_of
 from pipeline.config.schema import Configuration
 from pipeline.config.secrets import hidden, hidden_values
-from pipeline.config.typed import GROUPS, SYSTEMS, conf_folder, expand, key_of, loader
+from pipeline.config.typed import GROUPS, SYSTEMS, conf_folder, expand, key_of, loader, parsed
 from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["Settings", "compose", "conf_folder", "expand"]
@@ -185,7 +185,6 @@ def _check_links(places: dict[str, Place]) -> None:
 def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Configuration, dict[str, str]]:
     """What Hydra makes of overrides, typed and resolved: the configuration, and which file each group took."""
     from hydra._internal.config_loader_impl import ConfigLoaderImpl
-    from hydra.core.override_parser.overrides_parser import OverridesParser
     from hydra.errors import HydraException
 
     values = [override for override in overrides if _VALUE.fullmatch(override)]
@@ -193,7 +192,7 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
     try:
         chosen, typed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
         plain = pickle.loads(chosen)
-        ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
+        ConfigLoaderImpl._apply_overrides_to_config(list(map(parsed, values)), plain)
         # Where types are merged, a value that is left open would count as not given.
         left_open = OmegaConf.missing_keys(plain) if any("???" in override for override in values) else set()
         if left_open:
@@ -244,7 +243,6 @@ def _files_chosen(
     """
     from hydra._internal.config_repository import CachingConfigRepository
     from hydra._internal.defaults_list import create_defaults_list
-    from hydra.core.override_parser.overrides_parser import OverridesParser
     from hydra.version import setbase
 
     setbase("1.3")
@@ -252,11 +250,7 @@ def _files_chosen(
     # Files are read once, both for what they choose and for what they hold.
     repository = CachingConfigRepository(files.repository)
     chosen = create_defaults_list(
-        repository,
-        "config",
-        OverridesParser.create().parse_overrides(list(overrides)),
-        prepend_hydra=False,
-        skip_missing=False,
+        repository, "config", list(map(parsed, overrides)), prepend_hydra=False, skip_missing=False
     )
     plain = files._compose_config_from_defaults_list(chosen.defaults, repository)
     # No value may be given to a key that is not there, unless + says so.
