@@ -318,7 +318,7 @@ def test_spaces_around_the_equals_sign_are_refused(capsys):
 def test_helpers_that_load_while_a_mistake_is_found_are_ended(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     began = []
-    monkeypatch.setattr("pipeline.run.helpers.Helpers", lambda modules: began.append(Helpers(modules)) or began[0])
+    monkeypatch.setattr("pipeline.run.helpers.Helpers", lambda _: began.append(Helpers(["json"])) or began[0])
     assert main(["gear.b=-1"]) == 2
     with pytest.raises(RuntimeError, match="shutdown"):
         began[0].begin(pow, [(2, 3)])
