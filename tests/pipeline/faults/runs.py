@@ -11,6 +11,7 @@ import psutil
 
 from pipeline import store
 from pipeline.__main__ import main
+from pipeline.errors import StoreError
 from pipeline.store.files import files_at
 from pipeline.store.names import METADATA
 from tests.pipeline.planes import assert_same_contents, contents
@@ -105,7 +106,7 @@ def complete(path: Path) -> int:
     """Complete rows of a store that others are writing."""
     try:
         return int(np.sum(store.statuses(path) == store.COMPLETE))
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, StoreError):
         return 0
 
 
