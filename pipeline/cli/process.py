@@ -86,7 +86,9 @@ def _heard(numbers: list[int], raised: threading.Event, abruptly: Callable[[int]
         yield
     finally:
         signal.set_wakeup_fd(before)
+        # What ended meanwhile by itself, whoever handled the signal, is not ended any more.
         over.set()
+        raised.set()
         tells.close()
         listener.join()
         told.close()

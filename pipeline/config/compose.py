@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
+from omegaconf.errors import ConfigAttributeError, ConfigKeyError, MissingMandatoryValue, OmegaConfBaseException
 
 from pipeline.config.allowed import check_all
 from pipeline.config.default_name import default_name, is_name
@@ -21,7 +21,7 @@ from pipeline.config.folders import local_folder
 from pipeline.config.places import Place, place_of
 from pipeline.config.schema import Configuration
 from pipeline.config.secrets import hidden, hidden_values
-from pipeline.config.typed import GROUPS, SYSTEMS, conf_folder, expand, key_of, loader
+from pipeline.config.typed import GROUPS, SYSTEMS, conf_folder, expand, key_of, loader, parsed
 from pipeline.errors import ConfigurationError, shown
 
 __all__ = ["Settings", "compose", "conf_folder", "expand"]
@@ -185,7 +185,6 @@ def _check_links(places: dict[str, Place]) -> None:
 def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Configuration, dict[str, str]]:
     """What Hydra makes of overrides, typed and resolved: the configuration, and which file each group took."""
     from hydra._internal.config_loader_impl import ConfigLoaderImpl
-    from hydra.core.override_parser.overrides_parser import OverridesParser
     from hydra.errors import HydraException
 
     values = [override for override in overrides if _VALUE.fullmatch(override)]
@@ -193,15 +192,17 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
     try:
         chosen, typed, choices = _files_chosen(choosing, config_dir, _state(config_dir))
         plain = pickle.loads(chosen)
-        ConfigLoaderImpl._apply_overrides_to_config(OverridesParser.create().parse_overrides(values), plain)
+        ConfigLoaderImpl._apply_overrides_to_config(list(map(parsed, values)), plain)
         # Where types are merged, a value that is left open would count as not given.
         left_open = OmegaConf.missing_keys(plain) if any("???" in override for override in values) else set()
+        if left_open:
+            raise _without_value(left_open)
         typed = _typed(plain, typed, values)
         OmegaConf.resolve(typed)
-        missing = left_open | OmegaConf.missing_keys(typed)
-        if missing:
-            raise ConfigurationError(f"{min(missing)} has no value")
-        return OmegaConf.to_object(typed), dict(choices)
+        try:
+            return OmegaConf.to_object(typed), dict(choices)
+        except MissingMandatoryValue:
+            raise _without_value(OmegaConf.missing_keys(typed)) from None
     except (HydraException, OmegaConfBaseException) as error:
         said = _one_line(error)
         if not any(key_of(override) in said for override in overrides):
@@ -214,6 +215,10 @@ def _composed(overrides: tuple[str, ...], config_dir: str | None) -> tuple[Confi
             f"{shown(' '.join(overrides))} is not allowed: no configuration comes of it "
             f"({type(error).__name__}: {reason})"
         ) from None
+
+
+def _without_value(keys: set[str]) -> ConfigurationError:
+    return ConfigurationError(f"{min(keys)} has no value")
 
 
 def _typed(plain: DictConfig, of_files: bytes | None, values: Sequence[str]) -> DictConfig:
@@ -238,7 +243,6 @@ def _files_chosen(
     """
     from hydra._internal.config_repository import CachingConfigRepository
     from hydra._internal.defaults_list import create_defaults_list
-    from hydra.core.override_parser.overrides_parser import OverridesParser
     from hydra.version import setbase
 
     setbase("1.3")
@@ -246,11 +250,7 @@ def _files_chosen(
     # Files are read once, both for what they choose and for what they hold.
     repository = CachingConfigRepository(files.repository)
     chosen = create_defaults_list(
-        repository,
-        "config",
-        OverridesParser.create().parse_overrides(list(overrides)),
-        prepend_hydra=False,
-        skip_missing=False,
+        repository, "config", list(map(parsed, overrides)), prepend_hydra=False, skip_missing=False
     )
     plain = files._compose_config_from_defaults_list(chosen.defaults, repository)
     # No value may be given to a key that is not there, unless + says so.
@@ -258,11 +258,11 @@ def _files_chosen(
     files._apply_overrides_to_config(chosen.config_overrides, plain)
     # But the options of an object store, whose names are not known here.
     OmegaConf.set_struct(plain.store.storage_options, False)
-    typed = None
+    untyped, typed = pickle.dumps(plain), None
     with contextlib.suppress(OmegaConfBaseException, ValueError, TypeError):
-        typed = pickle.dumps(OmegaConf.merge(OmegaConf.structured(Configuration), plain))
+        typed = pickle.dumps(OmegaConf.unsafe_merge(OmegaConf.structured(Configuration), plain))
     choices = tuple((key, str(value)) for key, value in chosen.overrides.known_choices.items())
-    return pickle.dumps(plain), typed, choices
+    return untyped, typed, choices
 
 
 def _state(config_dir: str | None) -> tuple:

@@ -4,14 +4,16 @@ Hydra reads an override by recursion and a number by Python's own limits; what i
 any configuration needs is refused here, in one line.
 """
 
+import functools
 import itertools
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import ConfigurationError, shown
 
-__all__ = ["GROUPS", "SYSTEMS", "conf_folder", "expand", "key_of", "loader"]
+__all__ = ["GROUPS", "SYSTEMS", "conf_folder", "expand", "key_of", "loader", "parsed"]
 
 #: Groups whose files are chosen by name, the folders of conf/, in the order in which help shows them.
 GROUPS = ("plane", "gear", "quality", "solver", "cluster")
@@ -49,6 +51,16 @@ def loader(config_dir: str | None = None):
     if config_dir is not None:
         path.prepend("user", f"file://{Path(config_dir).resolve()}", "schema")
     return ConfigLoaderImpl(config_search_path=path)
+
+
+@functools.lru_cache(maxsize=1024)
+def parsed(override: str, config_dir: str | None = None):
+    """What Hydra reads in one override: an Override. Reading is slow, and each is needed several times."""
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+
+    # The plural one tells `glob` of the files.
+    (read,) = OverridesParser.create(config_loader=_Groups(config_dir)).parse_overrides([override])
+    return read
 
 
 def key_of(override: str) -> str:
@@ -111,30 +123,28 @@ def _check_text(override: str) -> None:
 
 def _values(override: str, config_dir: str | None) -> list[str]:
     """The overrides that one stands for: itself, unless it has several values."""
-    from hydra.core.override_parser.overrides_parser import OverridesParser
     from hydra.errors import HydraException
 
     key = key_of(override)
     try:
-        # The plural one tells `glob` of the files.
-        (parsed,) = OverridesParser.create(config_loader=_Groups(config_dir)).parse_overrides([override])
+        read = parsed(override, config_dir)
     except HydraException as error:
         raise ConfigurationError(f"{shown(override)} cannot be read as KEY=VALUE: {_reason(error)}") from None
     except (ValueError, ArithmeticError) as error:
         raise ConfigurationError(f"{shown(override)} cannot be read as KEY=VALUE: {error}") from None
-    if parsed.is_interval_sweep():
+    if read.is_interval_sweep():
         raise _refused(
             override, f"an interval has no values of its own; -m {key}=0.1,0.2 or -m '{key}=range(0,1,0.1)' has"
         )
-    if not parsed.is_sweep_override():
-        if key in GROUPS and not parsed.is_delete() and not _is_choice(parsed.value()):
+    if not read.is_sweep_override():
+        if key in GROUPS and not read.is_delete() and not _is_choice(read.value()):
             raise _refused(override, f"it must be the name of one file of that group, such as {_example(key)}")
         return [override]
-    if parsed.is_range_sweep() and _steps(parsed.value()) > _MOST_RUNS:
+    if read.is_range_sweep() and _steps(read.value()) > _MOST_RUNS:
         raise _too_many(override)
     try:
-        values = list(itertools.islice(parsed.sweep_string_iterator(), _MOST_RUNS + 1))
-        if parsed.is_range_sweep():
+        values = list(itertools.islice(read.sweep_string_iterator(), _MOST_RUNS + 1))
+        if read.is_range_sweep():
             # Hydra adds steps up: 0.1, 0.2, 0.30000000000000004.
             values = [f"{float(value):.12g}" if "." in value else value for value in values]
     except (HydraException, ValueError, ArithmeticError, TypeError) as error:
@@ -145,7 +155,7 @@ def _values(override: str, config_dir: str | None) -> list[str]:
         raise _too_many(override)
     if key in GROUPS and not all(_is_choice(value) for value in values):
         raise _refused(override, f"each must be the name of one file of that group, such as {_example(key)}")
-    return [f"{parsed.get_key_element()}={value}" for value in values]
+    return [f"{read.get_key_element()}={value}" for value in values]
 
 
 def _steps(sweep) -> float:
@@ -153,16 +163,16 @@ def _steps(sweep) -> float:
     return abs(sweep.stop - sweep.start) / abs(sweep.step) if sweep.step else 0.0
 
 
+@dataclass(frozen=True)
 class _Groups:
     """The files of a group, looked up when a `glob` asks for them."""
 
-    def __init__(self, config_dir: str | None):
-        self._config_dir = config_dir
+    config_dir: str | None
 
     def get_group_options(self, group_name: str, **kinds) -> Iterator[str]:
         if group_name not in GROUPS:
             raise ValueError(f"glob is for the groups {', '.join(GROUPS)}")
-        return loader(self._config_dir).get_group_options(group_name, **kinds)
+        return loader(self.config_dir).get_group_options(group_name, **kinds)
 
 
 def _is_choice(value) -> bool:

@@ -12,9 +12,10 @@ from pipeline.figures.naming import fixed_parameters, gear_text, symbol
 from pipeline.plan.scales import scales_of
 from pipeline.plan.unfelt import unfelt_harmonics
 from pipeline.plane.division import stored_division
-from pipeline.plane.result import result_line
+from pipeline.plane.result import result_line, share_percent
 from pipeline.plane.stability import region_stability, together
 from pipeline.plane.stored import StoredPlane
+from pipeline.run.sheets import sentence
 from pipeline.store import FAILED
 
 __all__ = ["answer_of", "doubts_of", "heading_of"]
@@ -30,12 +31,12 @@ def heading_of(plane: StoredPlane, physical: bool) -> tuple[str, ...]:
 
 def answer_of(plane: StoredPlane) -> str:
     """What the map tells, in one sentence."""
-    return _sentence(result_line(plane) or "nothing of the plane has been computed")
+    return sentence(result_line(plane) or "nothing of the plane has been computed")
 
 
 def doubts_of(plane: StoredPlane) -> tuple[str, ...]:
     """Where the map is not the truth, or may not be, in sentences."""
-    return tuple(_sentence(text) for text in _doubts(plane))
+    return tuple(sentence(text) for text in _doubts(plane))
 
 
 def _doubts(plane: StoredPlane) -> Iterator[str]:
@@ -51,12 +52,12 @@ def _doubts(plane: StoredPlane) -> Iterator[str]:
     if stored_division(plane) is not None:
         found = together(region_stability(plane).values())
         if found.one_unstable:
-            share = _percent(found.one_unstable)
+            share = share_percent(found.one_unstable)
             yield f"in {share} of the plane not all motions that the label counts are dynamically stable"
         if found.contradictory:
             yield (
-                f"in {_percent(found.contradictory)} of the plane static and dynamic stability contradict each other: "
-                "the order of the balance is too low there"
+                f"in {share_percent(found.contradictory)} of the plane static and dynamic stability contradict each "
+                "other: the order of the balance is too low there"
             )
     else:
         yield "regions are drawn as cells: the plane has no boundary curves that divide it"
@@ -65,11 +66,3 @@ def _doubts(plane: StoredPlane) -> Iterator[str]:
         yield "nothing was integrated, so that nobody has checked what motions really end on (stages=[attractors] does)"
     else:
         yield from result_lines(plane.path, plane.plan, attractors)
-
-
-def _percent(share: float) -> str:
-    return f"{min(max(100.0 * share, 0.1), 99.9):.1f} %" if 0.0 < share < 1.0 else f"{100.0 * share:.0f} %"
-
-
-def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"

@@ -15,7 +15,7 @@ from pipeline.config.quantities import AMPLITUDE, QUANTITIES
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
 from pipeline.figures.isolated_curves import IsolatedCurves, isolated_curves_at
-from pipeline.figures.layout import from_zero
+from pipeline.figures.layout import from_zero, keys_below
 from pipeline.figures.naming import STATE_NAMES, axis_label, quantity_text, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import LIFT, show_units, titled
@@ -149,14 +149,7 @@ def draw_curves(
                 titled(axes, plane, text, below_axis=line > 0)
             sides = "lr" + "t" * (line == 0) + "b" * (line == len(rows) - 1)
             show_units(axes, plane, sweep.name, QUANTITIES[name].scale, sides)
-    figure.legend(
-        keys.values(),
-        keys.keys(),
-        loc="lower center",
-        ncols=_COLUMNS,
-        bbox_to_anchor=(0.5, 0.05 / height),
-        columnspacing=1.4,
-    )
+    keys_below(figure, keys, _COLUMNS)
     return figure
 
 

@@ -17,7 +17,7 @@ from pipeline.figures.attractors import CLASSES, class_of
 from pipeline.figures.curves import LINES, line_of
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
-from pipeline.figures.layout import from_zero
+from pipeline.figures.layout import from_zero, keys_below
 from pipeline.figures.naming import axis_label, symbol, value_text
 from pipeline.figures.palette import hex_colour, text_colour
 from pipeline.figures.physical_axes import LIFT, show_units
@@ -116,14 +116,7 @@ def draw_diagram(plane: StoredPlane, followed: Followed, curves: RowCurves) -> D
             axes.set_xlabel(axis_label(sweep.name, plane.attributes[sweep.name]))
         show_units(axes, plane, sweep.name, "length", "lr" + "b" * last)
         axes.tick_params(axis="x", top=False)
-    figure.legend(
-        keys.values(),
-        keys.keys(),
-        loc="lower center",
-        ncols=_COLUMNS,
-        bbox_to_anchor=(0.5, 0.05 / height),
-        columnspacing=1.4,
-    )
+    keys_below(figure, keys, _COLUMNS)
     return figure
 
 

@@ -1,9 +1,10 @@
 """How pictures of a plane are laid out: a panel with its legend beside it, enlargements of narrow stretches below."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 __all__ = [
     "BETWEEN",
@@ -18,6 +19,7 @@ __all__ = [
     "ZOOM_HEIGHT",
     "enlarged",
     "from_zero",
+    "keys_below",
     "mark_window",
     "shares_of",
     "show_window",
@@ -49,6 +51,12 @@ def zoom_places(count: int, spare: float = 0.0) -> list[tuple[float, float, floa
 def from_zero(ends: tuple[float, float]) -> tuple[float, float]:
     """Limits of an axis: from zero where what it shows begins next to it."""
     return (0.0, ends[1]) if 0.0 < ends[0] <= _NEXT_TO_ZERO * ends[1] else ends
+
+
+def keys_below(figure: Figure, keys: Mapping[str, object], columns: int) -> None:
+    """The legend at the foot of a figure: text -> what it stands beside."""
+    foot = (0.5, 0.05 / figure.get_figheight())
+    figure.legend(keys.values(), keys.keys(), loc="lower center", ncols=columns, bbox_to_anchor=foot, columnspacing=1.4)
 
 
 def show_window(axes: Axes, window: Sequence[float]) -> None:

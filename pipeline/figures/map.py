@@ -142,12 +142,12 @@ def modes_within(plane: StoredPlane, panel: Panel) -> np.ndarray:
 
 def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     """Fill a panel with its labels, lines and marks."""
-    present = np.flatnonzero(np.bincount(panel.code.ravel()))
-    colours = [label_colour(plane.labels[code]) for code in present.tolist()]
-    number = np.zeros(present[-1] + 1, np.uint8)
-    number[present] = np.arange(present.size)
+    colours = [label_colour(plane.labels[code]) for code in panel.present.tolist()]
+    numbers = np.zeros(panel.present[-1] + 1, np.uint8)
+    numbers[panel.present] = np.arange(len(colours))
+    numbers = numbers[panel.code]
     axes.imshow(
-        enlarged(number[panel.code]),
+        enlarged(numbers),
         cmap=ListedColormap(np.array(colours) / 255.0),
         norm=NoNorm(),
         extent=(*panel.x, *panel.y),
@@ -168,7 +168,7 @@ def fill(axes: Axes, panel: Panel, plane: StoredPlane) -> None:
     for kind, marked in ((FAILED_ROWS, failed), (OPEN_CELLS, plane.open == 1)):
         if np.any(marked):
             axes.add_artist(PathPatch(outline_of(marked, columns, rows), **kind))
-    dark = np.isin(panel.code, present[[text_colour(colour) == "white" for colour in colours]])
+    dark = np.array([text_colour(colour) == "white" for colour in colours])[numbers]
     for mark, marked in ((draw_lines, panel.unstable), (draw_dots, panel.contradictory)):
         mark(axes, marked & ~dark, panel.x, panel.y)
         mark(axes, marked & dark, panel.x, panel.y, "white")
@@ -196,9 +196,9 @@ def label_places(
                 rows = (np.array([below, above]) - panel.y[0]) / height
                 blocked.append((left - 0.02 / size[0], right + 0.02 / size[0], *rows))
     windows = [tuple((np.array(window) - panel.x[0]) / width) for window in enlarged_in]
-    parts = panel.code.astype(np.int32) | panel.unstable << 17 | panel.contradictory << 18
+    drawn = panel.unstable.view(np.uint8) | panel.contradictory.view(np.uint8) << 1
     names = {code: label.replace("/-", "/\u2013") for code, label in plane.labels.items()}
-    return placed_labels(panel.code, parts, names, size, blocked, windows)
+    return placed_labels(panel.code, drawn, names, size, blocked, windows)
 
 
 def write_labels(axes: Axes, panel: Panel, plane: StoredPlane, enlarged_in: Sequence[tuple[float, float]] = ()) -> None:

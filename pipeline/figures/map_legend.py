@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from pipeline.figures.naming import STATE_NAMES, mesh_energies
 from pipeline.figures.palette import hex_colour, label_colour
 from pipeline.figures.panels import Panel, shares_of_labels
-from pipeline.figures.shading import CONTRADICTORY, UNSTABLE
+from pipeline.figures.shading import DOT, UNSTABLE, dot_places
 from pipeline.plane.division import stored_division
 from pipeline.plane.stored import StoredPlane
 from pipeline.store import FAILED
@@ -55,6 +55,7 @@ LINES = {
 }
 FAILED_ROWS = {"facecolor": "white", "edgecolor": "0.45", "linewidth": 0.0, "hatch": "//////", "zorder": 1}
 OPEN_CELLS = {"facecolor": "none", "edgecolor": "black", "linewidth": 0.0, "hatch": "xx", "zorder": 1}
+_CONTRADICTORY = {"facecolor": "white", "edgecolor": "0.1", "linewidth": 0.4}
 _MODE = {
     "color": "#8b0a50",
     "linewidth": 1.0,
@@ -87,13 +88,15 @@ def mode_style(number: int) -> dict:
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of the legend: its text, a number at the right, and the style of its key: area, line or mark."""
+    """One line of the legend: its text, a number at the right, and the style of its key: area, dots in it, line or
+    mark."""
 
     text: str = ""
     share: str = ""
     area: dict | None = None
     line: dict | None = None
     mark: dict | None = None
+    dots: bool = False
 
 
 def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes, shares: bool = True) -> list[Entry]:
@@ -109,7 +112,7 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
     shares : bool
         Whether each label's share of the plane is told.
     """
-    codes = sorted({int(code) for panel in panels for code in np.unique(panel.code) if code})
+    codes = sorted({int(code) for panel in panels for code in panel.present if code})
     lines, marks = ({kind for panel in panels for kind in getattr(panel, name)} for name in ("lines", "marks"))
     entries, labels, dynamic = [], planes[0].labels, planes[0].dynamic
     if codes:
@@ -128,7 +131,7 @@ def legend_entries(planes: Sequence[StoredPlane], panels: Sequence[Panel], modes
     if any(np.any(panel.unstable) for panel in panels):
         entries.append(Entry("not all $n$ dynamically stable", area=UNSTABLE))
     if any(np.any(panel.contradictory) for panel in panels):
-        entries.append(Entry("stability contradictory:", area=CONTRADICTORY))
+        entries.append(Entry("stability contradictory:", area=_CONTRADICTORY, dots=True))
         entries.append(Entry("the order is too low"))
     entries += [Entry(text, line=style) for kind, (style, text) in LINES.items() if kind in lines]
     entries += [Entry(MARK_NAMES[kind], mark=style) for kind, style in MARKS.items() if kind in marks]
@@ -180,6 +183,11 @@ def draw_legend(figure: Figure, entries: list[Entry], left: float, top: float, s
         y = top - _PITCH * (number + 0.5)
         if entry.area is not None:
             sheet.add_patch(Rectangle((left, y - 0.5 * _KEY_HEIGHT), _KEY, _KEY_HEIGHT, **entry.area))
+        if entry.dots:
+            # As they are in the map, in the middle. A hatch would hold a square inch of them.
+            dots = dot_places(_KEY, _KEY_HEIGHT)
+            dots += (left + 0.5 * _KEY, y) - 0.5 * (dots.min(axis=0) + dots.max(axis=0))
+            sheet.add_line(Line2D(*dots.T, **DOT))
         if entry.line is not None:
             sheet.add_line(Line2D([left, left + _KEY], [y, y], **entry.line))
         if entry.mark is not None:

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from pipeline.figures.curves import LINES, MARKS, line_of
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
-from pipeline.figures.layout import from_zero
+from pipeline.figures.layout import from_zero, keys_below
 from pipeline.figures.naming import STATE_NAMES, axis_label, value_text
 from pipeline.figures.palette import hex_colour, state_colour
 from pipeline.figures.physical_axes import lift, show_units, titled
@@ -73,14 +73,7 @@ def draw_multipliers(plane: StoredPlane, values: list[float]) -> Drawing:
         else:
             moduli.text(0.5, 0.5, "no branch", transform=moduli.transAxes, ha="center", va="center", color="0.4")
         show_units(moduli, plane, sweep.name, sides="t" * (line == 0) + "b" * last)
-    figure.legend(
-        keys.values(),
-        keys.keys(),
-        loc="lower center",
-        ncols=_COLUMNS,
-        bbox_to_anchor=(0.5, 0.05 / height),
-        columnspacing=1.4,
-    )
+    keys_below(figure, keys, _COLUMNS)
     return figure
 
 

@@ -5,6 +5,7 @@ without, areas are the cells of the raster and lines their borders.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -70,6 +71,11 @@ class Panel:
     lines: dict[str, Outline]
     marks: dict[SpecialPoint, np.ndarray] = field(default_factory=dict)
 
+    @cached_property
+    def present(self) -> np.ndarray:
+        """The codes that there are, ascending."""
+        return np.flatnonzero(np.bincount(self.code.ravel()))
+
 
 def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[float, float] | None = None) -> Panel:
     """A part of the plane, all of it unless told.
@@ -84,22 +90,24 @@ def panel_of(plane: StoredPlane, x: tuple[float, float] | None = None, y: tuple[
     if division is not None:
         x, y = x or (sweep.low, sweep.high), y or (parameter.low, parameter.high)
         columns, rows = (_middles(*ends, count) for ends, count in zip((x, y), _FINE, strict=True))
-        codes = division.codes_at(columns, rows)
-        codes[~plane.complete[np.abs(plane.rows[:, None] - rows).argmin(axis=0)]] = 0
+        codes, number = division.lattice(columns, rows)
+        codes = np.append(codes, 0)
+        number[~plane.complete[np.abs(plane.rows[:, None] - rows).argmin(axis=0)]] = codes.size - 1
     else:
         rows, columns = cell_borders(parameter), cell_borders(sweep)
         within = tuple(_within(borders, ends) for borders, ends in ((rows, y), (columns, x)))
-        codes = plane.stability_codes[within]
+        codes, number = np.unique(plane.stability_codes[within], return_inverse=True)
         rows, columns = rows[within[0].start : within[0].stop + 1], columns[within[1].start : within[1].stop + 1]
+        number = number.reshape(rows.size - 1, columns.size - 1)
         x, y = (float(columns[0]), float(columns[-1])), (float(rows[0]), float(rows[-1]))
     static, dynamic = static_code(codes), dynamic_code(codes)
-    code = (dynamic if plane.dynamic else static).astype(np.uint16)
+    code = (dynamic if plane.dynamic else static).astype(np.uint16)[number]
     if plane.boundaries is not None:
         lines, marks = _lines(plane, x, y, DETAIL), _marks(plane.boundaries, x, y)
     else:
         lines, marks = _cell_lines(code, code - 1 >> _BITS, columns, rows), {}
     unstable = (static != dynamic) & (not plane.dynamic)
-    return Panel(code, unstable, is_contradictory(codes), x, y, lines, marks)
+    return Panel(code, unstable[number], is_contradictory(codes)[number], x, y, lines, marks)
 
 
 def shares_of_labels(plane: StoredPlane) -> dict[int, float]:

@@ -27,7 +27,7 @@ class RegionLabel:
 
 def placed_labels(
     code: np.ndarray,
-    parts: np.ndarray,
+    drawn: np.ndarray,
     labels: dict[int, str],
     size: tuple[float, float],
     blocked: Sequence[tuple[float, float, float, float]] = (),
@@ -39,8 +39,8 @@ def placed_labels(
     ----------
     code : (m, n) int array
         Of the labels, evenly over the panel; 0 where there is none.
-    parts : (m, n) int array
-        What is drawn there, of which a label covers one kind only, where it can.
+    drawn : (m, n) int array
+        What is drawn there besides, below 2^8, of which a label covers one kind only, where it can.
     labels : dict
         Code -> text.
     size : (width, height)
@@ -55,7 +55,8 @@ def placed_labels(
     list of RegionLabel
         At most one with a line for every label.
     """
-    code, parts = (_reduced(image, size) for image in (code, parts))
+    code, drawn = (_reduced(image, size).astype(np.int32) for image in (code, drawn))
+    parts = code << 8 | drawn
     rows, columns = code.shape
     free = np.ones(code.shape, dtype=bool)
     for left, right, low, high in blocked:

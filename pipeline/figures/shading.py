@@ -4,15 +4,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-__all__ = ["CONTRADICTORY", "UNSTABLE", "draw_dots", "draw_lines"]
+__all__ = ["DOT", "UNSTABLE", "dot_places", "draw_dots", "draw_lines"]
 
 #: Inches: from line to line, from dot to dot, from sample to sample along a line.
 _LINES, _DOTS, _SAMPLE = 0.075, 0.06, 0.0025
 _LINE = {"linewidths": 0.35, "zorder": 1.5}
-_DOT = {"linestyle": "none", "marker": "o", "markersize": 0.95, "markeredgewidth": 0.0, "zorder": 1.5}
-#: Keys of a legend.
+DOT = {"color": "0.1", "linestyle": "none", "marker": "o", "markersize": 0.95, "markeredgewidth": 0.0, "zorder": 1.5}
+#: Key of a legend.
 UNSTABLE = {"facecolor": "white", "edgecolor": "0.15", "linewidth": 0.4, "hatch": "/////"}
-CONTRADICTORY = {"facecolor": "white", "edgecolor": "0.1", "linewidth": 0.4, "hatch": "....."}
 
 
 def draw_lines(
@@ -58,16 +57,20 @@ def draw_dots(
     if not np.any(marked):
         return
     width, height = _inches(axes)
-    up = np.arange(0.5 * _DOTS, height, 0.5 * np.sqrt(3.0) * _DOTS)
-    places = [
-        np.column_stack([across, np.full(across.size, level)])
-        for number, level in enumerate(up)
-        for across in [np.arange((0.5 if number % 2 else 0.0) * _DOTS + 0.25 * _DOTS, width, _DOTS)]
-    ]
-    shares = np.concatenate(places) / (width, height)
+    shares = dot_places(width, height) / (width, height)
     shares = shares[_at(marked, *shares.T)]
     if len(shares):
-        axes.plot(x[0] + shares[:, 0] * (x[1] - x[0]), y[0] + shares[:, 1] * (y[1] - y[0]), color=colour, **_DOT)
+        places = x[0] + shares[:, 0] * (x[1] - x[0]), y[0] + shares[:, 1] * (y[1] - y[0])
+        axes.plot(*places, **{**DOT, "color": colour})
+
+
+def dot_places(width: float, height: float) -> np.ndarray:
+    """Where the dots are in an area of so many inches, (k, 2): rows that are shifted by half a step in turn."""
+    up = np.arange(0.5 * _DOTS, height, 0.5 * np.sqrt(3.0) * _DOTS)
+    rows = [np.arange((0.5 if number % 2 else 0.0) * _DOTS + 0.25 * _DOTS, width, _DOTS) for number in range(up.size)]
+    return np.concatenate(
+        [np.column_stack([row, np.full(row.size, level)]) for row, level in zip(rows, up, strict=True)]
+    )
 
 
 def _inches(axes: Axes) -> np.ndarray:

@@ -15,7 +15,7 @@ from pipeline.analysis.diagram.spectra import Spectra
 from pipeline.figures.diagram import draw_kinds, kind_keys
 from pipeline.figures.drawing import Drawing
 from pipeline.figures.heading import HEAD, write_heading
-from pipeline.figures.layout import from_zero
+from pipeline.figures.layout import from_zero, keys_below
 from pipeline.figures.naming import axis_label, value_text
 from pipeline.figures.physical_axes import LIFT, show_units
 from pipeline.plane.resonances import contact_modes
@@ -95,14 +95,7 @@ def draw_spectrum(plane: StoredPlane, spectra: Spectra) -> Drawing:
             axes.yaxis.tick_right()
             axes.yaxis.set_label_position("right")
             _second_axis(axes, "left", plane.scales["mesh_frequency"], "frequency")
-    figure.legend(
-        keys.values(),
-        keys.keys(),
-        loc="lower center",
-        ncols=_COLUMNS,
-        bbox_to_anchor=(0.5, 0.05 / height),
-        columnspacing=1.4,
-    )
+    keys_below(figure, keys, _COLUMNS)
     return figure
 
 

@@ -57,6 +57,10 @@ class _Frontier:
         shows = np.concatenate([[False], self.stored.arc_shows, [False]])
         kept = ends | (shows[1:] != shows[:-1])
         kept[:: max(count // _MOST_POINTS, 1)] = True
+        # The two points of a corner, which are as near to each other as the curve is exact.
+        doubled = np.diff(self.stored.arclength) == 0.0
+        kept[:-1] |= doubled
+        kept[1:] |= doubled
         kept[-1] = True
         return kept & (shows[1:] | shows[:-1])
 

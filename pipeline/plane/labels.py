@@ -7,17 +7,7 @@ import numpy as np
 from solver import ImpactState, label_parts
 from solver.regions.bands import Line
 
-__all__ = [
-    "RANKS",
-    "TRAITS",
-    "contact_lost",
-    "double_sided",
-    "intervals",
-    "jumping",
-    "labels_with",
-    "share_of",
-    "unstable",
-]
+__all__ = ["RANKS", "TRAITS", "contact_lost", "double_sided", "intervals", "jumping", "labels_with", "share_of"]
 
 _TOGETHER = {ImpactState.PERMANENT, ImpactState.MIRRORED_PERMANENT}
 
@@ -49,11 +39,6 @@ def contact_lost(label: str) -> bool:
 def double_sided(label: str) -> bool:
     """Whether a stable motion strikes both flanks."""
     return ImpactState.DOUBLE_SIDED in label_parts(label)[1]
-
-
-def unstable(label: str) -> bool:
-    """Whether no motion is stable."""
-    return label_parts(label)[0] == 0
 
 
 #: By the names used in tables.

@@ -1,9 +1,9 @@
-"""Quantities of motions as a plane shows them: their registry, and what they are in physical units."""
+"""What quantities of motions are in physical units."""
 
-from pipeline.config.quantities import QUANTITIES, Quantity
+from pipeline.config.quantities import Quantity
 from solver import Scale, Scales
 
-__all__ = ["QUANTITIES", "Quantity", "scale_of"]
+__all__ = ["scale_of"]
 
 
 def scale_of(quantity: Quantity, scales: Scales | None) -> Scale | None:

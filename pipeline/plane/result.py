@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.errors import counted
 from pipeline.plane.labels import contact_lost, double_sided, jumping
 from pipeline.plane.stored import StoredPlane
 from solver import domain_label
 
-__all__ = ["MapSummary", "map_summary", "result_line"]
+__all__ = ["MapSummary", "map_summary", "result_line", "share_percent"]
 
 #: What happens: as `MapSummary` names it, in words, and whether it does under a label.
 _HAPPENS = (
@@ -72,20 +73,20 @@ def result_line(plane: StoredPlane) -> str:
         return ""
     whole = "plane" if plane.plan.parameter2 is None else "volume"
     whole = f"the {whole}" if summary.whole else f"what is computed of the {whole}"
-    words = [text.format(_percent(getattr(summary, name))) for name, text, _ in _HAPPENS]
+    words = [text.format(share_percent(getattr(summary, name))) for name, text, _ in _HAPPENS]
     # Of what the others are shares of, the first one speaks for all.
     words[0] += f" of {whole}"
-    return f"{summary.domains} domain{'s' * (summary.domains != 1)}; {', '.join(words)}"
+    return f"{counted(summary.domains, 'domain')}; {', '.join(words)}"
 
 
-def _percent(share: float) -> str:
+def share_percent(share: float) -> str:
     """A share as people write it: 0 and 100 are exact, and what is not 0 does not look so.
 
     Examples
     --------
-    >>> _percent(0.0), _percent(0.0004), _percent(0.2607), _percent(1.0)
+    >>> share_percent(0.0), share_percent(0.0004), share_percent(0.2607), share_percent(1.0)
     ('0 %', '0.1 %', '26.1 %', '100 %')
     """
-    if share in (0.0, 1.0):
-        return f"{100 * share:.0f} %"
+    if not 0.0 < share < 1.0:
+        return f"{100.0 * share:.0f} %"
     return f"{min(max(100.0 * share, 0.1), 99.9):.1f} %"

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-__all__ = ["csv_text", "escaped", "exact_text", "number_text", "pipes", "write_files"]
+__all__ = ["csv_text", "escaped", "exact_text", "number_text", "pipes", "sentence", "write_files"]
 
 _MARKUP = re.compile(r"[\\|*`]|<(?=[A-Za-z/!?])")
 
@@ -78,6 +78,17 @@ def number_text(value: float, digits: int = 3) -> str:
     if "e+" in text and abs(value) < 1e6:
         text = f"{float(text):.0f}"
     return text.replace("-", "\N{MINUS SIGN}")
+
+
+def sentence(text: str) -> str:
+    """A text as a sentence of its own.
+
+    Examples
+    --------
+    >>> sentence("regions are drawn as cells"), sentence("Nothing.")
+    ('Regions are drawn as cells.', 'Nothing.')
+    """
+    return f"{text[0].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"
 
 
 def escaped(text: str) -> str:

@@ -39,7 +39,6 @@ __all__ = [
     "COEFFICIENTS",
     "FRONT",
     "TEST_COUNT",
-    "UNKNOWNS",
     "P",
     "X",
     "angle_rows",
@@ -50,7 +49,6 @@ __all__ = [
 
 # Slots of y.
 FRONT, BACK, X, P = range(3, 7)
-UNKNOWNS = 6
 
 #: Test functions of a boundary: the amplitude, and on grazing curves det dE/du.
 TEST_COUNT = 2

@@ -13,7 +13,6 @@ from solver.model.parameters import BACK_GAP, CUBIC, DASHPOT, FRONT_GAP, PERIOD,
 
 __all__ = ["residual_and_jacobian", "test_functions"]
 
-_F = types.float64
 _COMPLEX = np.complex128
 
 

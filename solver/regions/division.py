@@ -86,15 +86,18 @@ class Division:
         """
         order = np.argsort(points[:, 1], kind="stable")
         number, table = self._met(points[order, 1], (self.curves[curve],))
-        found = np.zeros((len(points), 2), np.int64)
-        for place, k, (arcs, x) in zip(order, number, table, strict=True):
-            part = self.slabs[k]
+        found, start = np.zeros((len(points), 2), np.int64), 0
+        for (k, _), rows in itertools.groupby(zip(number, table, strict=True), lambda row: (row[0], row[1][1].size)):
             # The sides of the plane come first.
-            if x.size > 2:
-                arc = curve, int(arcs[2 + np.argmin(np.abs(x[2:] - points[place, 0])), 1])
-                if arc in part.slab.arcs:
-                    at = part.slab.arcs.index(arc)
-                    found[place] = part.codes[at - 1], part.codes[at]
+            x = np.stack([x for _, (_, x) in rows])[:, 2:]
+            here, start = order[start : start + len(x)], start + len(x)
+            if x.size:
+                part = self.slabs[k]
+                at = {arc: i for i, arc in enumerate(part.slab.arcs)}
+                at = np.array([at.get((curve, which), 0) for which in range(x.shape[1])])
+                at = at[np.argmin(np.abs(x - points[here, :1]), axis=1)]
+                codes, here, at = np.array(part.codes), here[at > 0], at[at > 0]
+                found[here] = np.column_stack([codes[at - 1], codes[at]])
         return found
 
     def _met(self, p: np.ndarray, curves: tuple[SlabCurve, ...]):
@@ -157,16 +160,23 @@ class Division:
         -------
         (p, x) int64 array
         """
+        codes, number = self.lattice(x, p)
+        return codes[number]
+
+    def lattice(self, x: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """`codes_at` as the codes of the division, ascending (k,) int64, and which of them holds, (p, x) uint16."""
+        codes = np.unique(np.array([code for part in self.slabs for code in part.codes], np.int64))
         number, table = self._met(p, self.curves)
-        found, alike = [np.empty((0, x.size), np.int64)], zip(number.tolist(), table, strict=True)
+        found, alike = [np.empty((0, x.size), np.uint16)], zip(number.tolist(), table, strict=True)
         for (k, _), rows in itertools.groupby(alike, lambda row: (row[0], row[1][0].tobytes())):
             arcs, ends = zip(*(row for _, row in rows), strict=True)
             part, arcs, ends = self.slabs[k], list(map(tuple, arcs[0].tolist())), np.stack(ends)
             ends = np.maximum.accumulate(ends[:, [arcs.index(arc) for arc in part.slab.arcs[1:-1]]], axis=1)
             # How many of x lie between every two of them.
             count = np.diff(np.searchsorted(x, ends), axis=1, prepend=0, append=x.size)
-            found.append(np.repeat(np.tile(part.codes, len(ends)), count.ravel()).reshape(len(ends), x.size))
-        return np.concatenate(found)
+            here = np.tile(np.searchsorted(codes, part.codes).astype(np.uint16), len(ends))
+            found.append(np.repeat(here, count.ravel()).reshape(len(ends), x.size))
+        return codes, np.concatenate(found)
 
 
 class Labels(Protocol):

@@ -96,8 +96,10 @@ def one_phase(span: RowSpan, curve: Curve) -> Curve:
     else:
         return curve
     largest = int(np.argmax(size))
-    # Across the singular point the subharmonics change sign from one point to the next.
-    turned = np.flatnonzero(np.sum(motions[1:] * motions[:-1], axis=1) < 0.0)
+    # Across the singular point the subharmonics change sign from one point to the next; or there are none any more, and
+    # the curve goes on along the motions of the shorter period.
+    none = size < _NO_SUBHARMONIC
+    turned = np.flatnonzero((np.sum(motions[1:] * motions[:-1], axis=1) < 0.0) | none[1:] | none[:-1])
     first = max((int(i) + 1 for i in turned if i < largest), default=0)
     last = min((int(i) for i in turned if i >= largest), default=len(size) - 1)
     ends = tuple(

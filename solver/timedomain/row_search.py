@@ -200,7 +200,19 @@ def _run(kind: np.ndarray, links: np.ndarray, way: int) -> np.ndarray:
 
 
 def known_row(systems: RowSystems, search: AttractorSearch, row: AttractorRow) -> RowSearch:
-    """A search that goes on from what was found before."""
+    """A search that goes on from what was found before.
+
+    Parameters
+    ----------
+    systems : RowSystems
+    search : AttractorSearch
+    row : AttractorRow
+        What was found.
+
+    Returns
+    -------
+    RowSearch
+    """
     found = RowSearch(systems, replace(search, room=row.kind.shape[1]), row.motion.shape[1])
     for name in ("kind", "round", "hits", "state", "starts", "failures", "motion", "overflow"):
         np.copyto(getattr(found, name), getattr(row, name))

@@ -21,6 +21,7 @@ from pipeline.analysis.attractors.tasks import map_motions
 from pipeline.analysis.attractors.wording import attractor_name, bound
 from pipeline.config.places import Place
 from pipeline.config.schema import Attractors
+from pipeline.errors import counted
 from pipeline.plan.numerics import System, point_of
 from pipeline.plan.plan import Plan
 from pipeline.plan.row_blocks import Block
@@ -194,8 +195,7 @@ def run_places(job: Job, workforce: Workforce, reporter: Reporter) -> int:
         reporter.line(f"attractors: {at}: {', '.join(_said(found.isel(place=i))) or 'nothing found'}")
     reporter.line(f"attractors: {found.attrs['bound']}")
     end = f"are in {path} already, nothing to do" if done else f"into {path} ({perf_counter() - begin:.2f} s)"
-    places = f"{len(where)} place{'' if len(where) == 1 else 's'}"
-    reporter.line(f"attractors: {places} with {options.starts} random starts each {end}")
+    reporter.line(f"attractors: {counted(len(where), 'place')} with {options.starts} random starts each {end}")
     reporter.line(f"attractors: {sheet.name} in {folder.resolve()}")
     return 1 if np.any(found.message.values != "") else 0
 

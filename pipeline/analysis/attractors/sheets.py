@@ -12,7 +12,7 @@ from pipeline.analysis.attractors.wording import percents
 from pipeline.config.places import Place
 from pipeline.plan.plan import Plan
 from pipeline.plane.stored import StoredPlane
-from pipeline.run.sheets import csv_text, pipes, write_files
+from pipeline.run.sheets import csv_text, pipes, sentence, write_files
 from solver import domain_label, domain_parts
 
 __all__ = ["Line", "MEANINGS", "label_lines", "map_labels", "result_lines", "several_right", "write_sheets"]
@@ -125,10 +125,7 @@ def _markdown(path: Place, plan: Plan, found, lines: list[Line], name: str) -> s
     notes = [
         f"Plane: {x}, {p}; {found.n_attractors.size} cells integrated; configuration_hash {plan.fingerprint}; balance "
         f"{plan.solver['balance'].replace('_', ' ')}, order {plan.solver['order']}.",
-        *(
-            f"{text[0].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"
-            for text in result_lines(path, plan, found)
-        ),
+        *map(sentence, result_lines(path, plan, found)),
         "A label is right if the motions that it counts can be given attractors of their own of that period and impact "
         f"state; it is shifted within {told['delta']:g} of the length of either axis.",
         f"A start took at most {told['max_periods']} forcing periods; seed {told['seed']}.",

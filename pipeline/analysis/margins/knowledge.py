@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.analysis.margins.curves import Boundaries
 from pipeline.analysis.margins.integration import Integrated, cells_in
 from pipeline.analysis.margins.options import Design
+from pipeline.errors import counted
 from pipeline.plan.plan import Block, Plan
 from pipeline.plan.unfelt import unfelt_harmonics
 from pipeline.plane.stored import StoredPlane
@@ -120,7 +121,7 @@ def doubts_of(
         (undecided, "it is not known whether a motion is dynamically stable"),
     ):
         if cells:
-            found.append(f"{words} in {cells} cell{'s' * (cells != 1)} of it or beside it")
+            found.append(f"{words} in {counted(cells, 'cell')} of it or beside it")
     return tuple(found)
 
 

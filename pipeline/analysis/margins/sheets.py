@@ -5,7 +5,7 @@ from pipeline.analysis.margins.distances import Margin
 from pipeline.analysis.margins.integration import Largest
 from pipeline.analysis.margins.worst import severity
 from pipeline.plan.scales import scales_of
-from pipeline.run.sheets import csv_text, exact_text, pipes
+from pipeline.run.sheets import csv_text, exact_text, pipes, sentence
 from pipeline.store import axis_attributes
 from solver import Event, Scales, domain_label
 
@@ -196,7 +196,7 @@ def markdown(answer: Answer, name: str) -> str:
         title = f"Largest box of {IN_CONTACT} at {answer.known[0].source}, {100.0 * answer.box.area:.4g} % of the plane"
         parts += [f"## {title}", pipes(["parameter", "from", "to"], rows)]
         said = [text for text in (_largest_sentence(answer), _resonance_sentence(answer)) if text]
-        parts += [_bullets([f"{text[0].upper()}{text[1:]}." for text in said])] if said else []
+        parts += [_bullets(map(sentence, said))] if said else []
     if answer.corners:
         rows = [
             [

@@ -4,6 +4,7 @@ import math
 
 from pipeline.analysis.motion.motions import MapMotion, Motion, Motions
 from pipeline.config.quantities import QUANTITIES, Quantity
+from pipeline.errors import counted
 from pipeline.plane.quantities import scale_of
 from pipeline.run.sheets import number_text
 from solver import Scales
@@ -27,18 +28,14 @@ def card_name(card: Motion | MapMotion) -> str:
 
 def summary(found: Motions) -> str:
     """How many motions there are, and where random starts ended that led to none."""
-    text = f"{_counted(len(found.attractors), 'attractor')} from {_counted(found.starts, 'random start')}"
+    text = f"{counted(len(found.attractors), 'attractor')} from {counted(found.starts, 'random start')}"
     if found.others:
-        text += f", {_counted(len(found.others), 'motion')} of the map that no attractor confirms"
+        text += f", {counted(len(found.others), 'motion')} of the map that no attractor confirms"
     if found.unbounded:
-        text += f", {_counted(found.unbounded, 'start')} unbounded"
+        text += f", {counted(found.unbounded, 'start')} unbounded"
     if found.unsettled:
-        text += f", {_counted(found.unsettled, 'start')} not settled"
+        text += f", {counted(found.unsettled, 'start')} not settled"
     return text
-
-
-def _counted(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def standing(card: Motion | MapMotion, found: Motions) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pipeline.errors import counted
 from pipeline.study.agreement import THRESHOLD_AGREES
 from pipeline.study.numerals import percent
 from pipeline.study.tables import wording
@@ -120,8 +121,7 @@ def _band(line: Line) -> str:
     if line.band.single:
         return f"{line.band.text} (peak: {'nearest row ' + format(rows[0], '.4g') if rows else 'no row'})"
     failed = f", {band.failed} more failed" if band.failed else ""
-    count = f"{len(rows)} row{'' if len(rows) == 1 else 's'}"
-    return f"{line.band.text} (up to {band.region.high:g}; {count}{failed})"
+    return f"{line.band.text} (up to {band.region.high:g}; {counted(len(rows), 'row')}{failed})"
 
 
 def _readings(table: Table) -> tuple[str, ...]:

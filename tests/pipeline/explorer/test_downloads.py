@@ -42,7 +42,7 @@ def test_figures_are_of_the_kind_that_was_asked_for(content, what, kind, view):
     assert file_name(content, view, what, kind).endswith(f".{kind}")
 
 
-@pytest.mark.parametrize("layer", ["domains", "rms"])
+@pytest.mark.parametrize("layer", ["domains", pytest.param("rms", marks=pytest.mark.costly)])
 def test_a_map_is_of_the_part_that_is_in_sight(content, layer):
     whole, part, again = (
         download(content, ViewState(layer=layer, window=window), "map", "png")

@@ -64,6 +64,17 @@ def test_a_hangup_that_is_ignored_stays_ignored(tmp_path):
     assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
 
 
+def test_a_run_that_ends_by_itself_after_another_handler_heard_is_not_ended_once_more():
+    """A library may take a signal over, and end what it does in its own way."""
+    code = (
+        "import os, signal\nfrom pipeline.cli.process import ended_by_signals\n"
+        "with ended_by_signals(print):\n    signal.signal(signal.SIGINT, lambda *_: None)\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\nprint('ended')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "ended\n", "")
+
+
 _CLOSED = [("| head -1",), ("| true",), (">&-",), ("2>&-",), (">&- 2>&-",)]
 
 

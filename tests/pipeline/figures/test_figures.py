@@ -451,7 +451,7 @@ def test_labels_are_written_into_their_regions(traced):
     """Inside of the region, or with a line that ends in it; each label once or more in an enlargement or the whole."""
     plane = read_stored(traced)
     panel = panel_of(plane, (0.5, 0.7))
-    labels = placed_labels(panel.code, panel.code, plane.labels, (3.2, 2.5))
+    labels = placed_labels(panel.code, np.zeros_like(panel.code), plane.labels, (3.2, 2.5))
     assert {label.text for label in labels} >= {plane.labels[int(c)] for c in np.unique(panel.code)} - {"3/1-2", "2/2"}
     rows, columns = panel.code.shape
     for label in labels:

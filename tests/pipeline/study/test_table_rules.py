@@ -10,16 +10,7 @@ import pipeline.plane.resonances
 import pipeline.study.numerals
 from pipeline.plan.axes import Axis
 from pipeline.plan.numerics import model_at, seeds_of
-from pipeline.plane.labels import (
-    TRAITS,
-    contact_lost,
-    double_sided,
-    intervals,
-    jumping,
-    labels_with,
-    share_of,
-    unstable,
-)
+from pipeline.plane.labels import TRAITS, contact_lost, double_sided, intervals, jumping, labels_with, share_of
 from pipeline.plane.peaks import Peak, resonance_peak, solved
 from pipeline.plane.resonances import resonances_of
 from pipeline.plane.segments import BranchSegment
@@ -151,10 +142,9 @@ def test_traits_of_labels():
     assert labels_with(labels, jumping) == ("2/0-1", "2/0-2", "3/0-1-2")
     assert labels_with(labels, contact_lost) == ("1/1", "1/f", "2/0-1", "2/0-2", "3/0-1-2")
     assert labels_with(labels, double_sided) == ("2/0-2", "3/0-1-2")
-    assert labels_with(labels, unstable) == ("0/-",)
     assert share_of({"1/0": 0.5, "2/0-1": 0.2, "2/0-2": 0.3}, jumping) == pytest.approx(0.5)
     line = parts.Line(1.0, ("2/0-1", "1/0", "2/0-1", "2/1", "1/0"), np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]))
-    assert intervals(line, jumping) == ((0.0, 1.0), (2.0, 4.0)) and intervals(line, unstable) == ()
+    assert intervals(line, jumping) == ((0.0, 1.0), (2.0, 4.0)) and intervals(line, double_sided) == ()
 
 
 # Classes -------------------------------------------------------------------------------------------------------------

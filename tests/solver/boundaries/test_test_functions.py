@@ -1,5 +1,6 @@
 """Rows of period doublings, Neimark-Sackers and folds: against eigenvalues, and their derivatives."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from solver import ContactSystem, Event
 from solver.boundaries import BIFURCATIONS
 from solver.boundaries.bifurcations import characteristic_remainder
+from solver.boundaries.contact_angles import FRONT
 from solver.boundaries.first_order import FirstOrderProblem
 from solver.boundaries.harmonic import HarmonicProblem
 from solver.boundaries.problem import Plane
@@ -180,3 +182,21 @@ def test_any_contact_system_has_bifurcations():
             rtol=0,
             atol=1e-6 * (1.0 + np.max(np.abs(jacobian))),
         )
+
+
+def test_a_load_and_with_the_angles_held_a_gap_are_not_felt():
+    for axes, kind in itertools.product((("omega", "b"), ("f_e", "omega")), BIFURCATIONS):
+        count = 2 if kind is Event.NEIMARK_SACKER else 1
+        for _, problem, y in motions(axes, None, kind):
+            _, jacobian = rows(problem, y)
+            quiet, other = (-1, -2) if axes[1] == "b" else (-2, -1)
+            assert np.all(jacobian[-count:, quiet] == 0.0) and np.all(jacobian[-count:, other] != 0.0)
+
+
+def test_angles_many_turns_away_are_those_of_no_motion():
+    _, problem, y = next(
+        one for one in motions(("omega", "b"), None, Event.PERIOD_DOUBLING) if abs(one[2][FRONT]) < 1.0
+    )
+    assert np.isfinite(rows(problem, y)[0][-1])
+    y[FRONT] = 30.0
+    assert np.isnan(rows(problem, y)[0][-1])

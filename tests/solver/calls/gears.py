@@ -114,7 +114,10 @@ CALLS = {
         name: pair_arguments()[name] for name in ("teeth", "module", "shaft_angle", "face_width")
     },
     "solver.Model": gear_arguments,
-    "solver.Model.linear_frequencies": lambda: {"self": model(), "gain": argument(1.0, NUMBER)},
+    "solver.Model.linear_frequencies": lambda: {
+        "self": model(),
+        "gain": argument(np.array([0.5, 1.0]), array(np.array([0.5, 1.0]), any_shape=True)),
+    },
     "solver.Model.mesh_modes": lambda: {"self": model(), "gain": argument(1.0, NUMBER)},
     "solver.Model.load_harmonics": lambda: {
         "self": model(),
