@@ -39,9 +39,9 @@ OUTCOME, STEP, ITERATIONS, STRAY, TURN, POINTS, PLACE = range(7)
 # How often the corrector may begin anew, where it stopped, with a start that is no solution.
 _TRIES = 4
 
-# Behind steps that turned by no more than this the polynomial through their ends tells the next place far better than
-# the tangent does: often as well as a corrector. So many points are taken; more would add the tangents' rounding.
-_NEARLY_STRAIGHT, _TRAIL = 0.02, 3
+# Behind a step that turned by no more than this the cubic through its ends tells the next place far better than the
+# tangent does: often as well as a corrector.
+_NEARLY_STRAIGHT = 0.02
 
 # Steps below this are refused for a corner of the curve, where there is one. What correcting their points once more may
 # move them by, as a share of the step.
@@ -183,8 +183,8 @@ def trace(setup, limits, start, heading, strand, log):
     n, scale, room = setup.unknowns, setup.scale, strand.points.shape[0]
     size = point_size(setup)
     here, there, again, guess = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(n + 1)
-    # `here` and the points before it, where they lie on the arc, and how many of them are behind nearly straight steps.
-    trail, places, known = np.zeros((_TRAIL, size)), np.zeros(_TRAIL), 1
+    # The point before `here`, and the length of arc between them; 0 where no cubic is to be trusted.
+    before, behind = np.zeros(size), 0.0
     event_points, fractions = np.zeros((setup.test_count + 1, size)), np.empty(setup.test_count)
     kinds = np.empty(setup.test_count, np.int64)
     corner, corner_kinds = np.empty((0, size)), np.empty(CORNER_ROOM, np.int64)
@@ -199,7 +199,6 @@ def trace(setup, limits, start, heading, strand, log):
             here[j] = start[j]
     observe_from(setup, here)
     home = here.copy()
-    copy_into(trail[0], here)
     _record(setup, strand, 0, here, 0, 0.0)
     for j in range(n + 1):
         if (here[j] == limits.low[j] and here[n + 1 + j] < 0.0) or (
@@ -218,8 +217,8 @@ def trace(setup, limits, start, heading, strand, log):
             guess[j] = here[j] + step * tangent[j] * scale[j]
             there[j] = guess[j]
         near = -1
-        if known > 1 and step > LEAST * limits.smallest:
-            extrapolate(setup, trail, places, known, step, there)
+        if behind > 0.0 and step > LEAST * limits.smallest:
+            extrapolate(setup, before, here, behind, step, there)
             near = orient_near(setup, there, tangent)
             if near < 0:
                 copy_into(there[: n + 1], guess)
@@ -251,21 +250,17 @@ def trace(setup, limits, start, heading, strand, log):
                 return room, _ITERATION_LIMIT, refused
             if reason > 0:
                 return count, reason, refused
-            for k in range(_TRAIL - 1, 0, -1):
-                copy_into(trail[k], trail[k - 1])
-                places[k] = places[k - 1] - arc
+            copy_into(before, here)
             copy_into(here, there)
-            copy_into(trail[0], here)
-            known = min(known + 1, _TRAIL) if angle <= _NEARLY_STRAIGHT else 1
             travelled += arc
+            behind = arc if angle <= _NEARLY_STRAIGHT else 0.0
             looked_for_corner = False
             # Aim at a third of the largest angle, and at no more than three corrections.
             factor = min(max(limits.angle / (3.0 * max(angle, 1e-9)), 0.5), 2.0)
             step *= min(factor, 3.0 / iterations) if iterations > 3 else factor
             continue
 
-        # Where a step fails the curve is not as smooth as the points behind say.
-        refused, known = refused + 1, 1
+        refused += 1
         step *= 0.5
         if step >= _CORNER_STEP or looked_for_corner:
             continue
@@ -304,7 +299,6 @@ def trace(setup, limits, start, heading, strand, log):
             if reason > 0:
                 return count, reason, refused
             copy_into(here, there)
-            copy_into(trail[0], here)
             travelled += arc
-            known, looked_for_corner = 1, False
+            behind, looked_for_corner = 0.0, False
             step = max(arc, 2.0 * limits.smallest)

@@ -16,7 +16,7 @@ from solver.continuation.correctors import bordered
 from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.setup import SETUP
 from solver.kernels import types
-from solver.kernels.compile import ARRAY, MATRIX, kernel
+from solver.kernels.compile import ARRAY, kernel
 from solver.kernels.linear import copy_into, dot, eliminate_rows
 
 __all__ = [
@@ -37,7 +37,7 @@ _I, _F = types.int64, types.float64
 
 # A tangent is taken where the last correction began. So near to the curve, as a share of the tolerance, that
 # makes no difference.
-_NEAR = 0.1
+_NEAR = 0.01
 
 
 @kernel(_I(SETUP), inline=True)
@@ -123,44 +123,28 @@ def orient(setup, point, border):
     return True
 
 
-@kernel(types.void(SETUP, MATRIX, ARRAY, _I, _F, ARRAY), inner=True)
-def extrapolate(setup, points, places, count, step, point):
-    """Fill in y where the polynomial through points and their tangents (Hermite) meets the hyperplane a step ahead.
+@kernel(types.void(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
+def extrapolate(setup, before, here, arc, step, point):
+    """Fill in y where the cubic through two points meets the hyperplane that lies a step along the tangent ahead.
 
     Parameters
     ----------
     setup : Setup
-    points : (k, size) array
-        Point arrays, the last one of the curve first.
-    places : (k,) array
-        Where they lie on the arc, in scaled unknowns: 0, and less for those before.
-    count : int
-        How many of them are taken.
+    before, here : point arrays
+    arc : float
+        Between them, in scaled unknowns.
     step : float
-        How far ahead of the last point, along its tangent, the hyperplane across the tangent lies.
     point : array
         Begins with y, which is filled.
     """
-    n, scale, nodes, missing = setup.unknowns, setup.scale, 2 * count, step
-    differences = np.empty(nodes)
+    n, scale, missing = setup.unknowns, setup.scale, step
     for j in range(n + 1):
-        # Newton's divided differences, every point twice.
-        for i in range(nodes):
-            differences[i] = (points[i // 2, j] - points[0, j]) / scale[j]
-        for order in range(1, nodes):
-            for i in range(nodes - 1, order - 1, -1):
-                if order == 1 and i % 2 == 1:
-                    differences[i] = points[i // 2, n + 1 + j]
-                else:
-                    apart = places[i // 2] - places[(i - order) // 2]
-                    differences[i] = (differences[i] - differences[i - 1]) / apart
-        moved = differences[nodes - 1]
-        for i in range(nodes - 2, -1, -1):
-            moved = moved * (step - places[i // 2]) + differences[i]
-        point[j] = points[0, j] + moved * scale[j]
-        missing -= points[0, n + 1 + j] * moved
+        leave, arrive = arc * before[n + 1 + j] * scale[j], arc * here[n + 1 + j] * scale[j]
+        a, b = cubic(before[j], here[j], leave, arrive)
+        point[j] = cubic_value(a, b, leave, before[j], 1.0 + step / arc)
+        missing -= here[n + 1 + j] * (point[j] - here[j]) / scale[j]
     for j in range(n + 1):
-        point[j] += missing * points[0, n + 1 + j] * scale[j]
+        point[j] += missing * here[n + 1 + j] * scale[j]
 
 
 @kernel(_I(SETUP, ARRAY, ARRAY), inner=True)
