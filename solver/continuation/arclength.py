@@ -8,17 +8,15 @@ from solver.continuation.corner import CORNER_ROOM, round_corner
 from solver.continuation.curve_point import (
     angle_between,
     correct_onto_curve,
-    extrapolate,
     observe_from,
     orient,
-    orient_near,
     point_size,
     scaled_distance,
 )
 from solver.continuation.located import find_end, find_events
 from solver.continuation.setup import LIMITS, SETUP, STRAND
 from solver.continuation.solution_curve import EndReason, Event, Outcome
-from solver.continuation.step_checks import LEAST, judge, limited
+from solver.continuation.step_checks import judge, limited
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, MATRIX, kernel
 from solver.kernels.linear import copy_into, dot
@@ -38,10 +36,6 @@ OUTCOME, STEP, ITERATIONS, STRAY, TURN, POINTS, PLACE = range(7)
 
 # How often the corrector may begin anew, where it stopped, with a start that is no solution.
 _TRIES = 4
-
-# Behind a step that turned by no more than this the cubic through its ends tells the next place far better than the
-# tangent does: often as well as a corrector.
-_NEARLY_STRAIGHT = 0.02
 
 # Steps below this are refused for a corner of the curve, where there is one. What correcting their points once more may
 # move them by, as a share of the step.
@@ -183,8 +177,6 @@ def trace(setup, limits, start, heading, strand, log):
     n, scale, room = setup.unknowns, setup.scale, strand.points.shape[0]
     size = point_size(setup)
     here, there, again, guess = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(n + 1)
-    # The point before `here`, and the length of arc between them; 0 where no cubic is to be trusted.
-    before, behind = np.zeros(size), 0.0
     event_points, fractions = np.zeros((setup.test_count + 1, size)), np.empty(setup.test_count)
     kinds = np.empty(setup.test_count, np.int64)
     corner, corner_kinds = np.empty((0, size)), np.empty(CORNER_ROOM, np.int64)
@@ -216,17 +208,10 @@ def trace(setup, limits, start, heading, strand, log):
         for j in range(n + 1):
             guess[j] = here[j] + step * tangent[j] * scale[j]
             there[j] = guess[j]
-        near = -1
-        if behind > 0.0 and step > LEAST * limits.smallest:
-            extrapolate(setup, before, here, behind, step, there)
-            near = orient_near(setup, there, tangent)
-            if near < 0:
-                copy_into(there[: n + 1], guess)
-        iterations = near if near > 0 else correct_onto_curve(setup, there, tangent)
+        iterations = correct_onto_curve(setup, there, tangent)
         outcome, error, angle, arc, reason = _NOT_CORRECTED, math.nan, math.nan, 0.0, 0
-        if iterations >= 0 and step < _CORNER_STEP and near < 2:
-            # Next to a corner the corrector may end on the wrong side of it, within its tolerance; what has been
-            # corrected twice from nearby has not.
+        if iterations >= 0 and step < _CORNER_STEP:
+            # Next to a corner the corrector may end on the wrong side of it, within its tolerance.
             copy_into(again, there)
             if not orient(setup, again, tangent) or scaled_distance(again, there, scale) > _SETTLED * step:
                 iterations = -1
@@ -250,10 +235,8 @@ def trace(setup, limits, start, heading, strand, log):
                 return room, _ITERATION_LIMIT, refused
             if reason > 0:
                 return count, reason, refused
-            copy_into(before, here)
             copy_into(here, there)
             travelled += arc
-            behind = arc if angle <= _NEARLY_STRAIGHT else 0.0
             looked_for_corner = False
             # Aim at a third of the largest angle, and at no more than three corrections.
             factor = min(max(limits.angle / (3.0 * max(angle, 1e-9)), 0.5), 2.0)
@@ -300,5 +283,5 @@ def trace(setup, limits, start, heading, strand, log):
                 return count, reason, refused
             copy_into(here, there)
             travelled += arc
-            behind, looked_for_corner = 0.0, False
+            looked_for_corner = False
             step = max(arc, 2.0 * limits.smallest)

@@ -1,14 +1,12 @@
 """Pseudo-arc-length continuation of a solution curve E(u, p) = 0 in one parameter p.
 
-Unknowns and parameter are scaled; the predictor is the tangent, the corrector works on the hyperplane across it. Behind
-a step that hardly turned the place where the cubic through its ends meets this hyperplane is tried first: mostly it is
-so near to the curve that the one correction which comes with the new tangent does. A step is refused when the corrector
-fails, when the tangent turns too far, when the corrected point lies far from the predicted one, or when the orientation
-of the bordered Jacobian flips: each of these is how a jump to another branch shows. A step is also refused when the
-cubic through its two ends and tangents turns round twice in p, or reaches a grazing and comes back: a pair of events
-may not hide inside one step. What is accepted has at most one event of each kind between two points; it is located by a
-bracketed search along the curve and becomes a point of its own. Between two neighbouring points of a curve p is
-therefore monotone and the kind of motion does not change.
+Unknowns and parameter are scaled; the predictor is the tangent, the corrector works on the hyperplane across it. A step
+is refused when the corrector fails, when the tangent turns too far, when the corrected point lies far from the
+predicted one, or when the orientation of the bordered Jacobian flips: each of these is how a jump to another branch
+shows. A step is also refused when the cubic through its two ends and tangents turns round twice in p, or reaches a
+grazing and comes back: a pair of events may not hide inside one step. What is accepted has at most one event of each
+kind between two points; it is located by a bracketed search along the curve and becomes a point of its own. Between
+two neighbouring points of a curve p is therefore monotone and the kind of motion does not change.
 """
 
 from dataclasses import dataclass, field, replace

@@ -17,16 +17,14 @@ from solver.continuation.hermite import cubic, cubic_slope, cubic_value
 from solver.continuation.setup import SETUP
 from solver.kernels import types
 from solver.kernels.compile import ARRAY, kernel
-from solver.kernels.linear import copy_into, dot, eliminate_rows
+from solver.kernels.linear import dot, eliminate_rows
 
 __all__ = [
     "angle_between",
     "correct_onto_curve",
-    "extrapolate",
     "locate",
     "observe_from",
     "orient",
-    "orient_near",
     "point_size",
     "scaled_distance",
     "snap_to_level",
@@ -34,10 +32,6 @@ __all__ = [
 ]
 
 _I, _F = types.int64, types.float64
-
-# A tangent is taken where the last correction began. So near to the curve, as a share of the tolerance, that
-# makes no difference.
-_NEAR = 0.01
 
 
 @kernel(_I(SETUP), inline=True)
@@ -121,53 +115,6 @@ def orient(setup, point, border):
         y[j] += rights[1, j] * setup.scale[j]
     point[-1] = determinant
     return True
-
-
-@kernel(types.void(SETUP, ARRAY, ARRAY, _F, _F, ARRAY), inner=True)
-def extrapolate(setup, before, here, arc, step, point):
-    """Fill in y where the cubic through two points meets the hyperplane that lies a step along the tangent ahead.
-
-    Parameters
-    ----------
-    setup : Setup
-    before, here : point arrays
-    arc : float
-        Between them, in scaled unknowns.
-    step : float
-    point : array
-        Begins with y, which is filled.
-    """
-    n, scale, missing = setup.unknowns, setup.scale, step
-    for j in range(n + 1):
-        leave, arrive = arc * before[n + 1 + j] * scale[j], arc * here[n + 1 + j] * scale[j]
-        a, b = cubic(before[j], here[j], leave, arrive)
-        point[j] = cubic_value(a, b, leave, before[j], 1.0 + step / arc)
-        missing -= here[n + 1 + j] * (point[j] - here[j]) / scale[j]
-    for j in range(n + 1):
-        point[j] += missing * here[n + 1 + j] * scale[j]
-
-
-@kernel(_I(SETUP, ARRAY, ARRAY), inner=True)
-def orient_near(setup, point, border):
-    """`orient` of a y so near to the curve that it needs no corrector; how often it took, -1 if y is not so near.
-
-    Parameters
-    ----------
-    setup : Setup
-    point : point array
-        Overwritten in any case.
-    border : (n + 1,) array
-        As for `orient`.
-    """
-    size = setup.unknowns + 1
-    guess = np.empty(size)
-    for attempt in range(1, 3):
-        copy_into(guess, point[:size])
-        if not orient(setup, point, border):
-            return -1
-        if scaled_distance(point, guess, setup.scale) <= _NEAR * setup.tolerance:
-            return attempt
-    return -1
 
 
 @kernel(types.void(SETUP, ARRAY), inner=True)

@@ -26,7 +26,7 @@ class Steps:
     length : (m,) array
         Step length in scaled unknowns, as tried.
     iterations : (m,) int array
-        Of the corrector, or of the tangent where that needs none; -1 where it did not converge.
+        Of the corrector; -1 where it did not converge.
     stray, turn : (m,) arrays
         Distance of the corrected from the predicted point in scaled unknowns, and angle between the tangents (rad); nan
         where the corrector did not converge. Points round a corner are placed otherwise: iterations 0, stray nan.

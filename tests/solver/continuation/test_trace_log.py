@@ -3,15 +3,11 @@
 import numpy as np
 import pytest
 
-from solver import Broyden, Continuation, EndReason, Event, LinearSeeds, Newton, sweep_row
-from solver.boundaries.problem import curve_tangent
-from solver.continuation.curve_point import extrapolate, orient_near
+from solver import Broyden, Continuation, EndReason, Event, LinearSeeds, sweep_row
 from solver.continuation.trace_log import LoggedContinuation, Outcome
-from solver.harmonic.describing_function import DescribingFunction
 from solver.harmonic.galerkin import Galerkin
 from solver.rows.seeds import LiftedSeeds
 from tests.conftest import MODELS, antiphase, published
-from tests.solver.toy import s_curve
 
 GRID = np.linspace(0.05, 2.0, 41)
 
@@ -107,53 +103,3 @@ def test_a_diary_that_is_full_is_made_larger():
     steps = trace.steps
     assert steps.outcome.size == curve.refused + 4 and steps.points[-1] == len(curve.points) == 4
     np.testing.assert_array_equal(steps.places[steps.outcome == Outcome.ACCEPTED][:-1], curve.points[1:])
-
-
-@pytest.mark.parametrize("balance", [DescribingFunction(), Galerkin(3)], ids=["order 1", "order 3"])
-def test_short_steps_seldom_need_a_corrector_and_lie_on_the_curve_all_the_same(balance):
-    seeds = None if balance.truncated else LiftedSeeds(5)
-    row = sweep_row(published(), "omega", GRID, balance=balance, seeds=seeds)
-    middle = row.curves[0].points[len(row.curves[0].points) // 2]
-    diary = LoggedContinuation(largest_angle=0.005, largest_step=0.05, max_points=300)
-    curve = diary.trace(balance.problem(published(), "omega", GRID[0], GRID[-1]), middle, GRID[0], GRID[-1])
-    (trace,) = diary.traces
-    steps, problem, scale = trace.steps, trace.problem, trace.problem.scale
-    assert np.mean(steps.iterations[steps.accepted] == 1) > 0.3
-    for y, tangent, normal in zip(curve.points[1:], curve.tangents[1:], curve.tangents[:-1], strict=True):
-        again = problem.corrected(y, Newton(tolerance=1e-12), normal)
-        assert np.max(np.abs(again - y) / scale) < 1e-12
-        expected = curve_tangent(problem, y)
-        assert np.max(np.abs(tangent - np.sign(tangent @ expected) * expected)) < 1e-8
-
-
-def test_a_cubic_is_continued_exactly_to_a_plane_across_its_end():
-    problem = s_curve(3.0)
-    setup = problem.setup(Newton())
-    size = 2 * 2 + 2 * problem.test_count + 1
-
-    def place(t):
-        """A cubic's point and derivative by t, as a point array whose tangent is not normed."""
-        y, slope = np.array([t**3 - t, 0.5 * t**2 + 2.0 * t]), np.array([3.0 * t**2 - 1.0, t + 2.0])
-        return np.concatenate([y, slope / problem.scale, np.zeros(size - 4)])
-
-    before, here, guess = place(0.0), place(0.5), np.zeros(size)
-    tangent = here[2:4] / np.linalg.norm(here[2:4])
-    for step in (0.1, 0.5, 1.0):
-        extrapolate(setup, before, here, 0.5, step, guess)
-        # On the hyperplane where the arrays' tangent says, moved there along it from the cubic's own place.
-        reached = (guess[:2] - here[:2]) / problem.scale
-        expected = (place(0.5 + step)[:2] - here[:2]) / problem.scale
-        moved = reached - expected
-        np.testing.assert_allclose(moved - (moved @ tangent) * tangent, 0.0, atol=1e-13)
-
-
-def test_what_is_far_from_the_curve_is_left_to_the_corrector():
-    problem = s_curve(3.0)
-    setup, size = problem.setup(Newton()), 2 * 2 + 2 * problem.test_count + 1
-    u, border = 1.5, np.array([0.0, 1.0])
-    for away, takes in ((1e-11, 1), (1e-6, 2), (0.3, -1)):
-        point = np.zeros(size)
-        point[:2] = u + away, u**3 - 3.0 * u
-        assert orient_near(setup, point, border) == takes
-        if takes > 0:
-            assert abs(point[0] - u) < 1e-11
