@@ -49,6 +49,7 @@ def thresholds(
     flanks?
 
     >>> import tempfile, pipeline
+    >>> from pathlib import Path
     >>> from pipeline import store
     >>> from pipeline.config.compose import compose
     >>> from pipeline.plan.planning import plan

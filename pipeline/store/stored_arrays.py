@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.config.places import Place
+from pipeline.errors import StoreError
 from pipeline.store.array_layout import ArrayLayout
 from pipeline.store.chunk_files import read_chunk
 from pipeline.store.damage import damaged
@@ -114,12 +115,14 @@ def open_arrays(path: "Place | str") -> StoredArrays:
 
     Raises
     ------
-    DamagedError
-        If its root cannot be read.
+    StoreError
+        If there is none, or its root cannot be read.
     """
     files = files_at(path)
     root, listed = gathered(files)
     if root is None:
+        if not files.exists():
+            raise StoreError(f"there is no store at {files.place}")
         raise damaged(files.place, f"{METADATA} cannot be read")
     return StoredArrays(files, root.get("attributes", {}), {name: told for name, told in listed.items() if told})
 

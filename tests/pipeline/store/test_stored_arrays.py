@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from zarr.codecs import Crc32cCodec, ZstdCodec
 
 from pipeline import store
-from pipeline.errors import DamagedError
+from pipeline.errors import DamagedError, StoreError
 from pipeline.store.stored_arrays import open_arrays, open_group
 from tests.pipeline.planes import small_plan, small_store
 
@@ -92,3 +92,9 @@ def test_what_is_no_array_of_this_program_is_refused(plane):
     with pytest.raises(DamagedError, match="nothing"):
         open_arrays(plane).read("nothing")
     assert open_group(plane, "attractors") is None and "mean" in open_arrays(plane)
+
+
+def test_a_store_that_is_not_there_is_not_called_damaged(tmp_path):
+    with pytest.raises(StoreError, match="no store at") as caught:
+        open_arrays(tmp_path / "none.zarr")
+    assert not isinstance(caught.value, DamagedError)
