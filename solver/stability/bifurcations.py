@@ -208,9 +208,9 @@ def locate_bifurcations(
     notes = []
     here = f"between the axis values {curve.points[0, -1]:.9g} and {curve.points[-1, -1]:.9g} of a branch's ends"
     if missed:
-        notes.append(f"{missed} bifurcations {here} are bracketed but cannot be located")
+        notes.append(f"bifurcations {here} that are bracketed but cannot be located: {missed}")
     if unknown:
-        notes.append(f"the multipliers of {unknown} points {here} cannot be computed")
+        notes.append(f"points {here} whose multipliers cannot be computed: {unknown}")
     if count == 0:
         return curve, tuple(notes)
     order = np.lexsort((fractions[:count], indices[:count]))
