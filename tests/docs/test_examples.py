@@ -160,6 +160,8 @@ def test_commands_run(name, tmp_path, monkeypatch):
     page = READ[name]
     write_files(page, tmp_path)
     monkeypatch.chdir(tmp_path)
+    # A page that is served is served until Ctrl-C.
+    monkeypatch.setattr("pipeline.explorer.server.run_server", lambda server: server.stop())
     small = ["cluster=none", "plane.sweep.num=41", "plane.parameter.num=5", "figures.formats=[png]"]
     short = ["attractors.columns=6", "attractors.rows=3", "attractors.starts=3", "attractors.slice=4"]
     first = ["-m", "plane=omega_fe,omega_b,omega_alpha,omega_fpm", *small, "stages=[sweep,boundaries]"]
