@@ -30,9 +30,9 @@ def array_files(array: ArrayLayout, attributes: dict, values: np.ndarray | None 
     """
     contents = {f"{array.name}/{METADATA}": content_of(array.document(attributes))}
     for file, first in array.touched() if values is not None else ():
-        here = values[*(slice(start, start + size) for start, size in zip(first, array.chunks, strict=True))]
-        beyond = [(0, size - there) for size, there in zip(array.chunks, here.shape, strict=True)]
-        if np.any(beyond):
-            here = np.pad(here, beyond, constant_values=array.fill_value)
-        contents[file] = encoded(here.ravel(), array)
+        within = tuple(slice(start, start + size) for start, size in zip(first, array.chunks, strict=True))
+        # With an ellipsis it is an array also where there are no dimensions.
+        here, chunk = values[(*within, ...)], np.full(array.chunks, array.fill_value, values.dtype)
+        chunk[(*(slice(size) for size in here.shape), ...)] = here
+        contents[file] = encoded(chunk.ravel(), array)
     return contents
